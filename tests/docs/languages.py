@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
+import tomllib
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 from functools import cache
@@ -28,6 +29,7 @@ from axiscal.present.guide.question import ACTIONS
 
 SOURCES = Path(__file__).resolve().parents[2] / "src" / "axiscal"
 FOLDER = SOURCES / "language" / "translations"
+WORDS = SOURCES / "language" / "words.toml"
 Message = str | tuple[str, str]
 REFUSALS = {name for name, each in vars(exceptions).items() if isinstance(each, type) and issubclass(each, InputError)}
 _SAYING = ("said", "counted", "later", "stage", "staged")
@@ -47,7 +49,18 @@ def messages() -> set[Message]:
         for file in _TEMPLATES
         for found in _IN_SCRIPT.finditer(file.read_text(encoding="utf-8"))
     ]
-    return {*python, *scripts, *_Page.texts(), *ACTIONS, *ENDINGS, *INSTRUMENTS}
+    words = _in_tables(tomllib.loads(WORDS.read_text(encoding="utf-8")))
+    return {*python, *scripts, *words, *_Page.texts(), *ACTIONS, *ENDINGS, *INSTRUMENTS}
+
+
+def _in_tables(part: object) -> Iterator[str]:
+    """Yield the texts of tables and lists."""
+    if isinstance(part, str):
+        yield part
+    else:
+        assert isinstance(part, dict | list)
+        for each in part.values() if isinstance(part, dict) else part:
+            yield from _in_tables(each)
 
 
 def _said(file: Path) -> Iterator[Message]:

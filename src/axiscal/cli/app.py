@@ -23,7 +23,7 @@ from typer.exceptions import TyperException
 
 from axiscal.cli.printing import complain, say
 from axiscal.exceptions import AxiscalError, InputError, PortError
-from axiscal.language.spoken import later, said, speaking
+from axiscal.language.spoken import said, speaking, words_for
 from axiscal.present.whose_language import chosen
 
 _MAIN = {
@@ -258,25 +258,6 @@ def _at_a_screen() -> bool:
     return bool(screen) and sys.stdin.isatty() and sys.stdout.isatty()
 
 
-_USAGE = (
-    later("No such option: {what} (Possible options: {why})"),
-    later("No such option: {what}"),
-    later("No such command '{what}'."),
-    later("Missing argument '{what}'."),
-    later("Missing option '{what}'."),
-    later("Option '{what}' requires an argument."),
-    later("Got unexpected extra argument(s) ({what})"),
-    later("Invalid value for {what}: {why}"),
-    later("Invalid value: {why}"),
-    later("Input should be a valid integer, unable to parse string as an integer"),
-    later("Input should be a valid number, unable to parse string as a number"),
-    later("Input should be greater than or equal to {what}"),
-    later("Input should be greater than {what}"),
-    later("Input should be less than or equal to {what}"),
-)
-"""What typer says of a wrong command line; anything else stays English."""
-
-
 def _refused(wrong: Any) -> int:
     """Say what is wrong with the command line, or show the help of a group without a command."""
     text = wrong.format_message()
@@ -291,7 +272,7 @@ def _refused(wrong: Any) -> int:
 
 def _in_words(text: str) -> str:
     """Return a sentence of typer in the language that is spoken."""
-    for message in _USAGE:
+    for message in words_for("usage"):
         pattern = re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+)", re.escape(message))
         if found := re.fullmatch(pattern, text):
             return said(message, **{name: _in_words(value) for name, value in found.groupdict().items()})

@@ -18,7 +18,7 @@ from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
 from axiscal.evaluation.standards import Positioning, figures_of
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import decimals, later, said
+from axiscal.language.spoken import decimals, said, words_for
 from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
@@ -119,32 +119,6 @@ def estimate(
     tell_unasked(description)
 
 
-_WORDS = {
-    "A": later("accuracy, bidirectional"),
-    "A_up": later("  in the positive direction"),
-    "A_down": later("  in the negative direction"),
-    "E": later("systematic deviation, bidirectional"),
-    "E_up": later("  in the positive direction"),
-    "E_down": later("  in the negative direction"),
-    "R": later("repeatability, bidirectional"),
-    "R_up": later("  in the positive direction"),
-    "R_down": later("  in the negative direction"),
-    "B": later("reversal, the largest"),
-    "B_mean": later("reversal, the mean"),
-    "M": later("range of the mean deviation"),
-}
-
-
-_CIRCLE = {
-    "G_plus": later("ISO 230-4, circular deviation, counter-clockwise"),
-    "G_minus": later("ISO 230-4, circular deviation, clockwise"),
-    "G_b": later("ISO 230-4, bidirectional circular deviation"),
-    "F_max": later("ISO 230-4, radial deviation, the largest"),
-    "F_min": later("ISO 230-4, radial deviation, the smallest"),
-    "D": later("ISO 230-4, mean bidirectional radial deviation"),
-}
-
-
 def iso230(
     readings: Annotated[Path, typer.Argument(metavar="READINGS", help="The test; its first lines say which one.")],
     unit: Unit = None,
@@ -172,7 +146,7 @@ def iso230(
         say_document(document)
         return
     if isinstance(found, Positioning):
-        for name, words in _WORDS.items():
+        for name, words in words_for("positioning").items():
             value, figure = document[name], f"{said('not measured'):>12}"
             if value is not None:
                 around = f" ± {to_unit(found.uncertainty[name], found.unit):.3f}" if name in found.uncertainty else ""
@@ -182,8 +156,9 @@ def iso230(
             shown = ", ".join(f"{name} {to_unit(value, found.unit):.3f}" for name, value in found.vdi3441.items())
             say(decimals(f"VDI/DGQ 3441: {shown} {found.unit}"))
     else:
+        circle = words_for("circle")
         for name, value in found.figures.items():
             figure = decimals(f"{to_unit(value, 'um'):10.3f}")
-            say(f"{name:20}{figure} um   {said(_CIRCLE[name])}")
+            say(f"{name:20}{figure} um   {said(circle[name])}")
     for warning in found.warnings:
         say(warning)

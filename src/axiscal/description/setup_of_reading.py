@@ -6,7 +6,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import ReadingError
-from axiscal.language.spoken import joined, later, said
+from axiscal.language.spoken import joined, said, words_for
 from axiscal.machine import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import in_frame
@@ -76,14 +76,7 @@ def refuse_other_base(row: RawReading, setup: Setup) -> None:
         raise ReadingError(what, remedy, base=base, setup=setup.name, own=own)
 
 
-_ASKS = {
-    "positioning": later(
-        "a test of positioning needs a set-up that moves one axis, linear for mm and rotary for deg, and reads along it"
-    ),
-    "angular": later("an angular test needs a set-up that moves one linear axis and reads an angle"),
-    "straightness": later("a test of straightness needs a set-up that moves one linear axis and reads across it"),
-    "circle": later("a circular test needs a ball bar that reads in a plane"),
-}
+_ASKS = words_for("tests")
 _ASIDE = 0.1
 """Of a direction, along an axis: less is across it, and of what is along it this much less than all."""
 

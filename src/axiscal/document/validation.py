@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Generic, Protocol, TypeVar, ge
 from axiscal.document.file import Document
 from axiscal.document.quoting import dotted, meant, quantity_text, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
-from axiscal.language.spoken import later, put, said
+from axiscal.language.spoken import put, said, words_for
 from axiscal.units import EXAMPLES, Dimension, within
 
 if TYPE_CHECKING:
@@ -174,22 +174,7 @@ def _miscounted_list(keys: tuple[str | int, ...], kind: str) -> tuple[str | int,
     return keys if kind in ("too_long", "too_short") and keys else None
 
 
-_EXPECTED = {
-    "string_type": later("Write a text in quotes"),
-    "int_type": later("Write a whole number"),
-    "int_parsing": later("Write a whole number"),
-    "int_from_float": later("Write a whole number"),
-    "float_type": later("Write a number"),
-    "float_parsing": later("Write a number"),
-    "finite_number": later("Write a finite number"),
-    "bool_type": later("Write true or false"),
-    "bool_parsing": later("Write true or false"),
-    "list_type": later("Write a list in square brackets"),
-    "tuple_type": later("Write a list in square brackets"),
-    "dict_type": later("Write a table"),
-    "model_type": later("Write a table"),
-    "model_attributes_type": later("Write a table"),
-}
+_EXPECTED = words_for("expected")
 
 
 def _example(model: type[BaseModel], keys: tuple[str | int, ...]) -> str:

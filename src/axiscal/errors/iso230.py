@@ -3,40 +3,11 @@
 from __future__ import annotations
 
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import later, said
+from axiscal.language.spoken import later, said, words_for
 from axiscal.machine.axis import ROTARY_LETTERS, letter_direction
-from axiscal.machine.entry import Kind, parse_error_name, parse_plane_name
+from axiscal.machine.entry import parse_error_name, parse_plane_name
 
-_WORDS: dict[tuple[Kind, bool], tuple[str, str, str, str]] = {
-    ("motion", False): (
-        later("positioning of {axis}"),
-        later("straightness of {axis} in {way}"),
-        later("roll of {axis}"),
-        later("yaw of {axis}"),
-    ),
-    ("motion", True): (
-        later("axial error of {axis}"),
-        later("radial error of {axis} in {way}"),
-        later("positioning of {axis}"),
-        later("tilt of {axis} about {way}"),
-    ),
-    ("location", False): (
-        later("zero of {axis}"),
-        later("offset of {axis} in {way}"),
-        later("constant roll of {axis}"),
-        later("squareness of {axis} to {reference}"),
-    ),
-    ("location", True): (
-        later("offset of {axis} along its line"),
-        later("centre of {axis} in {way}"),
-        later("zero of {axis}"),
-        later("tilt of the {axis} line about {way}"),
-    ),
-}
-"""By kind, and whether the axis turns: along its own direction, along another, about its own, about another.
-
-ISO 230-1 3.4 and ISO 230-7 3.2 (component errors), ISO 230-1 3.5 (location errors).
-"""
+_WORDS = words_for("errors")
 _PITCH = ("y", "x", "x")
 """About which the pitch of a linear axis along x, y or z turns; about the third way it yaws."""
 
@@ -63,7 +34,7 @@ def words(name: str) -> str:
         return said("reversal in the {motion}", motion=words(parts.bare))
     if parts.shape != "curve":
         return name
-    text = _WORDS[parts.kind, turns][2 * parts.angular + (not own)]
+    text = _WORDS[parts.kind]["rotary" if turns else "linear"][2 * parts.angular + (not own)]
     if parts.kind == "motion" and parts.angular and way == _PITCH[along] and not (own or turns):
         text = later("pitch of {axis}")
     return said(text, axis=axis, way=way, reference="XYZ"[3 - along - parts.component % 3] if not own else "")

@@ -1,5 +1,6 @@
 """The language of the person who reads: English sentences in the code, other languages from one file each.
 
+`language/words.toml` has the English for codes, such as causes and states of SQL.
 `language/translations/de.po` is what a translator edits; `make languages` writes `de.mo`, which the program reads.
 
     text = said("reading {number} of {last}", number=3, last=9)   # in the language that is spoken now
@@ -13,6 +14,7 @@ sentences that a report has in the reader's language.
 from __future__ import annotations
 
 import gettext
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -78,6 +80,14 @@ def quoted(name: str) -> str:
 def later(message: str) -> str:
     """Return a message unchanged: translators find it here, and its user says it."""
     return message
+
+
+_WORDS = tomllib.loads(resources.files(__package__).joinpath("words.toml").read_text(encoding="utf-8"))
+
+
+def words_for(codes: str) -> Any:
+    """Return what codes are called: messages by code, a table of `words.toml`; its user says them."""
+    return _WORDS[codes]
 
 
 def joined(parts: Sequence[str], most: int = 0, form: str = later("{first} and {last}")) -> str:

@@ -17,7 +17,7 @@ from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
 from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.language.spoken import capital, counted, decimals, joined, later, said, spoken_now
+from axiscal.language.spoken import capital, counted, decimals, joined, later, said, spoken_now, words_for
 from axiscal.present.drawing.strokes import static_text
 from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary
 
@@ -199,20 +199,7 @@ def _minus(text: str) -> str:
     return text.replace("-", "−")
 
 
-_CAUSES = {
-    "scale": later("Scale of the {owner}"),
-    "air": later("Refraction of air"),
-    "cosine": later("Beam aslant"),
-    "dead_path": later("Dead path in air"),
-    "temperature": later("Temperature of the measured material"),
-    "expansion": later("Expansion of the measured material"),
-    "length": later("Length of the ball bar"),
-    "square": later("Angle of the straightedge as a square"),
-    "bow": later("Bow of the straightedge"),
-    "gain": later("Gain of the {owner}"),
-    "radius": later("Radius of ball and stylus"),
-    "pre_travel": later("Pre-travel of the probe"),
-}
+_CAUSES = words_for("type_b")
 
 
 def cause_words(name: str, owner: str) -> str:

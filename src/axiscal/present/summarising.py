@@ -29,7 +29,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.functionals.functional import seen_by, stand_of
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
-from axiscal.language.spoken import later, listed, resaid, said, speaking
+from axiscal.language.spoken import later, listed, resaid, said, speaking, words_for
 from axiscal.language.stages import stage
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import in_frame
@@ -142,18 +142,7 @@ def iso230_block(axis: str, found: Positioning) -> Iso230:
     )
 
 
-_WORDS = {
-    "set-up": later("Set-ups: zeros, slopes and places of the instruments, which are estimated along with the machine"),
-    "drift": later("Drift: zeros that wander while it is read"),
-    "growth": later("Axes that grow while they are read"),
-    "way": later("Reversals that need a way"),
-    "temperature": later("Temperature of the measured material and its expansion"),
-    "artefact": later("Artefacts: calibrated lengths, and where they stand"),
-    "detail": later("Detail of the machine that the curves do not follow"),
-    "prior": later("The machine's errors as far as these readings leave them open"),
-    "unseen": later("What no reading with the allowed set-ups can see"),
-    "sizes": later("Sizes of the errors, as far as the readings leave them open"),
-}
+_WORDS = words_for("sources")
 _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
 
 

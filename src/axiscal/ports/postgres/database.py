@@ -22,7 +22,7 @@ from urllib.parse import parse_qs, unquote, urlsplit
 
 from axiscal.document import shown
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
-from axiscal.language.spoken import later, said
+from axiscal.language.spoken import later, said, words_for
 from axiscal.numerics.remembered import Memo
 
 _PATIENCE = 15.0
@@ -31,25 +31,7 @@ _LOCK = 4.0
 """Seconds for which a transaction is tried again while others write."""
 _NAP = 0.02
 """Longest wait before the next try, s: about the time of one transaction."""
-_UNPREPARED = (
-    later("The database is no store yet"),
-    later("Prepare it once, as its owner: axiscal shop sync --prepare"),
-)
-_SENTENCES = {
-    "28P01": (later("The store does not take this password"), later("Put the right one into PGPASSWORD")),
-    "28000": (later("The store does not let this user in"), later("Ask whoever keeps it for an account")),
-    "3D000": (
-        later("The server has no such database"),
-        later("Make one with createdb, then: axiscal shop sync --prepare"),
-    ),
-    "42501": (
-        later("This user may not do that in the store"),
-        later("Ask for the role axiscal_measurer; to read, axiscal_reader"),
-    ),
-    "42P01": _UNPREPARED,
-    "3F000": _UNPREPARED,
-    "55P03": (later("Another program holds this campaign and is writing"), later("Wait, then give the command again")),
-}
+_SENTENCES = words_for("sql")
 """What is said for the states of SQL that a person can do something about."""
 _UNIQUE, _SECOND, _GONE = "23505", ("40001", "40P01"), ("57P01", "57P02", "57P03", "08")
 """A number that is taken; of two transactions at once this one came second; the server ends, or is not there."""
