@@ -12,6 +12,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.cli.printing import say, say_document
 from axiscal.document.durable import write_whole
+from axiscal.document.ports import rendered
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, said, speaking
 from axiscal.measurement.readers.text_file import TextFile, read_text
@@ -98,18 +99,5 @@ class Rewriting(NamedTuple):
     def _readme(self, done: Rewritten, origin: str) -> str:
         at = ", ".join(format_quantity(each, "mm", 8) for each in self.origin)
         size, chord = (format_quantity(each, "um", 3) for each in (done.added, self.chord))
-        lines = (
-            f"{Path(self.file.name).name}, rewritten by axiscal for a control without tables.",
-            origin,
-            f"It holds for one place on the machine: X, Y, Z = {at} at the program's zero, with its tool in.",
-            "Nothing is added there, so set the zero as before. Other axes stand at zero.",
-            f"Places are moved by {size} RMS. Ways are held to {chord}: "
-            f"{done.motions} feed motions became {done.pieces}.",
-            "",
-            "- Run it without tables, backlash compensation or a height map in the control: they would act twice.",
-            "- Each reversal of an axis is taken up on the spot by a line of its own, at the feed in force. An axis",
-            "  that the program has not moved yet is taken to stand in the middle of its play.",
-            "- Only the ends of rapid moves are corrected. I, J, K count from the start of an arc (G91.1).",
-            "- Tried with LinuxCNC's interpreter, never on a machine: run it without a workpiece first, and slowly.",
-        )
-        return "\n".join(lines) + "\n"
+        values = {"name": Path(self.file.name).name, "origin": origin, "at": at, "size": size, "chord": chord}
+        return rendered("axiscal.tables", "program.jinja", done=done, **values)

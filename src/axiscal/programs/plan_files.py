@@ -7,13 +7,14 @@ from pathlib import Path
 
 from axiscal.document import shown
 from axiscal.document.durable import write_whole
+from axiscal.document.ports import rendered
 from axiscal.exceptions import ProgramError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.touch_log import LISTS, plan_code
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs.dialects import dialect
-from axiscal.programs.program import Program, form, programs
+from axiscal.programs.program import form, programs
 
 
 def write_programs(
@@ -37,7 +38,7 @@ def write_programs(
     if log:
         files[LISTS.format(code)] = "".join(f"{program.name}.csv\n" for program in made)
     files["readings.csv"] = form([reading for program in made for reading in program.readings])
-    files["README.txt"] = _readme(made, controller)
+    files["README.txt"] = rendered("axiscal.programs", "readme.jinja", title=dialect(controller).title, made=made)
     Path(folder).mkdir(parents=True, exist_ok=True)
     paths = {Path(folder) / name: text for name, text in files.items()}
     for path, text in paths.items():
@@ -53,19 +54,3 @@ def _refuse_other_plan(folder: Path, own: str, files: Collection[str]) -> None:
             what = "{folder} holds {taken} of another plan, whose logs are read with it"
             remedy = "Write to another folder; or take out {list} if it was never run"
             raise ProgramError(what, remedy, folder=folder, taken=shown(taken), list=other.name)
-
-
-def _readme(made: Sequence[Program], controller: str) -> str:
-    lines = [f"Measuring programs for {dialect(controller).title}", ""]
-    for program in made:
-        lines += [f"{program.file_name}: {len(program.readings)} readings, set-up {program.readings[0].setup.name}"]
-    lines += [
-        "",
-        "The .csv beside each program says which reading is where, and after how many seconds (stops not counted).",
-        "Write what was read into the last column of readings.csv, in um or urad: it is then a file for axiscal data",
-        "estimate. Its rows are in the order of the programs. The number of a reading is the same there, in the",
-        "program, in the report and in messages. Take out the rows that were not read; numbers stay as they are.",
-        "",
-    ]
-    notes = dict.fromkeys(note for program in made for note in program.notes)
-    return "\n".join([*lines, *(f"- {note}" for note in notes)]) + "\n"

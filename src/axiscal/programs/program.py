@@ -12,6 +12,7 @@ from itertools import count
 import numpy as np
 
 from axiscal.document import shown
+from axiscal.document.ports import rendered
 from axiscal.exceptions import ProgramError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
@@ -283,23 +284,23 @@ class _Writer:
                 yield Listed(reached.number, seconds, self._setup, self._machine.axes, texts, reached.approach)
 
     def _notes(self) -> tuple[str, ...]:
+        scales, clearance = self._axes.scales, self._axes.clearance
+        far = [(scale, scale.above(scale.axis.overrun).quantize(scale.step)) for scale in scales]
+        values = {
+            "touches": self.touches,
+            "retracted": self._setup.contact == "retracted",
+            "order": self._axes.order,
+            "clear": None if clearance is None else (scales[clearance[0]], clearance[1]),
+            "slow": self._slow(),
+            "holds": self._holds,
+            "overruns": ", ".join(f"{each.normalize():f} {scale.unit} on {scale.axis.name}" for scale, each in far),
+        }
         return (
             *self._dialect.notes,
             *(self._dialect.tip_notes if self._holds else ()),
             *(self._dialect.logging().notes if self.touches else ()),
-            *(_LOGGED if self.touches else _TOUCHED if self._setup.contact == "retracted" else ()),
-            "Coordinates are those of the machine description; its zeros and signs must be the control's own.",
-            f"At every place the axes move in this order: {self._axes.order}.{self._clear()}{self._slow()} "
-            "The head says what is assumed to stand where, and nothing else may: watch the first run at reduced feed.",
-            f"Jog the axes only {_JOG if not self._holds else _JOG_HELD} At a reading nothing may be moved by hand.",
-            f"The longest overrun is {self._overruns()}; no coordinate leaves the travel.",
+            *rendered("axiscal.programs", "notes.jinja", **values).splitlines(),
         )
-
-    def _clear(self) -> str:
-        if self._axes.clearance is None:
-            return ""
-        scale = self._axes.scales[self._axes.clearance[0]]
-        return f" {scale.axis.name} goes to {self._axes.clearance[1]} {scale.unit} before others move, and at the end."
 
     def _slow(self) -> str:
         if self._holds:
@@ -308,28 +309,9 @@ class _Writer:
         near = " or ".join(dict.fromkeys(f"{each.nearness.normalize():f} {each.unit}" for each in self._axes.scales))
         return "" if not slow else f" The last {near} to a place are slow, {', '.join(slow)} at most."
 
-    def _overruns(self) -> str:
-        far = [(scale, scale.above(scale.axis.overrun).quantize(scale.step)) for scale in self._axes.scales]
-        return ", ".join(f"{each.normalize():f} {scale.unit} on {scale.axis.name}" for scale, each in far)
-
 
 _AT_BALL = ("AT A READING THE TOOL IS DRAWN BACK FROM ITS BALL", "RUN THE SPHERE CYCLE THEN PRESS START")
-_TOUCHED = (
-    "At a reading the tool stands off its ball, drawn back along itself: run the control's own cycle for a sphere "
-    "there. What is read is where the centre is stated less where it was found, along x, y and z of the workpiece.",
-)
 _BY_ITSELF = ("THE PROGRAM TOUCHES EACH BALL AND WRITES A LOG", "PROBE IN THE SPINDLE - SPINDLE OFF")
-_LOGGED = (
-    "At a reading the program touches its ball: pole, four sides, pole again, fast and then slowly, and writes each "
-    "touch into the log. axiscal data estimate --log and step record --log read it with the lists beside the programs.",
-    "Try the probe by hand first: it must open and close. A ball is looked for within 4 mm of its stated place.",
-)
-
-_JOG = (
-    "at the first two stops, before and at the mounting of the instrument; from there the program goes to its start "
-    "again."
-)
-_JOG_HELD = "at the first stop: from the mounting on the control holds the tool point."
 
 
 def _decimals(axis: Axis, setup: Setup, dialect: Dialect) -> int:

@@ -11,6 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from axiscal.document.ports import templates
 from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
@@ -186,44 +187,13 @@ def axis_content(
 
 def text_of(file: VcompFile, statement: str) -> str:
     """Return the file as text, with its checksum.  statement : of what it is not, for whoever looks into it"""
-    lines = [
-        _FORM,
-        f"# {statement}",
-        f"campaign {file.campaign}",
-        f"units {file.unit}",
-        f"limits {file.limit:.12g} {file.limit_deg:.12g}",
-        _line(file.tool, "tool"),
-        f"axes {len(file.axes)}",
-    ]
-    for axis in file.axes:
-        lines += _axis_lines(axis)
-    if file.bed is not None:
-        x, y, added = (1e3 * values for values in (file.bed.x, file.bed.y, file.bed.added))
-        lines += [f"bed {len(x)} {len(y)}", _line(x), _line(y), *(_line(row) for row in added)]
-    body = "".join(f"{line}\n" for line in lines)
+    rendering = templates("axiscal.tables", row=_row).get_template("vcomp.jinja")
+    body = rendering.render(form=_FORM, file=file, statement=statement)
     return f"{body}end {fnv1a(body.encode()):08x}\n"
 
 
-def _axis_lines(axis: VcompAxis) -> list[str]:
-    joints = [*axis.joints, -1][:2]
-    reverses = axis.reversals.shape[1] > 0
-    lines = [
-        f"axis {axis.name} {'xyz'[axis.along]} rotary {axis.rotary:d} side {axis.side} sense {axis.sense} "
-        f"joints {joints[0]} {joints[1]}",
-        _line(axis.origin, "origin"),
-        _line(axis.place, "location"),
-        _line(axis.tilt, "travel-tilt"),
-        f"knots {len(axis.knots)} cyclic {axis.cyclic:d} reversal {reverses:d} {axis.seconds:.12g}",
-    ]
-    for i, knot in enumerate(axis.knots):
-        lines.append(_line([knot], "knot"))
-        if i < len(axis.knots) - 1:
-            lines += [_line(row) for row in (*axis.motions[i], *axis.reversals[i])]
-    return lines
-
-
-def _line(numbers: Array | Sequence[float], key: str = "") -> str:
-    return " ".join(([key] if key else []) + [f"{float(number) + 0.0:.12g}" for number in numbers])
+def _row(numbers: Array | Sequence[float]) -> str:
+    return " ".join(f"{float(number) + 0.0:.12g}" for number in numbers)
 
 
 def _refuse_axis(axis: Axis, joints: Sequence[int]) -> None:
