@@ -62,11 +62,6 @@ class Aspect:
     scale: float
 
     @property
-    def wholly(self) -> bool:
-        """Whether readings leave it as it was before."""
-        return self.share > _WHOLE
-
-    @property
     def std(self) -> float:
         """Unseen standard deviation, m or rad."""
         return float(np.sqrt(self.share)) * self.scale
@@ -122,7 +117,7 @@ def conventions(model: ErrorModel, aspects: list[Aspect], none: str) -> Iterator
 
     none : of which readings none shows it, in words
     """
-    idle = [a for a in aspects if a.wholly and (a.kind == "curve" or _is_constant(a))]
+    idle = [a for a in aspects if a.share > _WHOLE and (a.kind == "curve" or _is_constant(a))]
     if idle:
         one = "{none} shows {subject}; it does not move the tool point."
         many = "{none} shows {subject}; they do not move the tool point."
@@ -339,7 +334,7 @@ def _aspects(function: ErrorFunction, idle: Array) -> Iterator[Aspect]:
     for aspect in sorted(_candidates(function, idle), key=lambda a: a.kind != "curve"):
         if aspect.share > (_CURVE if aspect.kind == "curve" else _SHARE):
             yield aspect
-        if aspect.wholly and aspect.kind == "curve":
+        if aspect.share > _WHOLE and aspect.kind == "curve":
             return
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import Literal
 
 import numpy as np
@@ -146,16 +147,8 @@ def plan_answer(
         ratio=finite(ratio),
         bound_holds_for=_holds_for(proposal),
         proof_gap_percent=None if proposal.gap is None else finite(_gap_percent(case, proposal)),
-        searches=_others(proposal),
+        searches=None if (found := proposal.searches) is None else OtherSearches(**asdict(found)),
     )
-
-
-def _others(proposal: Proposal) -> OtherSearches | None:
-    """Return what searches from other starts found."""
-    found = proposal.searches
-    if found is None:
-        return None
-    return OtherSearches(count=found.count, better=found.better, alike=found.alike, share=found.share)
 
 
 @one_thread()

@@ -60,7 +60,7 @@ def render(summary: Summary) -> str:
         "picture": "" if (bent := summary.bent) is None else for_widths(lambda width: found_and_left(bent, width)),
         "code": Markup("<code>{}</code>").format,
     }
-    page = _page_templates().get_template("report.html").render(report_values(summary) | drawn | inlined())
+    page = environment().get_template("report.html").render(report_values(summary) | drawn | inlined())
     return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
 
 
@@ -272,17 +272,7 @@ def filled(summary: Summary, folder: Path) -> str:
         "picture": "" if summary.bent is None else kept(alone(found_and_left(summary.bent, _PAPER))),
         "day": date.fromisoformat(summary.date),
     }
-    return _paper_templates().get_template("report.typ").render(report_values(summary) | drawn)
-
-
-@cache
-def _page_templates() -> Environment:
-    return environment()
-
-
-@cache
-def _paper_templates() -> Environment:
-    return environment(_literal)
+    return environment(_literal).get_template("report.typ").render(report_values(summary) | drawn)
 
 
 def _literal(value: object) -> Markup:
@@ -320,14 +310,6 @@ def _set(template: Path, moment: int) -> bytes:
     raise PrintingError(what, remedy, reason=reason)
 
 
-_UNITS = {
-    "um": r"\micro\metre",
-    "mm": r"\milli\metre",
-    "urad": r"\micro\radian",
-    "um/m": r"\micro\metre\per\metre",
-    "deg": r"\degree",
-    "arcsec": r"\arcsecond",
-}
 _UNSAID = "not stated"
 _UNKNOWN_COUNTRY = "ZZ"
 
@@ -356,14 +338,14 @@ def certificate(summary: Summary) -> bytes:
 
 @cache
 def _certificate_templates() -> Environment:
-    made = environment()
-    made.filters |= {
+    made = environment().overlay()
+    made.filters = {
+        **made.filters,
         "plain": _plain,
-        "si": lambda unit: _plain(_UNITS.get(str(unit), str(unit))),
         "figure": lambda value: f"{number(value, 'a figure of the certificate'):.6g}",
         "half": lambda std: BAND * std,
     }
-    made.globals |= {"unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}"}
+    made.globals = {**made.globals, "unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}"}
     return made
 
 

@@ -10,6 +10,7 @@ import hashlib
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -207,6 +208,7 @@ def cause_words(name: str, owner: str) -> str:
     return said(_CAUSES[name], owner=said(owner) if owner else "")
 
 
+@cache
 def environment(written: Callable[[object], object] | None = None) -> Environment:
     """Return what renders templates, which may extend `standalone.html`.
 

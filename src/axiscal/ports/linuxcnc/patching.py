@@ -72,7 +72,8 @@ def patched(ini: IniFile, files: Mapping[str, str], joints: Mapping[int, str], b
     load = _LOADRT.replace('"coordinates=[TRAJ]COORDINATES"', f"coordinates={letters}")  # the kinematics' own order
     load += " belts=1" if belts else ""
     found.files[LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{load}\n"
-    found.files[JOIN_FILE] = _hal([*joints], found.nets, thread=thread)
+    joined = {"joints": sorted(joints), "nets": found.nets, "thread": thread}
+    found.files[JOIN_FILE] = rendered(_TEMPLATES, "volumetric.hal.jinja", **joined)
     return found
 
 
@@ -173,13 +174,5 @@ def scripts(before: Mapping[str, str], after: Mapping[str, str], beside: Sequenc
 
 def hal_text(joints: Sequence[int]) -> str:
     """Return the HAL text for joints by their numbers."""
-    return _hal(joints, {}, statement=STATEMENT, load=_LOADRT)
-
-
-def _hal(joints: Sequence[int], nets: Mapping[str, str], thread: str = "", **values: str) -> str:
-    """Return what the component reads and passes on, and its switches.
-
-    nets : the signal of each pin that is on one already; thread : where its functions stand already
-    """
-    every = sorted(joints)
-    return rendered(_TEMPLATES, "volumetric.hal.jinja", joints=every, nets=nets, thread=thread, **values)
+    values = {"joints": sorted(joints), "nets": {}, "thread": "", "statement": STATEMENT, "load": _LOADRT}
+    return rendered(_TEMPLATES, "volumetric.hal.jinja", **values)

@@ -102,7 +102,10 @@ class Database:
             self.select("START TRANSACTION")
             self._within = True
             done = deed()
-            self._commit()
+            try:
+                self.select("COMMIT")
+            except UnreachableError as failure:
+                raise not_known(failure) from None
             return done
         except BaseException:
             with contextlib.suppress(RecordError):
@@ -110,12 +113,6 @@ class Database:
             raise
         finally:
             self._within = False
-
-    def _commit(self) -> None:
-        try:
-            self.select("COMMIT")
-        except UnreachableError as failure:
-            raise not_known(failure) from None
 
     def close(self) -> None:
         """Close the connection."""

@@ -136,7 +136,10 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
     _refuse_second_set(records, file, name, number)
     kind = axis.rotary, axis.cyclic
     plan = PitchParameters(int(reference), int(first), int(last), max(1, int(magnification)), width, *kind)
-    _refuse_order(name, plan, file)
+    if not plan.begin <= plan.reference <= plan.last or plan.first == plan.last:
+        what = "{name} has points {first} to {last} and the reference point {reference}"
+        remedy = "the reference point lies between the others"
+        raise TableError(what, remedy, file, name=name, first=plan.first, last=plan.last, reference=plan.reference)
     _refuse_part_of_a_turn(name, plan, file)
     return plan
 
@@ -157,13 +160,6 @@ def _refuse_long(name: str, values: Iterable[str], file: str) -> None:
         what = "{name} has the number {text} in its parameters 3620 to 3623"
         remedy = "points and magnification have {most} digits at most"
         raise TableError(what, remedy, file, name=name, text=long[:20], most=_DIGITS)
-
-
-def _refuse_order(name: str, plan: PitchParameters, file: str) -> None:
-    if not plan.begin <= plan.reference <= plan.last or plan.first == plan.last:
-        what = "{name} has points {first} to {last} and the reference point {reference}"
-        remedy = "the reference point lies between the others"
-        raise TableError(what, remedy, file, name=name, first=plan.first, last=plan.last, reference=plan.reference)
 
 
 def _refuse_part_of_a_turn(name: str, plan: PitchParameters, file: str) -> None:
