@@ -60,7 +60,7 @@ def render(summary: Summary) -> str:
         "picture": "" if (bent := summary.bent) is None else for_widths(lambda width: found_and_left(bent, width)),
         "code": Markup("<code>{}</code>").format,
     }
-    page = environment().get_template("report.html").render(report_values(summary) | drawn | inlined())
+    page = _page_templates().get_template("report.html").render(report_values(summary) | drawn | inlined())
     return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
 
 
@@ -272,7 +272,17 @@ def filled(summary: Summary, folder: Path) -> str:
         "picture": "" if summary.bent is None else kept(alone(found_and_left(summary.bent, _PAPER))),
         "day": date.fromisoformat(summary.date),
     }
-    return environment(_literal).get_template("report.typ").render(report_values(summary) | drawn)
+    return _paper_templates().get_template("report.typ").render(report_values(summary) | drawn)
+
+
+@cache
+def _page_templates() -> Environment:
+    return environment()
+
+
+@cache
+def _paper_templates() -> Environment:
+    return environment(_literal)
 
 
 def _literal(value: object) -> Markup:
@@ -338,7 +348,7 @@ def certificate(summary: Summary) -> bytes:
 
 @cache
 def _certificate_templates() -> Environment:
-    made = environment().overlay()
+    made = _page_templates().overlay()
     made.filters = {
         **made.filters,
         "plain": _plain,

@@ -10,7 +10,6 @@ import hashlib
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -208,7 +207,6 @@ def cause_words(name: str, owner: str) -> str:
     return said(_CAUSES[name], owner=said(owner) if owner else "")
 
 
-@cache
 def environment(written: Callable[[object], object] | None = None) -> Environment:
     """Return what renders templates, which may extend `standalone.html`.
 
