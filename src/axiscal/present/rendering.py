@@ -42,7 +42,7 @@ from axiscal.present.volume_error import PlaneSummary
 from axiscal.record.signing import signed_xml
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
+    from jinja2 import Environment, Template
 
 _CIRCLE = 340.0
 """Pixels of the picture of a ball bar: a third of a page on a screen, and the whole of a telephone's."""
@@ -60,7 +60,7 @@ def render(summary: Summary) -> str:
         "picture": "" if (bent := summary.bent) is None else for_widths(lambda width: found_and_left(bent, width)),
         "code": Markup("<code>{}</code>").format,
     }
-    page = _page_templates().get_template("report.html").render(report_values(summary) | drawn | inlined())
+    page = _template("report.html").render(report_values(summary) | drawn | inlined())
     return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
 
 
@@ -272,17 +272,12 @@ def filled(summary: Summary, folder: Path) -> str:
         "picture": "" if summary.bent is None else kept(alone(found_and_left(summary.bent, _PAPER))),
         "day": date.fromisoformat(summary.date),
     }
-    return _paper_templates().get_template("report.typ").render(report_values(summary) | drawn)
+    return _template("report.typ").render(report_values(summary) | drawn)
 
 
 @cache
-def _page_templates() -> Environment:
-    return environment()
-
-
-@cache
-def _paper_templates() -> Environment:
-    return environment(_literal)
+def _template(name: str) -> Template:
+    return environment(_literal if name.endswith(".typ") else None).get_template(name)
 
 
 def _literal(value: object) -> Markup:
@@ -348,14 +343,13 @@ def certificate(summary: Summary) -> bytes:
 
 @cache
 def _certificate_templates() -> Environment:
-    made = _page_templates().overlay()
-    made.filters = {
-        **made.filters,
+    made = environment()
+    made.filters |= {
         "plain": _plain,
         "figure": lambda value: f"{number(value, 'a figure of the certificate'):.6g}",
         "half": lambda std: BAND * std,
     }
-    made.globals = {**made.globals, "unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}"}
+    made.globals |= {"unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}"}
     return made
 
 
