@@ -9,7 +9,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import AnsweredRow, answered, best_control
+from axiscal.answers.answer_of_campaign import Aims, AnsweredRow, answered, best_control, missing_readings
+from axiscal.description.target import Want
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -54,6 +55,12 @@ def test_backlash_read_from_one_side_is_not_measured_and_one_reading_would_do() 
     more = _rows(concluded(exact, _readings([*ONE_SIDE, (last, -1)])))["backlash X"]
     assert more.measured
     assert row.then == pytest.approx(more.known, rel=0.3)
+    assert row.then is not None
+    target = replace(CASE.description.target, wants=(Want(row.row, 1.2 * row.then),))
+    wanted = concluded(Case(replace(exact.description, target=target)), _readings(ONE_SIDE))
+    rows = answered(wanted, {})
+    aims = Aims.from_case(wanted.case, wanted.printed.belief, wanted.case.yardstick_as_sized, rows)
+    assert missing_readings(wanted, aims, rows)[0] == 1
     assert more.known < 0.5 * row.known
 
 

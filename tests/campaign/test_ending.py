@@ -21,10 +21,13 @@ from axiscal.campaign.ending import (
     standing,
 )
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.first_campaign import Purpose
+from axiscal.description.first_files import first_described, of_builtin
 from axiscal.description.target import RowName, Target, Want
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
 from axiscal.estimation.promise.agreement import Explained
 from axiscal.planning.plan.task import Limits
@@ -194,3 +197,5 @@ def test_sizes_that_meet_a_target_unread_are_checked_by_a_few_readings() -> None
     assert ends == [None, None, "rms target reached"]
     assert reached_unread(case, Limits(rms=1.0))
     assert reached_unread(case, Limits(rms=1e-7)) is None
+    stacked = first_described(of_builtin("paper-three-stacked"), ["interferometer"], Purpose("10 um"))
+    assert "hardly anything" in (reached_unread(case_of(stacked), Limits.of(stacked.target)) or "")  # U of 2.2 mm

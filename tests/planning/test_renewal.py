@@ -131,6 +131,9 @@ def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
     assert len(rest(0.9 * of_one.rms)) == 0
     assert len(rest(known.floor, 9)) > 0  # which these do not bring within nine
     assert len(rest(known.rms, 9)) > 0
+    assert len(rest(known.floor, 3)) == 3  # no more than there may be, though eight are left
+    short = renewed(two, Limits(2, rms=known.floor), left.within(slice(0, 2)), goal=rms_of(two, known.floor))
+    assert len(short) == 2
 
 
 def test_a_set_up_that_has_come_to_be_needless_is_not_mounted() -> None:

@@ -113,3 +113,10 @@ def test_a_bound_says_what_its_j_is() -> None:
     assert bound_sentence(plan("reached", [], 1).model_copy(update=bound)).endswith(
         'J is the figure that criterion = "rows" makes small.'
     )
+
+
+@pytest.mark.parametrize("verdict", ["planned", "short"])
+def test_readings_that_are_left_are_worth_none_only_where_no_limit_wants_them(verdict: PlanVerdict) -> None:
+    fewer = plan(verdict, [planned_row(RowName("volume", ()), load_machine("one-axis"))], 1)
+    text = " ".join(plan_screen(fewer.model_copy(update={"budget_minutes": None}), "c.toml").split())
+    assert ("no other reading is worth its time" in text) == (verdict == "planned")

@@ -138,13 +138,21 @@ def test_what_is_not_measured_is_named_with_its_reason() -> None:
     rows = [answer_row(RowName("backlash", (name,)), MILL, measured=False) for name in "XY"]
     text = " ".join(_screen(answer(rows=rows)).split())
     assert "Not measured: backlash X Y (one side read; one reading more: ± 0.84 um)." in text
+    lines = [line.model_copy(update={"places": {"+": 2, "-": 3, "both": 0}}) for line in rows[0].lines]
+    apart = " ".join(_screen(answer(rows=[rows[0].model_copy(update={"lines": lines})])).split())
+    assert "backlash X (no place read from both sides; one reading more: ± 0.84 um)." in apart
     far = rows[0].model_copy(update={"one_more": None, "kind": "yaw", "unit": "urad"})
     assert "yaw X (4 places read tell too little: ± 130 urad)" in _screen(answer(rows=[far]))
     assert "Not measured: backlash X (one side read; " in " ".join(_screen(answer(rows=[far, rows[0]])).split())
     held = far.model_copy(update={"floor": 125.0})
     assert "yaw X (more readings would leave as much: ± 130 urad)" in " ".join(_screen(answer(rows=[held])).split())
     scale = held.model_copy(update={"row": "scale X", "kind": "scale", "unit": "um/m", "kelvin": 0.7})
-    assert "yaw X (temperature not stated: ± 130 urad)" in " ".join(_screen(answer(rows=[held, scale])).split())
+    text = " ".join(_screen(answer(rows=[held, scale])).split())
+    assert "yaw X (temperature not stated: ± 130 urad)" in text
+    assert "lead error" not in text  # of a scale that is not measured
+    unread = aim("positioning X", 7.8, 10.0, 7.5, measured=False, reachable=False)
+    assert "0 of 1 limits: " not in (told := _screen(answer(verdict="unreachable", rows=[held], aims=[unread])))
+    assert "positioning X not measured" in told
     none = far.model_copy(update={"row": "yaw Y", "axes": ("Y",), "lines": [], "known_to": 290.0})
     apart = "yaw X (4 places read tell too little: ± 130 urad), yaw Y (not read)."
     assert apart in " ".join(_screen(answer(rows=[none, far])).split())

@@ -1,7 +1,7 @@
 """From what is known to the answer: rows, what was asked for, and what is missing.
 
 Let an accuracy be U after n readings, L as wanted, and F after endless readings. U² − F² falls with n, so about
-n (U² − F²)/(L² − F²) readings reach L.
+n (U² − F²)/(L² − F²) readings reach L. A backlash that one side was read of begins with U after one from the other.
 
 A row is found and left as √(estimate² + u²) and √((what the tables leave)² + u²), both RMS over its places.
 """
@@ -196,7 +196,7 @@ def answer_of(
     aims = Aims.from_case(known.case, known.printed.belief, known.case.yardstick_as_sized, rows)
     coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, aims, rows)
-    more, minutes = _more(known, aims, rows) if verdict == "more" and not coming else (0, 0.0)
+    more, minutes = missing_readings(known, aims, rows) if verdict == "more" and not coming else (0, 0.0)
     if coming and verdict in ("measured", "unmeasured", "more"):
         verdict, more, minutes = "more", len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
@@ -286,7 +286,10 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
             control = next((name for name in known_here if wanted in exporter(name).takes), "")
             if control:
                 yield NextStep(code="export", control=control)
-        yield NextStep(code="verify", control=control)
+        with suppress(TableError, ReadingError):  # without a table there is nothing to check
+            if not control:
+                offered_control(known, "csv")
+            yield NextStep(code="verify", control=control)
     else:
         yield NextStep(code="finish")
 
@@ -305,11 +308,13 @@ def _verdict(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> Verdict
     return "unreachable" if aims.hopeless else "more"
 
 
-def _more(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> tuple[int, float]:
+def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow]) -> tuple[int, float]:
     """Return about how many readings are missing, one at least, and their minutes."""
     count = len(known.readings)
+    then = {row.row.name: to_unit(row.then, row.unit) for row in rows if row.then is not None}
     left = [_share(aim) for aim in aims.volume if aim.floor < aim.limit]
-    shares = [min(left, default=0.0), *(_share(aim) for aim in aims.lines if not aim.unread)]
+    turned = [aim.model_copy(update={"now": then.get(aim.name, aim.now)}) for aim in aims.lines if not aim.unread]
+    shares = [min(left, default=0.0), *(_share(aim) for aim in turned)]
     new = sum(not line.read for row in rows if row.open for line in row.lines) if aims.lines else 0
     readings = max(math.ceil(count * max(shares)) + _TARGETS * new, 1)
     described, ends = known.stated.description, known.timed.ends

@@ -95,7 +95,9 @@ def reason(rows: Sequence[AnswerRow], warm: Sequence[Sequence[str]]) -> str:
     """Return why rows of one kind are not measured.  warm : axes of which a temperature could be their scale"""
     then = [row.one_more for row in rows if row.one_more is not None]
     if then:
-        return said("one side read; one reading more: {size}", size=_within(max(then), rows[0].unit))
+        apart = any(line.places["+"] and line.places["-"] for row in rows for line in row.lines)
+        why = "no place read from both sides; one reading more: {size}"
+        return said(why if apart else "one side read; one reading more: {size}", size=_within(max(then), rows[0].unit))
     worst = max(rows, key=lambda row: row.known_to)
     places = _read(worst)
     aimed = places and any(line.setup for line in worst.lines)  # the angles of an axis show nothing of its centre
@@ -117,8 +119,8 @@ def _within(size: float, unit: str) -> str:
 
 
 def warmth_sentence(rows: Sequence[AnswerRow]) -> str:
-    """Return that scales may be warm instead of wrong, "" where nobody can mistake it."""
-    open_ = [(row.axes[0], row.kelvin) for row in rows if row.kelvin is not None]
+    """Return that measured scales may be warm instead of wrong, "" where nobody can mistake it."""
+    open_ = [(row.axes[0], row.kelvin) for row in rows if row.measured and row.kelvin is not None]
     sizes = [_number(SignedNumber(direction="", value=kelvin, U=1.0), named=False, band=False) for _, kelvin in open_]
     axes, kelvin = (listed(*each) for each in ((" ", [axis for axis, _ in open_]), (", ", sizes)))
     what = "Scale {axes}: a lead error, or {kelvin} K; its temperature is not stated."

@@ -77,17 +77,17 @@ def first_campaign(machine: Machine, instruments: Sequence[str], purpose: Purpos
     values = {"machine": machine, "instruments": list(instruments), "printer": _prints(machine)}
     head = _campaign_templates().get_template("campaign.jinja").render(values, **purpose._asdict(), active=active)
     offered = [name for name in instruments if name != "dial" or "square" not in instruments]
-    made = [OFFERED[name].setups if name in OFFERED else partial(_own, name=name) for name in offered]
-    setups = [text for each in made for text in each(machine)]
-    if not setups:
+    made = {name: [*(OFFERED[name].setups(machine) if name in OFFERED else _own(machine, name))] for name in offered}
+    if none := [name for name, setups in made.items() if not setups]:
         what = "Nothing of {instruments} can be offered for {machine}"
-        if "sphere" in instruments:
+        if "sphere" in none:
             what = (
                 "Nothing of {instruments} can be offered for {machine}: balls need X, Y and Z, with room for a board "
                 "or a rotary axis that turns one, and [tool] has to get between them"
             )
-        remedy = "Name another instrument, such as a dial, or write the set-ups by hand, as docs/campaign.md shows"
-        raise DescriptionError(what, remedy, instruments=", ".join(instruments), machine=machine.name)
+        remedy = "Name another instrument, such as a laser, or write the set-ups by hand, as docs/campaign.md shows"
+        raise DescriptionError(what, remedy, instruments=", ".join(none), machine=machine.name)
+    setups = [text for each in made.values() for text in each]
     return "".join([head, *setups])
 
 

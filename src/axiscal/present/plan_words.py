@@ -126,6 +126,8 @@ def _fewer(answer: PlannedAnswer) -> str:
     """Return why a plan has fewer readings than it may have; "" where it has not, or they reach the limits."""
     if answer.allowed is None or answer.readings >= answer.allowed or answer.verdict in {"unreachable", "reached"}:
         return ""
+    if answer.budget_minutes is None and answer.verdict == "short":  # its limit wants others yet
+        return ""
     if answer.budget_minutes is not None:
         why = said("more do not fit into {minutes} min", minutes=put("{minutes:.4g}", minutes=answer.budget_minutes))
     else:

@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 
 from axiscal.document.ports import all_of
 from axiscal.exceptions import InputError
-from axiscal.language.spoken import joined, later, put, said
+from axiscal.language.spoken import counted, joined, later, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.readers import bed_map, level_survey, marlin_map, point_lists
 from axiscal.measurement.readers.axis_tests import axis_test, test_of
@@ -88,8 +88,8 @@ class Recognised(NamedTuple):
     def sentence(self, setups: Sequence[str] = ()) -> str:
         """Return what was recognised, a sentence.  setups : names of those that the readings are for"""
         cells, count = self.found.cells, len(self.found.readings)
-        what = "{count} of {cells} cells" if cells else "{count} readings"
-        parts = [said(self.title), said(what, count=count, cells=cells), self.found.note]
+        held = said("{count} of {cells} cells", count=count, cells=cells) if cells else ""
+        parts = [said(self.title), held or counted("{count} reading", "{count} readings", count), self.found.note]
         if setups:
             parts.append(said("for set-up {names}", names=joined(list(dict.fromkeys(setups)))))
         return put("{file}: {parts}.", file=Path(self.file).name, parts=", ".join(filter(None, parts)))

@@ -77,7 +77,8 @@ def renewed(
         found = retoured(task, limits, _those_of(reaching), reaching, patience, _WORTH, goal)
         order = _ordered(task, limits, found, left, usual)
     elif not hurried:
-        most = limits.readings if goal is None else max(len(left), FEW)  # sizes are learnt anew by then
+        few = None if goal is None else max(len(left), FEW)  # sizes are learnt anew by then
+        most = min((each for each in (few, limits.readings) if each is not None), default=None)
         places = _renewed(task, Limits(most), setups, left, patience)
         order = _ordered(task, limits, in_order(task, places), left, usual)
     if reaching is None and (hurried or _too_long(task, limits, order)):
