@@ -49,10 +49,7 @@ _PIVOT_NOTE = (
 class Linuxcnc(TableFormat):
     """A `COMP_FILE` for each axis, and HAL text that moves axes over others."""
 
-    holds = (
-        "one COMP_FILE for each axis (its own positions, both directions) and HAL text that moves linear axes over the "
-        "positions of other linear axes."
-    )
+    holds = ""  # the files decide
     left_out = (
         "errors that depend on two axes at once (angular errors times a lever that changes), the orientation of the "
         "tool, and the reversal of straightness."
@@ -97,7 +94,10 @@ class Linuxcnc(TableFormat):
             files[f"{table.axis}.comp"] = write(table, unit)
             said |= dict.fromkeys(notes(table, unit, wiring.joints[table.axis], axis.acceleration))
         files |= {_HAL_FILE: cross.write(over, wiring)} if over else {}
-        return Written(files, _resolution(own, over, linear), (*said, *_hal_notes(machine, over)))
+        each = f"one COMP_FILE for each of {', '.join(table.axis for table in own)} (own positions, both directions)"
+        moves = "HAL text that moves linear axes over the positions of other linear axes"
+        holds = f"{' and '.join([*([each] if own else []), *([moves] if over else [])])}."
+        return Written(files, _resolution(own, over, linear), (*said, *_hal_notes(machine, over)), holds)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what files did, by what they say alone; raises TableError."""
