@@ -15,7 +15,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from axiscal.exceptions import DescriptionError, UnitError
-from axiscal.language.spoken import put, said, words_for
+from axiscal.language.spoken import WORDS, put, said
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,7 +38,7 @@ Number = TypeVar("Number", float, "NDArray[np.float64]")
 
 _TABLES = tomllib.loads(resources.files("axiscal").joinpath("units.toml").read_text(encoding="utf-8"))
 EXAMPLES: dict[Dimension, str] = _TABLES["examples"]
-_NOUNS: dict[Dimension, str] = words_for("dimensions")
+_NOUNS: dict[Dimension, str] = WORDS["dimensions"]
 
 # The factor to SI is kept as a ratio (times, by) of exact numbers, so that "120 mm" is exactly 0.12.
 _Scale = tuple[float, float]

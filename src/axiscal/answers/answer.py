@@ -151,6 +151,13 @@ class Aim(AnswerDocument):
         """Whether it is known as well as asked for."""
         return self.measured and self.now <= self.limit
 
+    @property
+    def missing(self) -> float:
+        """By which share of the readings taken there have to be more."""
+        if self.reached:
+            return 0.0
+        return max((self.now**2 - self.floor**2) / (self.limit**2 - self.floor**2) - 1, 0.0)
+
 
 class NextStep(AnswerDocument):
     """What to do next.  control : whose tables are loaded; mistake : that is accepted"""

@@ -312,9 +312,9 @@ def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow])
     """Return about how many readings are missing, one at least, and their minutes."""
     count = len(known.readings)
     then = {row.row.name: to_unit(row.then, row.unit) for row in rows if row.then is not None}
-    left = [_share(aim) for aim in aims.volume if aim.floor < aim.limit]
+    left = [aim.missing for aim in aims.volume if aim.floor < aim.limit]
     turned = [aim.model_copy(update={"now": then.get(aim.name, aim.now)}) for aim in aims.lines if not aim.unread]
-    shares = [min(left, default=0.0), *(_share(aim) for aim in turned)]
+    shares = [min(left, default=0.0), *(aim.missing for aim in turned)]
     new = sum(not line.read for row in rows if row.open for line in row.lines) if aims.lines else 0
     readings = max(math.ceil(count * max(shares)) + _TARGETS * new, 1)
     described, ends = known.stated.description, known.timed.ends
@@ -322,13 +322,6 @@ def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow])
     each = float(np.median(np.diff([min(mounted, ends[0]), *ends])))
     mounting = np.mean([setup.setup_time for setup in described.setups])
     return readings, to_unit(readings * each + float(mounting) * new, "min")
-
-
-def _share(aim: Aim) -> float:
-    """Return by which share of the readings taken there have to be more."""
-    if aim.reached:
-        return 0.0
-    return max((aim.now**2 - aim.floor**2) / (aim.limit**2 - aim.floor**2) - 1, 0.0)
 
 
 def _digits(value: float) -> float:

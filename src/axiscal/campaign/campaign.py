@@ -99,7 +99,7 @@ class Campaign(Closing):
     @classmethod
     def open(cls, path: str | Path, planner: Planner = _next_places, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
-        record = opened_log(one("Campaign.open", "path", path, (str, Path), '"mill.axiscal"'), write=write)
+        record = opened_log(path, write=write)
         try:
             return cls(record, described(record), planner)
         except BaseException:

@@ -23,7 +23,7 @@ from typer.exceptions import TyperException
 
 from axiscal.cli.printing import complain, say
 from axiscal.exceptions import AxiscalError, InputError, PortError
-from axiscal.language.spoken import said, speaking, words_for
+from axiscal.language.spoken import WORDS, said, speaking
 from axiscal.present.whose_language import chosen
 
 _MAIN = {
@@ -272,7 +272,7 @@ def _refused(wrong: Any) -> int:
 
 def _in_words(text: str) -> str:
     """Return a sentence of typer in the language that is spoken."""
-    for message in words_for("usage"):
+    for message in WORDS["usage"]:
         pattern = re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+)", re.escape(message))
         if found := re.fullmatch(pattern, text):
             return said(message, **{name: _in_words(value) for name, value in found.groupdict().items()})

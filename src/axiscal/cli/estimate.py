@@ -18,7 +18,7 @@ from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
 from axiscal.evaluation.standards import Positioning, figures_of
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import decimals, said, words_for
+from axiscal.language.spoken import WORDS, decimals, said
 from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
@@ -146,7 +146,7 @@ def iso230(
         say_document(document)
         return
     if isinstance(found, Positioning):
-        for name, words in words_for("positioning").items():
+        for name, words in WORDS["positioning"].items():
             value, figure = document[name], f"{said('not measured'):>12}"
             if value is not None:
                 around = f" ± {to_unit(found.uncertainty[name], found.unit):.3f}" if name in found.uncertainty else ""
@@ -156,7 +156,7 @@ def iso230(
             shown = ", ".join(f"{name} {to_unit(value, found.unit):.3f}" for name, value in found.vdi3441.items())
             say(decimals(f"VDI/DGQ 3441: {shown} {found.unit}"))
     else:
-        circle = words_for("circle")
+        circle = WORDS["circle"]
         for name, value in found.figures.items():
             figure = decimals(f"{to_unit(value, 'um'):10.3f}")
             say(f"{name:20}{figure} um   {said(circle[name])}")

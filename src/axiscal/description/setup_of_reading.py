@@ -6,7 +6,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import ReadingError
-from axiscal.language.spoken import joined, said, words_for
+from axiscal.language.spoken import WORDS, joined, said
 from axiscal.machine import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import in_frame
@@ -76,7 +76,7 @@ def refuse_other_base(row: RawReading, setup: Setup) -> None:
         raise ReadingError(what, remedy, base=base, setup=setup.name, own=own)
 
 
-_ASKS = words_for("tests")
+_ASKS = WORDS["tests"]
 _ASIDE = 0.1
 """Of a direction, along an axis: less is across it, and of what is along it this much less than all."""
 

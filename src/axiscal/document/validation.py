@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Generic, Protocol, TypeVar, ge
 from axiscal.document.file import Document
 from axiscal.document.quoting import dotted, meant, quantity_text, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
-from axiscal.language.spoken import put, said, words_for
+from axiscal.language.spoken import WORDS, put, said
 from axiscal.units import EXAMPLES, Dimension, within
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ def _miscounted_list(keys: tuple[str | int, ...], kind: str) -> tuple[str | int,
     return keys if kind in ("too_long", "too_short") and keys else None
 
 
-_EXPECTED = words_for("expected")
+_EXPECTED = WORDS["expected"]
 
 
 def _example(model: type[BaseModel], keys: tuple[str | int, ...]) -> str:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import later, said, words_for
+from axiscal.language.spoken import WORDS, later, said
 from axiscal.machine.axis import ROTARY_LETTERS, letter_direction
 from axiscal.machine.entry import parse_error_name, parse_plane_name
 
-_WORDS = words_for("errors")
+_WORDS = WORDS["errors"]
 _PITCH = ("y", "x", "x")
 """About which the pitch of a linear axis along x, y or z turns; about the third way it yaws."""
 

@@ -26,10 +26,10 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, Kind
 from axiscal.machine.kinematics import SmallMotions, frames
 from axiscal.numerics import Array
+from axiscal_core import refusals
 from axiscal_core.axes import Frames
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import ASIDE, CELLS
-from axiscal_core.refusals import one
 from axiscal_core.rigid import cross
 from axiscal_core.splines import Repeated, Spline
 
@@ -133,7 +133,9 @@ class ErrorModel:
     """
 
     def __init__(self, machine: Machine) -> None:
-        self.machine = one("ErrorModel", "machine", machine, Machine, 'load_machine("dmu60")')
+        if not isinstance(machine, Machine):
+            raise refusals.InputError("ErrorModel", "machine", f"= {machine!r} is none", 'Give load_machine("dmu60")')
+        self.machine = machine
         self.functions = tuple(_functions(machine))
         self.planes = tuple(_planes(machine, self.functions[-1].columns.stop if self.functions else 0))
         self.terms: tuple[Term, ...] = (*self.functions, *self.planes)

@@ -19,7 +19,7 @@ from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_m
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.intervals import as_shown, is_coarse
+from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
@@ -121,7 +121,7 @@ class Case:
         setups = list[Setup]()
         for setup in self.description.setups:
             times = sizes.get(("noise", setup.name), 1.0)  # one step of a coarse display, read again, tells of no noise
-            setups.append(replace(setup, noise=setup.noise * (max(times, 1.0) if is_coarse(setup) else times)))
+            setups.append(replace(setup, noise=setup.noise * (max(times, 1.0) if setup.coarse else times)))
         plain = self._plain(replace(self.description, machine=machine, setups=tuple(setups)))
         return replace(plain, sized_from=self.sized_from or self)
 

@@ -34,7 +34,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
-from axiscal.numerics.displays import COARSE, step_of
+from axiscal.numerics.displays import step_of
 from axiscal.numerics.gaussian import of_rank
 from axiscal_core.from_scipy import log_normal_share
 from axiscal_core.spaces import turned
@@ -79,11 +79,6 @@ def _passed(readings: Sequence[Reading], step: float) -> bool:
     return len(readings) > rank and bool(np.abs(values - along @ line).max() < _PASSED * step)
 
 
-def is_coarse(setup: Setup) -> bool:
-    """Whether readings of a set-up say no more than an interval that is coarse beside their scatter."""
-    return setup.interval > COARSE * setup.scatter
-
-
 def sited(
     observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
 ) -> list[Reading]:
@@ -93,7 +88,7 @@ def sited(
     Readings of three values, and those that state a std of their own, stay as they are.
     """
     setups = {setup.name: setup for setup in observation.setups}
-    coarse = [len(r.values) == 1 and r.std is None and is_coarse(setups[r.setup]) for r in readings]
+    coarse = [len(r.values) == 1 and r.std is None and setups[r.setup].coarse for r in readings]
     if not any(coarse):
         return list(readings)
     fitted = Fitted.expected(observation, readings, prior)

@@ -34,7 +34,8 @@ def without_bad(case: Case, readings: Sequence[Reading], implausible: Collection
 def posed(case: Case, readings: Sequence[Reading]) -> Problem:
     """Return readings as a problem, linear where a case has them so.  case : with the sizes as stated"""
     plain = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
-    return with_feed(plain, at_feed(case.observation, readings)) if case.description.usual else plain
+    circles = [*at_feed(case.observation, readings)] if case.description.usual else []
+    return with_feed(plain, circles) if circles else plain
 
 
 def other_ways(case: Case, readings: Sequence[Reading]) -> tuple[Iterator[Turned], Iterator[Framed], Iterator[Repeats]]:

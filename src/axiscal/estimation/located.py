@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.estimation.belief import Innovations
 from axiscal.estimation.case import Case
-from axiscal.estimation.intervals import is_coarse, sited
+from axiscal.estimation.intervals import sited
 from axiscal.estimation.knowledge import Block, Knowledge, taken
 from axiscal.estimation.stations import GAUSSIAN, MOST, BentReadings, Optimum, indices, mirrored, polished
 from axiscal.exceptions import AmbiguityError
@@ -72,7 +72,7 @@ def displayed(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
 def taken_as_normal(known: Absorbed, readings: Sequence[Reading]) -> Sequence[Reading]:
     """Return the readings with normal ones in the place of those that are far from normal; themselves if none is."""
     observation = known.case.observation
-    if not any(is_coarse(setup) for setup in observation.setups):
+    if not any(setup.coarse for setup in observation.setups):
         return readings
     kept = [index for index in range(len(readings)) if index not in known.left_out]
     instead = dict(zip(kept, sited(observation, [readings[i] for i in kept], known.case.inherited), strict=True))

@@ -82,12 +82,10 @@ def later(message: str) -> str:
     return message
 
 
-_WORDS = tomllib.loads(resources.files(__package__).joinpath("words.toml").read_text(encoding="utf-8"))
-
-
-def words_for(codes: str) -> Any:
-    """Return what codes are called: messages by code, a table of `words.toml`; its user says them."""
-    return _WORDS[codes]
+WORDS: Mapping[str, Any] = tomllib.loads(
+    resources.files(__package__).joinpath("words.toml").read_text(encoding="utf-8")
+)
+"""What codes are called: tables of messages by code, which their users say."""
 
 
 def joined(parts: Sequence[str], most: int = 0, form: str = later("{first} and {last}")) -> str:

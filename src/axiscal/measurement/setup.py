@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from axiscal.measurement.charts.room import Chart
 
 from axiscal.numerics import Array
+from axiscal.numerics.displays import COARSE
 
 Approach = Literal["both", "+", "-"]
 Contact = Literal["free", "held", "retracted"]
@@ -253,6 +254,11 @@ class Setup:
             return self.noise
         beside = math.sqrt(max(self.noise**2 - self.interval**2 / 12.0, 0.0))
         return max(beside, _SOFT * self.bound, FINEST)
+
+    @property
+    def coarse(self) -> bool:
+        """Whether readings say no more than an interval that is coarse beside their scatter."""
+        return self.interval > COARSE * self.scatter
 
     def span(self, axis: Axis, index: int) -> tuple[float, float]:
         """Return from where to where it can be read along an axis, m or rad: its reach, for feet that stand within."""

@@ -11,7 +11,7 @@ import numpy as np
 from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.estimation import Estimation, paths
-from axiscal.language.spoken import said, words_for
+from axiscal.language.spoken import WORDS, said
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Reading, units_of
 from axiscal.measurement.reading_rows import seen
@@ -25,7 +25,7 @@ _POSITIONS = 101
 _BEARS_ON = 0.1
 """Share of a reading's sight of an error, from which the reading is drawn at its curve."""
 _SEEN = 0.5
-_UNKNOWNS = words_for("unknowns")
+_UNKNOWNS = WORDS["unknowns"]
 
 
 def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:

@@ -24,7 +24,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.agreement import AGREES
-from axiscal.language.spoken import capital, listed, put, said, words_for
+from axiscal.language.spoken import WORDS, capital, listed, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading, place_text, reading_unit, units_of
@@ -115,7 +115,7 @@ def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Ite
 
 _FAR_FROM_STATED = 3.0
 """Factor from which on a size is not as stated."""
-_WORDS: dict[Kind, str] = words_for("sizes")
+_WORDS: dict[Kind, str] = WORDS["sizes"]
 
 _FAR, _MANY = 4.0, 0.1
 _SHOWS, _AN_HOUR = 3.0, 3600.0

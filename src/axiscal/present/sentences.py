@@ -17,7 +17,7 @@ from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
 from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.language.spoken import capital, counted, decimals, joined, later, said, spoken_now, words_for
+from axiscal.language.spoken import WORDS, capital, counted, decimals, joined, later, said, spoken_now
 from axiscal.present.drawing.strokes import static_text
 from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary
 
@@ -199,7 +199,7 @@ def _minus(text: str) -> str:
     return text.replace("-", "−")
 
 
-_CAUSES = words_for("type_b")
+_CAUSES = WORDS["type_b"]
 
 
 def cause_words(name: str, owner: str) -> str:

@@ -29,7 +29,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.functionals.functional import seen_by, stand_of
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
-from axiscal.language.spoken import later, listed, resaid, said, speaking, words_for
+from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import in_frame
@@ -142,7 +142,7 @@ def iso230_block(axis: str, found: Positioning) -> Iso230:
     )
 
 
-_WORDS = words_for("sources")
+_WORDS = WORDS["sources"]
 _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
 
 

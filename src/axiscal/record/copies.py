@@ -22,6 +22,7 @@ from axiscal.record.line_form import EventText
 from axiscal.record.log import STORED, EventLog, in_one
 from axiscal.record.payload import encode
 from axiscal.record.store import Record, content_of, record_errors, refuse_existing
+from axiscal_core import refusals
 
 Opened = Callable[[], AbstractContextManager[EventLog]]
 """How a record is opened to be read."""
@@ -48,6 +49,8 @@ def created_log(path: str | Path, created: Created) -> EventLog:
 
 def opened_log(path: str | Path, *, write: bool = True) -> EventLog:
     """Return the log of an existing record, checked; raises RecordError."""
+    if not isinstance(path, str | Path):
+        raise refusals.InputError("Campaign.open", "path", f"= {path!r} is none", 'Give one, such as "mill.axiscal"')
     if not is_stored(path):
         return Record.open(path, write=write)
     name = _name(path)

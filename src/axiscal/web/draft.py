@@ -25,7 +25,7 @@ from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
 from axiscal.description.target import RowName, rows_of
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanError, RecordError
-from axiscal.language.spoken import said, spoken_now, words_for
+from axiscal.language.spoken import WORDS, said, spoken_now
 from axiscal.machine import machine_from_text
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.helping import rows_shown
@@ -45,7 +45,7 @@ _ROUGH = Memo(1)
 """The campaign of the last choices with a rough plan: what minutes buy is asked of it after the plan."""
 _ALONE, _SHOWN = Memo(16), Memo(32)
 """Campaigns with one instrument, and the rows that it shows, by the machine: picture, choice and plan ask for them."""
-MACHINES = words_for("machines")
+MACHINES = WORDS["machines"]
 """Built-in machines that are offered, in the order in which they stand."""
 _MACHINES = 1000
 """Virtual machines, one of which each campaign on one gets."""

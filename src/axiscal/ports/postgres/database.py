@@ -22,7 +22,7 @@ from urllib.parse import parse_qs, unquote, urlsplit
 
 from axiscal.document import shown
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
-from axiscal.language.spoken import later, said, words_for
+from axiscal.language.spoken import WORDS, later, said
 from axiscal.numerics.remembered import Memo
 
 _PATIENCE = 15.0
@@ -31,7 +31,7 @@ _LOCK = 4.0
 """Seconds for which a transaction is tried again while others write."""
 _NAP = 0.02
 """Longest wait before the next try, s: about the time of one transaction."""
-_SENTENCES = words_for("sql")
+_SENTENCES = WORDS["sql"]
 """What is said for the states of SQL that a person can do something about."""
 _UNIQUE, _SECOND, _GONE = "23505", ("40001", "40P01"), ("57P01", "57P02", "57P03", "08")
 """A number that is taken; of two transactions at once this one came second; the server ends, or is not there."""

@@ -15,7 +15,7 @@ from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.estimation.promise.agreement import PRIOR
 from axiscal.estimation.promise.stuck import repeats
 from axiscal.exceptions import AxiscalError, ReadingError
-from axiscal.language.spoken import decimals, put, said, words_for
+from axiscal.language.spoken import WORDS, decimals, put, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Reading, reading_unit, units_of
@@ -40,7 +40,7 @@ _STILL = 0.01
 _PASSED = re.compile(r'test of sign "(.*)": .* \((?:right|taken all the same)\)')
 
 Cause = Literal["sign", "mm", "inch", "anew", "bumped", "really", "keep"]
-CAUSES: dict[Cause, str] = words_for("slips")
+CAUSES: dict[Cause, str] = WORDS["slips"]
 """What may be behind a surprise, in words."""
 _FACTORS: dict[Cause, float] = {"sign": -1.0, "mm": 1000.0, "inch": 25400.0}
 """By definition: what a value is multiplied by, mm or inches for um."""
