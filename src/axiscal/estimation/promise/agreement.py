@@ -290,11 +290,12 @@ def _in_frames(problem: Problem, found: Weighed[Given], framed: Iterable[Framed]
 
 def _turned(problem: Problem, found: Weighed[Given], *, every: bool = True) -> Iterator[Tried]:
     """Yield the mistakes that change the values themselves.  every : also those that nobody is asked about"""
-    tried = [one for one in _other_values(problem) if every or one[0] in ASKED]
-    values = np.column_stack([each for _, _, each, _ in tried])
-    gained = np.array([np.sum(values * given.judged(values), axis=0) for given in found.given])
-    for (mistake, setups, _, factor), square in zip(tried, gained.T, strict=True):
-        squares = np.array([given.misfit for given in found.given]) - square
+    for mistake, setups, values, factor in _other_values(problem):
+        if not every and mistake not in ASKED:
+            continue
+        squares = np.empty(len(found.given))
+        for draw, given in enumerate(found.given):
+            squares[draw] = given.misfit - float(values @ given.judged(values[:, None])[:, 0])
         yield _tried(problem, found, 0.5 * squares, squares, Explained(mistake, 0.0, setups, factor=factor))
 
 
