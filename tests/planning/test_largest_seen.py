@@ -67,7 +67,7 @@ def test_no_reading_is_above_the_bound_and_one_is_near_it(name: str) -> None:
     reach = along(observation, 3)
     poses, approaches = chart_candidates(observation.machine, setup, setup.chart, 2000)
     best = float(lengths(observation, poses, approaches, reach).max())
-    each = [largest_seen(observation, 0, region, reach, 0.3 * best, gap) for region in regions(observation, 0)]
+    each = [largest_seen(region, setup.noise * reach, 0.3 * best, gap) for region in regions(observation, 0)]
     places, upper = Places.joined([one.places for one in each]), max(one.upper for one in each)
     reached = float(lengths(observation, places.poses, places.approaches, reach).max())
     assert best <= upper * (1 + 1e-9)
@@ -81,7 +81,7 @@ def test_a_level_that_nothing_reaches_is_what_is_said() -> None:
     reach = along(observation, 1)
     level = 1e3 * float(np.sum(reach**2))
     for region in regions(observation, 0):
-        largest = largest_seen(observation, 0, region, reach, level, 0.01)
+        largest = largest_seen(region, observation.setups[0].noise * reach, level, 0.01)
         assert largest.upper == pytest.approx(level, rel=1e-7)
         assert not len(largest.places)
 

@@ -51,7 +51,7 @@ def test_no_place_is_above_what_encloses_it(machine: Machine, moves: tuple[int, 
     setup = probe(machine) if moves is None else replace(probe(machine), moves=moves)
     observation, generator = problem(machine, (setup,), 50).state.observation, np.random.default_rng(3)
     reach = np.sqrt(observation.prior_variances())[:, None] * generator.standard_normal((observation.size, 3))
-    each = [largest_seen(observation, 0, region, reach, 1e-14, gap) for region in regions(observation, 0)]
+    each = [largest_seen(region, observation.setups[0].noise * reach, 1e-14, gap) for region in regions(observation, 0)]
     poses = np.tile(np.array(setup.park), (20_000, 1))
     for axis in setup.moves:
         poses[:, axis] = generator.uniform(*setup.span(machine.axes[axis], axis), len(poses))

@@ -1,8 +1,8 @@
-"""The largest ratio N/D of polynomials over boxes, enclosed by branch and bound with their Bernstein coefficients.
+"""The largest value of a polynomial over boxes, enclosed by branch and bound with its Bernstein coefficients.
 
 On a box a polynomial lies between its smallest and its largest Bernstein coefficient (Garloff 1986), and at the corners
-it is its coefficient there. So N/D is at most the largest ratio of their coefficients. The search halves boxes that may
-exceed the best known value, across the coordinate along which the ratio changes most, until none is left.
+it is its coefficient there. The search halves boxes that may exceed the best known value, across the coordinate along
+which the coefficients change most, until none is left.
 """
 
 from __future__ import annotations
@@ -55,11 +55,9 @@ def _batches(bounded: Boxes, batch: int) -> list[Boxes]:
     return [some(bounded, order[start : start + batch]) for start in range(0, len(order), batch)]
 
 
-Forms = Callable[[Array], tuple[Array, Array]]
-"""Places (m, d) -> N and D there, each (m,), D above zero."""
+Heights = Callable[[Array], Array]
+"""Places (m, d) -> values there, (m,)."""
 
-TAU = 1e-6
-"""By so much more than the best that is known nothing is."""
 BOXES = 200_000
 """Boxes after which the search gives up; the bound holds wherever it ends, it is then only larger."""
 _ROUNDING = 1e-8
@@ -69,28 +67,27 @@ _NUMBERS = 4e7
 _NEAR = 400_000
 """Coefficients of boxes that are looked at at once: of memory, not of the result."""
 _PLACES = 50_000
-"""Places at which forms are found at once: of memory, not of the result."""
+"""Places at which values are found at once: of memory, not of the result."""
 _LOOKS = 64
-"""Boxes at which polynomials of a degree are compared with the forms; a wrong degree shows in almost all."""
+"""Boxes at which polynomials of a degree are compared with the values; a wrong degree shows in almost all."""
 
 
 class Patches(NamedTuple):
-    """N and D as polynomials over boxes.
+    """Polynomials over boxes.
 
-    low, high : (b, d) ends; above, below : their Bernstein coefficients, by box and coordinate
-    places : (b, d) the best of those from which they were found; ratios : (b,) there
+    low, high : (b, d) ends; coefficients : of Bernstein, by box and coordinate
+    places : (b, d) the best of those from which they were found; heights : (b,) there
     """
 
     low: Array
     high: Array
-    above: Array
-    below: Array
+    coefficients: Array
     places: Array
-    ratios: Array
+    heights: Array
 
 
 class Enclosure(NamedTuple):
-    """The largest ratio lies between lower, that at the place (d,), and upper.  boxes : so many were looked at"""
+    """The largest value lies between lower, that at the place (d,), and upper.  boxes : so many were looked at"""
 
     lower: float
     upper: float
@@ -103,44 +100,41 @@ def bernstein(degree: int, t: Array) -> Array:
     return np.stack([comb(degree, k) * t**k * (1 - t) ** (degree - k) for k in range(degree + 1)], axis=1)
 
 
-def patches(forms: Forms, low: Array, high: Array, degree: tuple[int, ...]) -> Patches:
-    """Return forms as polynomials over boxes, found from as many places in each as they have coefficients.
+def patches(heights: Heights, low: Array, high: Array, degree: tuple[int, ...]) -> Patches:
+    """Return values as polynomials over boxes, found from as many places in each as they have coefficients.
 
     low, high : (b, d) ends of boxes; degree : along each coordinate, 0 where a box has no width
     """
     unit = np.stack([g.ravel() for g in np.meshgrid(*(_inner(each) for each in degree), indexing="ij")], axis=1)
     places = (low[:, None] + (high - low)[:, None] * unit).reshape(-1, len(degree))
-    parts = [forms(places[start : start + _PLACES]) for start in range(0, len(places), _PLACES)]
-    above, below = (np.concatenate(each).reshape(len(low), -1) for each in zip(*parts, strict=True))
-    best, every = (above / below).argmax(axis=1), np.arange(len(low))
+    parts = [heights(places[start : start + _PLACES]) for start in range(0, len(places), _PLACES)]
+    values, every = np.concatenate(parts).reshape(len(low), -1), np.arange(len(low))
+    best = values.argmax(axis=1)
     at = places.reshape(len(low), -1, len(degree))[every, best]
     shape = (len(low), *(each + 1 for each in degree))
-    ratios = (above / below)[every, best]
-    above, below = (_coefficients(values.reshape(shape), degree) for values in (above, below))
-    return Patches(low, high, above, below, at, ratios)
+    return Patches(low, high, _coefficients(values.reshape(shape), degree), at, values[every, best])
 
 
-def misfit(forms: Forms, found: Patches) -> float:
-    """Return by which share of the largest N and D polynomials miss them a quarter into boxes."""
-    boxes = some(found[:4], np.unique(np.linspace(0, len(found.low) - 1, _LOOKS).astype(np.intp)))
+def misfit(heights: Heights, found: Patches) -> float:
+    """Return by which share of the largest value polynomials miss values a quarter into boxes."""
+    boxes = some(found[:3], np.unique(np.linspace(0, len(found.low) - 1, _LOOKS).astype(np.intp)))
     for axis in 2 * tuple(range(boxes[0].shape[1])):
         boxes = _halved(boxes, np.full(len(boxes[0]), axis))[0]
-    _, high, *both = boxes
-    pairs = zip([each.reshape(len(high), -1)[:, -1] for each in both], forms(high), strict=True)
-    return max(float(np.max(np.abs(mine - value)) / np.max(np.abs(value))) for mine, value in pairs)
+    _, high, coefficients = boxes
+    value = heights(high)
+    return float(np.max(np.abs(coefficients.reshape(len(high), -1)[:, -1] - value)) / np.max(np.abs(value)))
 
 
-def largest_ratio(found: Patches, known: float = 0.0, gap: float = TAU, boxes: int = BOXES) -> Enclosure:
-    """Enclose the largest ratio over boxes.
+def largest_value(found: Patches, known: float, gap: float) -> Enclosure:
+    """Enclose the largest value over boxes; what is still open in the end counts with a bound of its own.
 
-    known : a ratio that is reached somewhere, or asked for; nothing that is above it by no more than a share of it,
+    known : a value that is reached somewhere, or asked for; nothing that is above it by no more than a share of it,
         the gap, is followed
-    boxes : how many to look at; what is then still open counts with a bound of its own
     """
-    each, best, place = found.above[0].size, known, found.low[0]
-    most, batch = min(boxes, int(_NUMBERS / each)), max(1, int(_NEAR / each))
-    bounds, best, place = _looked(found[:4], best, place)
-    waiting, looked, closed = _batches((bounds, *found[:4]), batch), 0, 0.0
+    each, best, place = found.coefficients[0].size, known, found.low[0]
+    most, batch = min(BOXES, int(_NUMBERS / each)), max(1, int(_NEAR / each))
+    bounds, best, place = _looked(found[:3], best, place)
+    waiting, looked, closed = _batches((bounds, *found[:3]), batch), 0, 0.0
     while waiting and looked < most:
         waiting.sort(key=lambda each: float(each[0][0]))
         chosen = [waiting.pop()]
@@ -150,36 +144,32 @@ def largest_ratio(found: Patches, known: float = 0.0, gap: float = TAU, boxes: i
         looked += len(worth[0])
         if not len(worth[0]):
             continue
-        bounds, best, place = _looked(tuple(worth), best, place)
-        closed, (bounds, *worth) = _worth((bounds, *worth), best * (1 + gap), closed)
-        if len(bounds):
-            waiting += _batches(joined([(bounds, *part) for part in _split(tuple(worth))]), batch)
+        parts = joined(_split(tuple(worth)))
+        bounds, best, place = _looked(parts, best, place)
+        closed, worthy = _worth((bounds, *parts), best * (1 + gap), closed)
+        waiting += _batches(worthy, batch)
     upper = max([best, closed, *(float(each[0][0]) for each in waiting)])
     return Enclosure(best, upper * (1 + _ROUNDING), place, looked)
 
 
 def _looked(boxes: Boxes, best: float, place: Array) -> tuple[Array, float, Array]:
-    """Return what boxes may hold at most, (b,), and the best ratio with its place, after a look at all corners.
+    """Return what boxes may hold at most, (b,), and the best value with its place, after a look at all corners.
 
-    boxes : low, high (b, d), Bernstein coefficients of N and D
-    N/D is at most the largest ratio of their coefficients, where those of D are known to be above zero.
+    boxes : low, high (b, d), Bernstein coefficients
     """
-    low, high, above, below = boxes
-    ratios = above / np.where(below > 0, below, 1.0)
-    corners = ratios[:, *(slice(None, None, max(size - 1, 1)) for size in ratios.shape[1:])]
+    low, high, coefficients = boxes
+    corners = coefficients[:, *(slice(None, None, max(size - 1, 1)) for size in coefficients.shape[1:])]
     box, *ends = np.unravel_index(int(corners.argmax()), corners.shape)
     if corners[box, *ends] > best:
         best, place = float(corners[box, *ends]), np.where(np.array(ends) == 1, high[box], low[box])
-    along = tuple(range(1, ratios.ndim))
-    return np.where(np.all(below > 0, axis=along), ratios.max(axis=along), np.inf), best, place
+    return coefficients.max(axis=tuple(range(1, coefficients.ndim))), best, place
 
 
 def _split(boxes: Boxes) -> list[Boxes]:
-    """Return both halves of every box, cut across the coordinate along which the ratio changes most."""
-    *_, above, below = boxes
-    ratios = above / np.where(below > 0, below, 1.0)
-    axes = range(1, ratios.ndim)
-    ways = [np.abs(np.diff(ratios, axis=k)).sum(axis=k).reshape(len(ratios), -1).max(axis=1) for k in axes]
+    """Return both halves of every box, cut across the coordinate along which the coefficients change most."""
+    *_, whole = boxes
+    axes = range(1, whole.ndim)
+    ways = [np.abs(np.diff(whole, axis=k)).sum(axis=k).reshape(len(whole), -1).max(axis=1) for k in axes]
     return _halved(boxes, np.argmax(ways, axis=0))
 
 
@@ -190,8 +180,7 @@ def _halved(boxes: Boxes, across: Array) -> list[Boxes]:
         mine = np.flatnonzero(across == axis)
         middle = (boxes[0][mine, axis] + boxes[1][mine, axis]) / 2
         first[1][mine, axis] = second[0][mine, axis] = middle
-        for lower, upper, whole in zip(first[2:], second[2:], boxes[2:], strict=True):
-            lower[mine], upper[mine] = halves(whole[mine], axis + 1)
+        first[2][mine], second[2][mine] = halves(boxes[2][mine], axis + 1)
     return [tuple(first), tuple(second)]
 
 

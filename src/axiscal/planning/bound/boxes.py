@@ -58,14 +58,14 @@ class _Line:
     rows : B (cells, d + 1, k, r), whitened, at nodes of each cell; middle : of them (cells, k, r)
     """
 
-    def __init__(self, state: Covariance, everywhere: Sequence[tuple[int, Region]], numbers: int) -> None:
+    def __init__(self, state: Covariance, everywhere: Sequence[Region], numbers: int) -> None:
         self.state, self.numbers = state, numbers
         self.target, parts = state.weighted, list[Array]()
-        degree = max(region.degree[0] for _, region in everywhere)
-        values = max(len(self._seen(state, setup, region, region.low[:1])[0]) for setup, region in everywhere)
+        degree = max(region.degree[0] for region in everywhere)
+        values = max(len(region.rows(region.low[:1])[0]) for region in everywhere)
         nodes = (1 - np.cos(np.pi * np.arange(degree + 1) / max(degree, 1))) / 2
-        total = sum(len(region.low) for _, region in everywhere)
-        for setup, region in everywhere:
+        total = sum(len(region.low) for region in everywhere)
+        for region in everywhere:
             cut = (
                 np.linspace(0, 1, max(1, -(-_CELLS // total)) + 1)
                 if np.any(region.high > region.low)
@@ -74,18 +74,13 @@ class _Line:
             low, span = region.low, region.high - region.low
             begins, each = low + span * cut[:-1], span * np.diff(cut)
             places = begins[..., None] + each[..., None] * nodes
-            seen = self._seen(state, setup, region, places.reshape(-1, 1)).reshape(
-                begins.size, degree + 1, -1, len(state.factor.T)
-            )
+            noise = region.ground.observation.setups[region.ground.setup].noise
+            seen = region.rows(places.reshape(-1, 1)) @ state.factor / noise
+            seen = seen.reshape(begins.size, degree + 1, -1, len(state.factor.T))
             parts.append(np.pad(seen, ((0, 0), (0, 0), (0, values - seen.shape[2]), (0, 0))))
         self.rows = np.concatenate(parts)
         self.middle = self.rows[:, degree // 2]
         self._turn = np.linalg.inv(bernstein(degree, nodes))
-
-    @staticmethod
-    def _seen(state: Covariance, setup: int, region: Region, places: Array) -> Array:
-        rows = state.observation.numbers(setup, *region.as_poses(places)).rows
-        return rows @ state.factor / state.observation.setups[setup].noise
 
     def nearest(self, state: Covariance, places: Places) -> NDArray[np.intp]:
         """Return the cells whose middles show most nearly what readings do, ascending, (m,)."""
@@ -127,9 +122,7 @@ class _Line:
         return best, box._replace(weights=weights)
 
 
-def by_boxes(
-    state: Covariance, everywhere: Sequence[tuple[int, Region]], places: Places, enough: float, numbers: int
-) -> float:
+def by_boxes(state: Covariance, everywhere: Sequence[Region], places: Places, enough: float, numbers: int) -> float:
     """Return a bound for as many readings as a plan has, anywhere along one coordinate, at most what is enough.
 
     everywhere : where each set-up may be read, of one coordinate each; places : a good plan

@@ -5,7 +5,7 @@ largest slope is looked for over the whole lattice.
 
 `prove` bounds J for readings anywhere, not only on a lattice. The matrix Z of `certificate` bounds every plan once Σ |Z
 b|² over its readings is bounded. Between knots |Z b(t)|² is a polynomial of where a reading is taken, along axes and
-charts alike (`ground`); boxes with its Bernstein coefficients enclose the largest (`largest_ratio`). The hills found on
+charts alike (`ground`); boxes with its Bernstein coefficients enclose the largest (`largest_value`). The hills found on
 the way join the weighted plan, until no place is worth more than those that have weight. The rests of cells are taken
 as known: that can only lower the bound. In floating point, with a margin for rounding, without intervals.
 """
@@ -23,10 +23,9 @@ from numpy.typing import NDArray
 from axiscal.estimation.accuracy.yardstick import Root
 from axiscal.language.stages import stage
 from axiscal.measurement.instrument import values_of
-from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.numerics.bernstein import Forms, largest_ratio, patches
+from axiscal.numerics.bernstein import Heights, largest_value, patches
 from axiscal.planning.bound.boxes import by_boxes
 from axiscal.planning.bound.certificate import Dual, groups, rank_bound, zeros_each, zeros_of
 from axiscal.planning.bound.relaxation import Relaxation
@@ -234,7 +233,7 @@ def prove(
     Raises PlanError where readings of a set-up cannot be cut into boxes.
     """
     setups, count = [int(s) for s in np.unique(lattice.setups)], len(places)
-    everywhere = [(setup, region) for setup in setups for region in regions(state.observation, setup)]
+    everywhere = [region for setup in setups for region in regions(state.observation, setup)]
     if not count:
         return Proof(Bound(state.value, True), 0.0)
     best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
@@ -245,7 +244,7 @@ def prove(
         dual = relaxation.solved()
         level = float(relaxation.slopes(dual) @ relaxation.weights) / count
         kept = relaxation.pool.lattice.within(relaxation.weights > _GONE * count)
-        found = [_largest(dual, setup, region, level, gap) for setup, region in everywhere]
+        found = [largest_seen(region, dual.reach, level, gap) for region in everywhere]
         spent = count * max(each.upper for each in found)
         best = max(best, dual.floor(spent, numbers))
         closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
@@ -256,7 +255,7 @@ def prove(
         if left <= gap or not len(steeper) or stalled:
             break
         lattice = Places.joined([kept, steeper])
-    if all(len(region.degree) == 1 for _, region in everywhere):
+    if all(len(region.degree) == 1 for region in everywhere):
         known = state.after_readings(places).value
         if best * (1 + gap) < known:
             best = max(best, by_boxes(state, everywhere, places, known / (1 + gap), numbers))
@@ -287,26 +286,23 @@ class Largest(NamedTuple):
     places: Places
 
 
-def _largest(dual: Dual, setup: int, region: Region, level: float, gap: float) -> Largest:
-    """Enclose the largest |Z b|² of a set-up over a region, and find where it is large."""
-    observation = dual.state.observation
-    return largest_seen(observation, setup, region, dual.reach / observation.setups[setup].noise, level, gap)
-
-
-def largest_seen(
-    observation: Observation, setup: int, region: Region, reach: Array, level: float, gap: float
-) -> Largest:
-    """Enclose the largest |g reach|² of readings of a set-up over a region, all their numbers together.
+def largest_seen(region: Region, reach: Array, level: float, gap: float) -> Largest:
+    """Enclose the largest |g reach|² of readings over a region, all their numbers together, over their variance.
 
     reach : (n, w); level, gap : what is not above the level by a quarter of the gap is not followed
     """
-    forms = _forms(observation, setup, region, _short(reach))
-    whole = patches(forms, region.low, region.high, region.degree)
-    order = np.argsort(-whole.ratios, kind="stable")[:_TRIED]
-    order = order[whole.ratios[order] > _HIGH * level]
-    tops, lengths = _climbed(forms, whole.places[order], whole.low[order], whole.high[order])
+    observation, setup = region.ground.observation, region.ground.setup
+    short = _short(reach / observation.setups[setup].noise)
+
+    def heights(places: Array) -> Array:
+        return np.asarray(np.sum((region.rows(places) @ short) ** 2, axis=(1, 2)))
+
+    whole = patches(heights, region.low, region.high, region.degree)
+    order = np.argsort(-whole.heights, kind="stable")[:_TRIED]
+    order = order[whole.heights[order] > _HIGH * level]
+    tops, lengths = _climbed(heights, whole.places[order], whole.low[order], whole.high[order])
     known = max(level, float(lengths.max(initial=0.0)))
-    found = largest_ratio(whole, known, max(gap, known / level - 1) / 4)
+    found = largest_value(whole, known, max(gap, known / level - 1) / 4)
     if found.lower > known:
         tops, lengths = np.vstack([tops, found.place]), np.append(lengths, found.lower)
     highest = np.argsort(-lengths, kind="stable")[: int(np.sum(lengths > level * (1 + gap / 8)))]
@@ -324,23 +320,13 @@ def _short(reach: Array) -> Array:
     return short
 
 
-def _forms(observation: Observation, setup: int, region: Region, reach: Array) -> Forms:
-    """Return |g reach|², over one, as a function of places (m, size)."""
-
-    def forms(places: Array) -> tuple[Array, Array]:
-        seen = observation.numbers(setup, *region.as_poses(places)).rows
-        return np.sum((seen @ reach) ** 2, axis=(1, 2)), np.ones(len(places))
-
-    return forms
-
-
-def _climbed(forms: Forms, places: Array, low: Array, high: Array) -> tuple[Array, Array]:
+def _climbed(heights: Heights, places: Array, low: Array, high: Array) -> tuple[Array, Array]:
     """Return the hills of boxes near places (m, size), and how high they are, (m,).  low, high : (m, size) of boxes"""
     moves = np.array(list(product((0.0, -1.0, 1.0), repeat=places.shape[1])))
     step = (high - low) / 2
     for _ in range(_FINEST):
         step = step / _FINER
         tried = np.clip(places[:, None] + moves * step[:, None], low[:, None], high[:, None])
-        best = forms(tried.reshape(-1, places.shape[1]))[0].reshape(len(places), len(moves)).argmax(axis=1)
+        best = heights(tried.reshape(-1, places.shape[1])).reshape(len(places), len(moves)).argmax(axis=1)
         places = tried[np.arange(len(places)), best]
-    return places, forms(places)[0]
+    return places, heights(places)

@@ -266,6 +266,10 @@ class Region(NamedTuple):
         """Return poses and approaches, (m, q) each.  places : (m, size) u"""
         return self.ground.as_poses(places, np.tile(self.sides, (len(places), 1)))
 
+    def rows(self, places: Array) -> Array:
+        """Return the rows of all numbers of readings at places (m, size), (m, k, n)."""
+        return self.ground.observation.numbers(self.ground.setup, *self.as_poses(places)).rows
+
 
 def regions(observation: Observation, setup: int) -> list[Region]:
     """Return the boxes of a set-up, for all sides that differ in what is seen.
@@ -284,7 +288,7 @@ def regions(observation: Observation, setup: int) -> list[Region]:
     if sum(len(region.low) for region in found) * np.prod(np.array(degree) + 1.0) > _PLACES:
         what = 'no proof for readings anywhere: "{setup}" has too many knots along its axes together'
         raise PlanError(what, _REMEDY, setup=mounted.name)
-    if not all(_follows(observation, setup, region) for region in found):
+    if not all(map(_follows, found)):
         what = 'no proof for readings anywhere: what "{setup}" sees is no polynomial of where it is'
         raise PlanError(what, _REMEDY, setup=mounted.name)
     return found
@@ -322,12 +326,11 @@ def _parts(pieces: Array, longest: float) -> Array:
     return np.array([part for at in cut for part in pairwise(at)]).reshape(-1, 2)
 
 
-def _follows(observation: Observation, setup: int, region: Region) -> bool:
+def _follows(region: Region) -> bool:
     """Return whether polynomials are the squares of what readings see."""
 
-    def forms(places: Array) -> tuple[Array, Array]:
-        seen = observation.numbers(setup, *region.as_poses(places)).rows
-        return np.sum(seen**2, axis=(1, 2)), np.ones(len(places))
+    def lengths(places: Array) -> Array:
+        return np.asarray(np.sum(region.rows(places) ** 2, axis=(1, 2)))
 
     few = np.unique(np.linspace(0, len(region.low) - 1, _COMPARED).astype(np.intp))
-    return misfit(forms, patches(forms, region.low[few], region.high[few], region.degree)) < _EXACT
+    return misfit(lengths, patches(lengths, region.low[few], region.high[few], region.degree)) < _EXACT
