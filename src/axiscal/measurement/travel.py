@@ -232,22 +232,21 @@ def reading_seconds(setup: Setup) -> float:
 
 
 def short_way(
-    machine: Machine, setup: Setup, poses: Array, approaches: Array, first: Array | None = None, *, exact: bool = False
+    machine: Machine, setup: Setup, poses: Array, approaches: Array, first: Array | None = None
 ) -> tuple[NDArray[np.intp], Array]:
     """Return an order of poses of a set-up, (m,), and the seconds from each to the next, overrun included, (m - 1,).
 
     approaches : (m, q), 0 where any side will do; first : (m,) seconds to each from where the machine stands
-    exact : ways in touch that lead aside, or off and back, count as what they take; else every way as if straight
-    The ways of an order are looked at, what they take is put in, and an order is sought anew until all are known.
+    Ways in touch may lead aside, or off and back: those of an order are looked at, what they take is put in, and an
+    order is sought anew until all are known.
     """
     table = way_seconds(machine, setup, poses[:, None], poses[None], approaches[None], straight=True)
     best, least = np.zeros(0, dtype=np.intp), np.inf
-    for _ in range(_ROUNDS if exact and setup.contact == "held" else 1):
+    for _ in range(_ROUNDS if setup.contact == "held" else 1):
         order = route(table, first)
         here, there = order[:-1], order[1:]
         thought = table[here, there]
-        if exact:
-            table[here, there] = way_seconds(machine, setup, poses[here], poses[there], approaches[there])
+        table[here, there] = way_seconds(machine, setup, poses[here], poses[there], approaches[there])
         seconds = float(table[here, there].sum()) + (0.0 if first is None or not len(order) else float(first[order[0]]))
         if not len(best) or seconds < least:
             best, least = order, seconds

@@ -87,7 +87,7 @@ def counting(task: Task, places: Places) -> Array:
 
 def in_order(task: Task, places: Places) -> Places:
     """Return the readings in travel order, set-ups as of `set_ups_in_order`."""
-    parts = [_by_setup(task, places.within(mine), exact=True) for _, mine in places.by_setup()]
+    parts = [_on_a_short_way(task, places.within(mine)) for _, mine in places.by_setup()]
     return set_ups_in_order(task, Places.joined(parts)) if parts else places
 
 
@@ -114,19 +114,7 @@ def set_ups_in_order(task: Task, places: Places) -> Places:
     return Places.joined([groups[setup] for setup in order])
 
 
-def _by_setup(task: Task, places: Places, exact: bool = False) -> Places:
-    """Return the readings in travel order, set-ups in order of their index, the mounted one first.
-
-    exact : as for `short_way`
-    """
-    mounted = -1 if task.here is None else task.here.setups[0]
-    groups = sorted(places.by_setup(), key=lambda group: (group[0] != mounted, group[0]))
-    return Places.joined(
-        [places.within(slice(0, 0)), *(_on_a_short_way(task, places.within(g), exact) for _, g in groups)]
-    )
-
-
-def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
+def _on_a_short_way(task: Task, places: Places) -> Places:
     """Return the readings of one set-up out and back along its axis, or on a short way if several move.
 
     From where the machine stands, if the set-up is mounted.
@@ -141,7 +129,7 @@ def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
         first = way_seconds(machine, setup, task.here.poses[0], places.poses, approaches)
     once, place = _at_one_place(np.column_stack([places.poses, approaches]))
     begin = None if first is None else first[once]
-    order, _ = short_way(machine, setup, places.poses[once], approaches[once], begin, exact=exact)
+    order, _ = short_way(machine, setup, places.poses[once], approaches[once], begin)
     return places.within(np.argsort(np.argsort(order)[place], kind="stable"))
 
 

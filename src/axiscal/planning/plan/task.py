@@ -144,7 +144,7 @@ def _reading_with_way(observation: Observation, setup: int) -> float:
     """Return the seconds of a reading of a set-up; the way is that between a few evenly spread readings."""
     machine, described = observation.machine, observation.setups[setup]
     sample = spread(machine, (described,), _TYPICAL)
-    _, ways = short_way(machine, described, sample.poses, np.zeros_like(sample.poses), exact=True)
+    _, ways = short_way(machine, described, sample.poses, np.zeros_like(sample.poses))
     return reading_seconds(described) + float(ways.mean())
 
 
