@@ -16,8 +16,9 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.other_readings import with_both_sides, with_rooms
-from axiscal.planning.plan.task import Goal, Limits
+from axiscal.planning.other_readings import put_among, with_both_sides, with_rooms
+from axiscal.planning.plan.order import interleaved, set_ups_in_order
+from axiscal.planning.plan.task import Goal, Limits, Task
 from axiscal.planning.promise import FEW, foreseen
 
 
@@ -65,6 +66,7 @@ def enough(case: Case, limits: Limits, readings: Sequence[Reading] = ()) -> Limi
 
 def goal_of(
     case: Case,
+    task: Task,
     limits: Limits,
     readings: Sequence[Reading] = (),
     believed: Sequence[Reading] = (),
@@ -74,19 +76,15 @@ def goal_of(
     """Return what readings to come are to reach; None where limits ask for no accuracy.
 
     readings : so far; believed : of these; unsure : factor by which what is foreseen may yet become larger
-    checks : that are read beside them
+    checks : that are read among them
     """
     if not limits.accurate:
         return None
 
     def reached_at(within: Limits, places: Places) -> bool:
-        planned = with_both_sides(case, readings, with_rooms(case, places))
-        return reached_by(case, within, _with_each_set_up(planned, checks), believed)
+        order = set_ups_in_order(task, places)  # the machine grows between one set-up and the next
+        order = interleaved(task, limits, order) if case.description.usual else order
+        planned = with_both_sides(case, readings, with_rooms(case, order))
+        return reached_by(case, within, put_among(case, task, planned, checks), believed)
 
     return Goal(partial(reached_at, limits), partial(reached_at, limits.times(1 / unsure)))
-
-
-def _with_each_set_up(places: Sequence[Place], checks: Sequence[Place]) -> list[Place]:
-    """Return places with the checks of each set-up after its last one."""
-    setups = dict.fromkeys(place.setup for place in places)
-    return [place for setup in setups for place in (*places, *checks) if place.setup == setup]

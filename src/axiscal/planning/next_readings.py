@@ -69,8 +69,8 @@ def planned_places(
     left : of an earlier plan and in no gap, to begin with; checks : that are read beside those to come
     """
     unsure = 1 + 1 / math.sqrt(2 * len(readings)) if len(case.sizes) and readings and left else 1.0
-    goal = goal_of(case, limits, readings, believed, unsure, checks)
     task = replace(task, beside=columns_of(case, checks))
+    goal = goal_of(case, task, limits, readings, believed, unsure, checks)
 
     def planned(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
         coming = _chosen(case, task, within, goal, left, gaps)

@@ -282,14 +282,14 @@ def with_checks(
         raise PlanError(what, remedy, checks=described.target.checks or count, readings=most)
     checks, budget = _Checks(case, task, readings, known, distinct(task.lattice), count, limits.readings), limits.budget
     if limits.readings == 0:
-        return checks.put_among((), checks.picked((), count))
+        return checks.among((), checks.picked((), count))
     rough = count > 0 and task.patience > 0 and not limits.timed  # another plan follows, beside as many checks
     begun = own or plan(limits, (), (), rough)  # says how many checks belong to it, and in which set-ups
     beside = checks.picked(begun, checks.count(begun)) if budget is None else checks.for_a_fifth(begun)
     if not own and not beside and not rough:
         return begun
     if budget is not None:
-        more = checks.seconds(checks.put_among(begun, beside)) - checks.seconds(begun)
+        more = checks.seconds(checks.among(begun, beside)) - checks.seconds(begun)
         limits = replace(limits, budget=budget - more)
     if task.patience > 0 or own:  # else for figures only, which checks change little
         begun = plan(limits, without_markers(case, readings, begun if limits.timed else own), beside, False)
@@ -332,24 +332,29 @@ class _Checks:
         found = drawn_places(self.candidates, among, count - len(known), len(self.readings))
         return (*known, *(replace(place, check=True) for place in with_rooms(self.case, found)))
 
+    def among(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
+        """Return planned readings with checks."""
+        return put_among(self.case, self.task, places, checks)
+
     def for_a_fifth(self, places: Sequence[Place]) -> tuple[Place, ...]:
         """Return the checks of planned readings that take a fifth at most of what comes after the first."""
         alone = self.seconds(places)
         most = alone + (alone - self.seconds(places[:1])) / _SHARE
         fewer = (self.picked(places, count) for count in range(self.count(places), -1, -1))
-        return next(each for each in fewer if self.seconds(self.put_among(places, each)) <= most)
+        return next(each for each in fewer if self.seconds(self.among(places, each)) <= most)
 
     def fitting(self, places: Sequence[Place], checks: Sequence[Place], budget: float | None) -> tuple[Place, ...]:
         """Return planned readings with as many checks as there is time for, of all set-ups alike."""
         whole = len(checks)
         evenly = ([(i * whole + whole // 2) // count for i in range(count)] for count in range(whole, -1, -1))
-        fewer = (self.put_among(places, [checks[i] for i in chosen]) for chosen in evenly)
+        fewer = (self.among(places, [checks[i] for i in chosen]) for chosen in evenly)
         return next((each for each in fewer if budget is None or self.seconds(each) <= budget), tuple(places))
 
-    def put_among(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
-        """Return planned readings with checks, each where it costs least time."""
-        if not checks:
-            return tuple(places)
-        every = inserted(self.task, columns_of(self.case, places), columns_of(self.case, checks))
-        order, added = with_rooms(self.case, every[0]), every[1].tolist()
-        return tuple(replace(place, check=check) for place, check in zip(order, added, strict=True))
+
+def put_among(case: Case, task: Task, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
+    """Return planned readings with checks, each where it costs least time."""
+    if not checks:
+        return tuple(places)
+    every = inserted(task, columns_of(case, places), columns_of(case, checks))
+    order, added = with_rooms(case, every[0]), every[1].tolist()
+    return tuple(replace(place, check=check) for place, check in zip(order, added, strict=True))

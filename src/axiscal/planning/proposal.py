@@ -265,7 +265,7 @@ def proposed(
     def coming(task: Task, within: Limits) -> _Order:
         if isinstance(candidates, Places):
             search = replace(heeded, readings=within.readings, budget=within.budget)
-            goal = goal_of(case, search, readings, readings, checks=kept)
+            goal = goal_of(case, task, search, readings, readings, checks=kept)
             return _Order(make_plan(task, search, goal=goal, patience=0.0, bounded=False).places)
         places = reaching(case, task, within, heeded, readings, readings, kept=kept)
         return _Order(columns_of(case, places), frozenset(i for i, place in enumerate(places) if place.check))

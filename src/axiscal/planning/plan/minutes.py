@@ -94,14 +94,14 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
     """
     if goal.reached(nothing := Places.none(task.lattice.poses.shape[1])):
         return nothing
-    coarse, ordered = task.coarse, _as_taken(task, goal)
+    coarse = task.coarse
     longest, endless = np.inf if limits.budget is None else limits.budget, replace(limits, budget=None)
     best, short = None, np.inf
     for setups in sets:
         opened = _opened(endless, *_base(coarse, setups), setups, np.random.default_rng(_SEED))
         if opened.seconds >= longest:
             break
-        found = _grown(opened, ordered, longest)
+        found = _grown(opened, goal, longest)
         if found is None:
             before, short = short, opened.scores.state.value
             if not limits.rows and before - short <= _STALLED * short:
@@ -115,7 +115,7 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
     setups = tuple(best.runs)
     begun = partial(_begun, True, replace(limits, budget=longest), *_base(coarse, setups), setups)
     tour, *_ = _all_begun([best], begun, _BESIDE)
-    tour = _shortest(tour, ordered, partial(_settled, better=_WORTH)) if ordered.reached(tour.places) else best
+    tour = _shortest(tour, goal, partial(_settled, better=_WORTH)) if goal.reached(tour.places) else best
     return retoured(task, limits, setups, tour.places, patience, goal=goal)
 
 
@@ -124,7 +124,7 @@ def grown(task: Task, limits: Limits, setups: Setups, left: Places, goal: Goal, 
 
     longest : seconds
     """
-    tour = _grown(Tour.through(*_base(task, setups), setups, limits, left), _as_taken(task, goal), longest)
+    tour = _grown(Tour.through(*_base(task, setups), setups, limits, left), goal, longest)
     return None if tour is None else tour.places
 
 
@@ -147,7 +147,6 @@ def retoured(
     tour, settle = through(scores.fork(), setups, limits, left), partial(_settled, better=better)
     tour.cut()
     if goal is not None:
-        goal = _as_taken(task, goal)
         tour = _grown(tour, goal, tour.budget) or tour
         tour.budget = tour.seconds
     kept = goal.reached if goal is not None and goal.reached(tour.places) else None
@@ -197,15 +196,6 @@ def from_elsewhere(task: Task, limits: Limits, setups: Setups, number: int, pati
     places = retoured(task, limits, setups, tour.places, patience)
     size = task.observation.size
     return places, tour.work + _ROUNDS * work_of_climb(size, size) * len(places)
-
-
-def _as_taken(task: Task, goal: Goal) -> Goal:
-    """Return an accuracy asked of readings as they are taken: the machine grows between one set-up and the next."""
-
-    def asked(of: Callable[[Places], bool], places: Places) -> bool:
-        return of(set_ups_in_order(task, places))
-
-    return Goal(partial(asked, goal.reached), partial(asked, goal.surely))
 
 
 def _base(task: Task, setups: Setups) -> tuple[Ways, Scores]:
