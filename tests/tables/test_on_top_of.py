@@ -94,6 +94,8 @@ BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much com
     "reprapfirmware: a skew is added": ("reprapfirmware", OldFile("config.g", "M556 S100 X1\n"), "X", 1000, 1000),
     "marlin: a bed, as M503 answers": ("marlin", OldFile("m503", f"M852 I0 J0 K0\n{NODES}"), "Z", 20, 20),
     "marlin: a skew is taken away": ("marlin", OldFile("m503", "M852 I0.01 J0 K0\n"), "X", -1000, -1000),
+    "marlin: a skew of the one plane that it knows": ("marlin", OldFile("m503", "M852 S0.01\n"), "X", -1000, -1000),
+    "marlin: in inches": ("marlin", OldFile("m503", "echo:  G20 ;\necho:  M425 F1 S0 X0.01\n"), "X", 127, -127),
     "marlin: half of a lost motion to each side": ("marlin", OldFile("m503", "M425 X0.010 F0.5 S0\n"), "X", 2.5, -2.5),
 }  # fmt: skip
 

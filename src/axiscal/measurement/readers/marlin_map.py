@@ -89,12 +89,17 @@ def printed(file: TextFile, around: Around) -> Found:
     return grid(file, around, numbered, begin)
 
 
+def in_unit(file: TextFile) -> TextFile:
+    """Return an answer to M503 with the unit that its lengths are in: inches behind G20."""
+    return replace(file, unit="in" if any(_INCHES.match(text) for _, text in file.told) else "mm")
+
+
 def nodes(file: TextFile, around: Around) -> Found:
     """Return the readings of commands that set nodes; raises ReadingError.
 
     A node that no command sets was not probed, where the set-up says how many there are; else it is refused.
     """
-    file = replace(file, unit="in") if any(_INCHES.match(text) for _, text in file.told) else file
+    file = in_unit(file)
     found = dict[tuple[int, int], tuple[int, str]]()
     for number, text in file.told:
         if command := _NODE.match(text):

@@ -11,7 +11,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.marlin_map import is_nodes, nodes
+from axiscal.measurement.readers.marlin_map import in_unit, is_nodes, nodes
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, other_words, play_of, zero_note
@@ -24,6 +24,8 @@ _FILE = "axiscal.gcode"
 _COMMAND = re.compile(r"(M425|M852) ([^;\n]*)")
 _WORD = re.compile(r"(?<!\S)([A-Z])(-?[\d.]+)(?!\S)")
 _SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
+_PLANES = {letter: plane for plane, letter in _SKEW.items()} | {"S": "XY"}
+"""By the letters of M852: a Marlin that knows the plane XY alone answers with S."""
 
 
 class Marlin(MapFormat):
@@ -94,14 +96,14 @@ def read(text: str, machine: Machine, name: str = "") -> Loaded:
 
     Where the nodes of a map are is built into the firmware: an export says it, and else they span the travels.
     """
-    skew, play, file = dict[str, float](), dict[str, float](), TextFile(name, tuple(text.splitlines()))
+    skew, play, file = dict[str, float](), dict[str, float](), in_unit(TextFile(name, tuple(text.splitlines())))
     for command in _COMMAND.finditer(text):
         values = {letter: float(number) for letter, number in _WORD.findall(command[2])}
         if command[1] == "M852":
-            skew = {plane: values[letter] for plane, letter in _SKEW.items() if letter in values}
+            skew = {_PLANES[letter]: value for letter, value in values.items() if letter in _PLANES}
         else:
             share = values.pop("F", 1.0)
-            play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis in "XYZ"}
+            play = {axis: share * float(from_unit(v, file.unit)) for axis, v in values.items() if axis in "XYZ"}
     return Loaded(lost_motion(machine, play), (_mesh(file, machine),) if is_nodes(file) else (), skew)
 
 

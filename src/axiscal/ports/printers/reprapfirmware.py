@@ -70,7 +70,7 @@ class RepRapFirmware(MapFormat):
                 skew = _skew({letter: float(word) for letter, word in commands["M556"].items()})
             own = {axis: word for axis, word in commands.get("M425", {}).items() if axis in "XYZ"}
             play |= {axis: float(from_unit(float(word), "mm")) for axis, word in own.items()}
-        letters = {"M425": "XYZS", "M556": "XYZSP"}
+        letters = {"M425": "XYZS", "M556": "XYZS"}
         untaken = tuple(each for file in files for each in other_words(file, letters))
         return Loaded(lost_motion(machine, play), tuple(meshes), skew, untaken=untaken)
 

@@ -92,8 +92,12 @@ def _understood(
     if int(values.get("MULT_BY_TABLE", "0")):
         what = "a CEC table of {axis} is multiplied by another one"
         raise TableError(what, "leave MULT_BY_TABLE at 0", axis=moved)
-    entries = [_number(values.get(f"#{i}", "0")) for i in range(round(count))]
-    if abs(count - round(count)) > 1e-6 or _number(values.get(f"#{round(count)}", "0")):
+    points = {int(key[1:]): _number(value) for key, value in values.items() if key[0] == "#"}
+    if lacking := [number for number in range(round(count)) if number not in points]:
+        what, remedy = "point {number} of the table of {moved} is not there", "give the files as the control saved them"
+        raise TableError(what, remedy, moved=moved, number=lacking[0])
+    entries = [points.pop(number) for number in range(round(count))]
+    if abs(count - round(count)) > 1e-6 or any(points.values()):
         remedy = "this is a defect of axiscal"
         raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
     units = [machine.axis(name).unit for name in (over, moved)]
