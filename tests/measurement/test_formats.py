@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from pathlib import Path
@@ -310,3 +311,60 @@ def test_klipper_prints_where_its_nozzle_stood_and_since_2025_where_the_bed_is_m
         path.write_text(f"Send: PROBE\n{text}// Result is z=0.125000\nok\n")
         found = recognised(path, Around(campaign.machine.axes, campaign.setups))
         assert heights(found) == pytest.approx({(100.0, 50.0): 0.125})
+
+
+def dumped(drawing: DrawnMap, where: str) -> str:
+    """Return an answer of Klipper to bed_mesh/dump_mesh, whose map is in force, or saved alone."""
+    low, high = (
+        {f"{end}_x": float(drawing.x[at]), f"{end}_y": float(drawing.y[at])} for end, at in (("min", 0), ("max", -1))
+    )
+    params = {**low, **high, "x_count": len(drawing.x), "y_count": len(drawing.y)}
+    saved = {"points": drawing.z.tolist(), "mesh_params": params}
+    held = {"name": "hot", "probed_matrix": drawing.z.tolist(), "mesh_params": params}
+    none = {"name": "", "probed_matrix": [], "mesh_matrix": []}
+    current, profiles = (held, {"other": {}}) if where == "in force" else (none, {"hot": saved})
+    beside = {"probe_offsets": [-3.0, 25.0, 0.5], "calibration": {"points": [[0, 0]]}}
+    return json.dumps({"result": {"current_mesh": current, "profiles": profiles, **beside}})
+
+
+@pytest.mark.parametrize("where", ["in force", "saved"])
+def test_a_dump_of_klipper_says_where_its_probe_stood(tmp_path: Path, where: str) -> None:
+    found = read(tmp_path, dumped(MAPS[0], where))
+    assert heights(found) == pytest.approx(MAPS[0].probed(), abs=1e-9)
+    assert found.found.readings[0].beside == pytest.approx((-3e-3, 25e-3))
+
+
+def test_settings_of_moonraker_say_where_the_probe_stood(tmp_path: Path) -> None:
+    answer = json.loads(MAPS[0].text("a Moonraker mesh"))
+    probe = {"probe": {"x_offset": -33.0, "y_offset": 2}, "axis_twist_compensation": {"z_compensations": []}}
+    found = read(tmp_path, json.dumps([answer, {"configfile": {"settings": probe}}]))
+    assert heights(found) == pytest.approx(MAPS[0].probed(), abs=1e-9)
+    assert found.found.readings[0].beside == pytest.approx((-33e-3, 2e-3))
+
+
+@pytest.mark.parametrize("between", [",", ";", "\t"])
+def test_a_height_map_that_a_spreadsheet_saved_is_read(tmp_path: Path, between: str) -> None:
+    lines = MAPS[1].text("a RepRapFirmware map").splitlines()
+    cells = [re.sub(r",\s*", "\t", line).replace(".", "." if between == "," else ",") for line in lines[1:]]
+    text = "\n".join([lines[0], *(line.replace("\t", between) + 3 * between for line in cells)])
+    assert heights(read(tmp_path, text)) == pytest.approx(MAPS[1].probed(), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "BEGIN MESS.PNT MM\nNR       X          Y         Z\n0        +1.000   +2.000   +0.1000\n[END]\n",
+        "1 2 0.1 ; the first\n1 2 .1 # again\n",
+        "Messpunkt;Zeit;X;Y;Z\nMP1;10:00;1;2;0,1\n",
+    ],
+)
+def test_points_may_have_names_times_and_remarks(tmp_path: Path, text: str) -> None:
+    assert heights(read(tmp_path, text)) == {(1.0, 2.0): pytest.approx(0.1)}
+
+
+def test_a_file_of_another_axis_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "r.csv").write_text("Axis: Y\nPos_mm;1+_um\n0;1\n", encoding="utf-8")
+    laser = setup_text("laser", "interferometer", direction="x", moves=["X"])
+    campaign = campaign_from_texts(campaign_text("bed", laser), "c.toml", BED, "bed")
+    with pytest.raises(ReadingError, match="says that Y was tested, and no set-up reads what it reads along Y"):
+        placed_readings(read_any(tmp_path / "r.csv"), campaign, "r.csv")

@@ -92,12 +92,14 @@ def _tested(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]
         return fitting[0], -1 if against else 1
     what, names = _ASKS[row.test or "circle"], joined([each.name for each in fitting])
     what = "several set-ups read what this test reads: {names}" if fitting else what
+    if row.axis and not fitting:
+        what = "the file says that {axis} was tested, and no set-up reads what it reads along {axis}"
     remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
     if len({setup.moves for setup in fitting}) > 1:
         remedy = "Say which axis was read, such as --axis X, or give the columns setup and X_mm"
     if row.test == "circle":
         remedy = "Give a column setup, or a campaign of the one set-up that was tested"
-    raise ReadingError(what, remedy, names=names)
+    raise ReadingError(what, remedy, names=names, axis=row.axis)
 
 
 def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:

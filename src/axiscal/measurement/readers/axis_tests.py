@@ -17,16 +17,16 @@ from itertools import pairwise
 from typing import Literal
 
 from axiscal.language.spoken import later, said
+from axiscal.machine.entry import AXIS_NAME
 from axiscal.measurement.readers.columns import (
-    ACTUAL,
     ANGLES,
     LENGTHS,
     STEMS,
     TEXT,
     Column,
-    column_of,
     run_of,
     sign_of,
+    unread,
     whole,
 )
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test, read_times
@@ -36,12 +36,16 @@ from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import said_quantity
 
 _BOTH = LENGTHS + ANGLES
-_OF_TEST = {"target": _BOTH, "angle": ANGLES, "direction": TEXT, "run": TEXT, "deviation": _BOTH}
+_OF_TEST = {"target": _BOTH, "angle": ANGLES}
+_READ = ("deviation", "actual")
+"""Of a reading: how far off the axis stood, or where."""
 _BESIDE = {"setup": TEXT, "axis": TEXT, "time": TEXT}
 _RADII = later("these are radii, and no deviations"), later("take the radius off them")
 _NUMBERED = later("number the runs 1, 2, 3, ...")
 _UNKNOWN = later("direction {text!r} is not known")
 _TOWARDS = later("write + for the approach in the positive direction, - for the negative one")
+_AXIS = "|".join(word for word, stem in STEMS.items() if stem == "axis")
+_NAMED = re.compile(rf"\s*(?:{_AXIS})\s*[:;,=\t]\s*({AXIS_NAME})(?:[-\s]*(?:{_AXIS}))?[\s;,]*", re.IGNORECASE)
 _STROKE = 5e-3
 """m, further than any ball bar reads."""
 _ALIKE = 0.02
@@ -52,12 +56,20 @@ _UNIT_IN_WORDS = re.compile(r"\b(inch(es)?|in|thou|zoll|pouces?|mm|[uµμ]m|micr
 def test_of(file: TextFile) -> Literal["circle", "wide", "long"] | None:
     """Return which test the columns are of: wide has a column a run, long a line a reading; None of no test."""
     first, *others = header_of(file, STEMS) or (Column("", "", None),)
-    stems = {column.stem for column in (first, *others)}
-    if {"angle", "direction"} <= stems or (first.stem == "angle" and any(run_of(column.stem) for column in others)):
-        return "circle"
-    if first.stem == "target" and others and not stems & {"direction", "deviation", "setup"}:
+    stems, turning = {column.stem for column in (first, *others)}, any(column.unit in ANGLES for column in others)
+    if first.stem == "angle" and any(run_of(column.stem) for column in others):
+        return "wide" if turning else "circle"
+    if first.stem == "target" and others and not stems & {"direction", "deviation", "actual", "setup"}:
         return "wide"
-    return "long" if stems & _OF_TEST.keys() - {"angle"} and "setup" not in stems else None
+    if {"angle", "direction"} <= stems and not any(each.stem == "deviation" and each.unit in ANGLES for each in others):
+        return "circle"
+    return "long" if stems & {"target", "direction", "run", *_READ} and "setup" not in stems else None
+
+
+def axis_named(file: TextFile) -> str:
+    """Return the axis that a line such as `Axis: X` names, "" where none does."""
+    found = filter(None, map(_NAMED.fullmatch, file.lines))
+    return next((each[1].upper() for each in found), "")
 
 
 def axis_test(file: TextFile, around: Around) -> Found:
@@ -72,22 +84,26 @@ def axis_test(file: TextFile, around: Around) -> Found:
     if not table.all_of("direction") and test_of(file) != "long":
         return _in_columns(file, table)
     place = "angle" if table.all_of("angle") else "target"
-    layout = {place: _OF_TEST[place], "direction": TEXT, "run": TEXT, "deviation": _BOTH} | _BESIDE
-    at, read = table.needed(layout, "angle_deg" if place == "angle" else "target_mm", "deviation_um")
+    layout = {place: _OF_TEST[place], **dict.fromkeys(("direction", "run"), TEXT), **dict.fromkeys(_READ, _BOTH)}
+    what = next((stem for stem in _READ if table.all_of(stem)), "deviation")
+    at, read = table.needed(layout | _BESIDE, "angle_deg" if place == "angle" else "target_mm", f"{what}_um")
+    if place == "angle" and table.all_of("actual"):
+        raise table.fail(*_RADII)
     ordered = _by_order([row.of(place).quantity() for row in table.rows]) if place == "target" else []
     told = not ordered or bool(table.all_of("direction"))
     if told:
-        table.needed(layout, "direction")
+        table.one_of("direction", "direction")
     ways = [row.of("direction").meant(sign_of, _UNKNOWN, _TOWARDS) for row in table.rows] if told else ordered
-    found = distinct(file, _lines(table, place, ways, _kind(table, at, read)))
-    if column_of(read.name).stem.lower() in ACTUAL:
-        if place == "angle":
-            raise table.fail(*_RADII)
-        found = tuple(replace(each, value=each.value - each.position[""]) for each in found)
+    found = distinct(file, _lines(table, place, ways, read, _kind(table, at, read)))
     _refuse_positions(table, found)
-    if not told:
-        return Found(found, note=said("sides by the order of its targets (it names no direction)"))
-    return Found(found, note=said("angles in deg (it names no unit)") if silent else "")
+    note = said("angles in deg (it names no unit)") if silent else ""
+    note = note if told else said("sides by the order of its targets (it names no direction)")
+    return _with_gaps(found, len(table.rows), note)
+
+
+def _with_gaps(found: tuple[RawReading, ...], cells: int, note: str) -> Found:
+    """Return readings with how many could stand there, where some are missing."""
+    return Found(found, cells if len(found) < cells else 0, note)
 
 
 def _by_order(targets: Sequence[float]) -> list[int]:
@@ -106,17 +122,29 @@ def _by_order(targets: Sequence[float]) -> list[int]:
     return [*ways[:1], *ways]
 
 
-def _lines(table: CsvTable, place: str, ways: Sequence[int], kind: Test) -> Iterator[RawReading]:
-    """Yield the reading of each line, with what stands beside it; raises ReadingError.  ways : of each, +1 or −1"""
+def _lines(table: CsvTable, place: str, ways: Sequence[int], read: Column, kind: Test) -> Iterator[RawReading]:
+    """Yield the reading of each line that has one, with what stands beside it; raises ReadingError.
+
+    ways : of each line, +1 or −1; read : the column of deviations, or of where the axis stood
+    """
     times = Counter[tuple[str, float, int]]()
     for row, seconds, way in zip(table.rows, read_times(table), ways, strict=True):
-        moved, target = row.of("axis").text, row.of(place)
+        moved, target, value = row.of("axis").text, row.of(place), row.of(read.stem)
         times[at := (moved, target.quantity(), way)] += 1
         run = times[at]
         if table.all_of("run"):
             run = row.of("run").meant(whole, later("run {text!r} is not a whole number"), _NUMBERED)
-        read = _read(target, way, run, row.of("deviation"), kind)
-        yield replace(read, setup=row.of("setup").text, axis=moved, time=seconds)
+        if unread(value.text):
+            continue
+        found = _read(target, way, run, value, kind)
+        if (stood := row.of("actual")).text:
+            off = stood.quantity() - target.quantity()
+            slack = stood.rounding() + min(stood.rounding(), target.rounding()) + value.rounding()
+            if abs(off - found.value) > slack and value != stood:
+                what = "{column} {text} is not where the axis stood less its target"
+                raise row.fail(what, "give one of both, actual less target", column=read.name, text=value.text)
+            found = replace(found, value=off if value == stood else found.value)
+        yield replace(found, setup=row.of("setup").text, axis=moved, time=seconds)
 
 
 def _in_columns(file: TextFile, table: CsvTable) -> Found:
@@ -130,20 +158,21 @@ def _in_columns(file: TextFile, table: CsvTable) -> Found:
     usual = ["mm" if of_length else "", "um" if of_length and table.columns[0].unit in (None, "mm") else ""]
     table = table.with_columns(replace(c, stated=c.stated or usual[k > 0]) for k, c in enumerate(table.columns))
     target, *others = table.columns
-    found, kinds = list[RawReading](), {_kind(table, target, column) for column in others}
+    runs = [run_of(column.stem) for column in others]
+    if None in runs:
+        what, name = "column '{column}' names no run with its direction", others[runs.index(None)].name
+        raise table.fail(what, "write it as in 1+ or 1-, or take it out", column=name[:40])
+    kinds, found = {_kind(table, target, column) for column in others}, list[RawReading]()
     if len(kinds) > 1:
         raise table.fail("some runs are lengths, and some are angles", "give a file for each test")
     (kind,) = kinds
-    for at, column in enumerate(others, 1):
-        if (meant := run_of(column.stem)) is None:
-            what = "column '{column}' names no run with its direction"
-            raise table.fail(what, "write it as in 1+ or 1-, or take it out", column=column.name[:40])
-        run, way = meant
-        found += [_read(row.cell(0), way, run, row.cell(at), kind) for row in table.rows[::way] if row.texts[at]]
+    for at, (run, way) in enumerate(filter(None, runs), 1):
+        cells = ((row.cell(0), row.cell(at)) for row in table.rows[::way])
+        found += [_read(place, way, run, cell, kind) for place, cell in cells if not unread(cell.text)]
     unsaid = not file.unit and any(column.unit is None for column in others)
     _refuse_positions(table, found, 1e3 if unsaid else 1.0)
     note = said("in mm and um (it names no unit)") if silent else said("deviations in um (it names no unit)")
-    return Found(distinct(file, found), note=note if unsaid else "")
+    return _with_gaps(distinct(file, found), len(table.rows) * len(others), note if unsaid else "")
 
 
 def _refuse_positions(table: CsvTable, found: Sequence[RawReading], scale: float = 1.0) -> None:

@@ -7,7 +7,6 @@ outside its radius, and the copies with which Klipper fills the rows of a round 
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -21,8 +20,9 @@ import numpy as np
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined
+from axiscal.measurement.readers.columns import unread
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
-from axiscal.measurement.readers.text_file import TextFile, begins, read_text, telling
+from axiscal.measurement.readers.text_file import TextFile, begins, objects_in, read_text, telling
 from axiscal.measurement.setup import Vector
 from axiscal.units import from_unit
 
@@ -34,7 +34,8 @@ _BLOCK = re.compile(r"(?:#\*#\s*)?\[bed_mesh\s+([^\]]+?)\s*\]")
 _RECTANGLE, _ROUND = re.compile(r"\[bed_mesh\]"), re.compile(r"\s*mesh_radius\s*[:=]")
 _OPTION = re.compile(r"([a-z_]+)\s*[=:]\s*(.*)")
 _OF_MESH = re.compile(r"version|points|[xy]_count|mesh_[xy]_pps|algo|tension|(min|max)_[xy]")
-_OF_STATUS = ("bed_mesh", "probed_matrix", "profiles")
+_OF_MAPS = {"probed_matrix", "profiles"}
+_OF_STATUS = ("bed_mesh", *_OF_MAPS)
 _CONSOLE = re.compile("Mesh Leveling Probed Z positions:")
 _AT_NOZZLE = re.compile(r"probe at ([^\s,]+),([^\s,]+) is z=(\S+)(.*)")
 _AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)(.*)")
@@ -46,7 +47,6 @@ _TRAMMED = re.compile("Making the following Z adjustments")
 """Behind it the gantry lies anew: what was probed before is no part of a map."""
 _MAPPED = re.compile("Mesh Bed Leveling Complete|G29 Auto Bed Leveling")
 """Ends the map of a Klipper, and begins one of a Marlin."""
-_NOT_PROBED = frozenset({"", ".", "nan"})
 _PRINTED_TO = {"X": 1e-4, "Y": 1e-4}
 """m: places are printed in fewer digits than they have, some in whole millimetres."""
 _SLACK = 1e-4
@@ -59,7 +59,7 @@ _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_cou
 
 def height(file: TextFile, x: float, y: float, cell: str, line: int) -> Iterator[RawReading]:
     """Yield the reading of a cell, nothing where nobody probed it; raises ReadingError.  x, y : m"""
-    if cell.strip("=").lower() not in _NOT_PROBED:
+    if not unread(cell):
         low = -file.length(cell, "height", line)
         yield RawReading("", {"X": x, "Y": y}, {}, low, None, "length", line, error="z", rounding=_PRINTED_TO)
 
@@ -107,7 +107,9 @@ def is_mesh(file: TextFile) -> bool:
 def is_moonraker(file: TextFile) -> bool:
     """Return whether this is an answer of Moonraker with a mesh in it."""
     first = next((line for line in file.lines if line.strip()), "")
-    return first.lstrip().startswith("{") and any(f'"{key}"' in line for line in file.lines for key in _OF_STATUS)
+    return first.lstrip().startswith(("{", "[")) and any(
+        f'"{key}"' in line for line in file.lines for key in _OF_STATUS
+    )
 
 
 def _profiles(file: TextFile) -> dict[int, str]:
@@ -119,8 +121,11 @@ def height_map(file: TextFile, around: Around) -> Found:
     """Return the readings of the probed nodes of a RepRapFirmware map, any version of it; raises ReadingError."""
     if len(file.lines) < 4:
         raise file.fail("the height map is cut off", "copy the whole heightmap.csv", len(file.lines))
-    head = dict(zip(_cells(file.lines[1]), _cells(file.lines[2]), strict=False))
-    lines = ((n, line) for n, line in enumerate(file.lines[3:], 4) if line.strip())
+    texts = [line.rstrip(",;\t ") for line in file.lines]  # a spreadsheet fills lines up
+    if not texts[1].count(","):
+        texts = [re.sub("[;\t]", ",", line.replace(",", ".")) for line in texts]
+    head = dict(zip(_cells(texts[1]), _cells(texts[2]), strict=False))
+    lines = ((n, line) for n, line in enumerate(texts[3:], 4) if line)
     rows = [(n, ["" if cell == "0" else cell for cell in _cells(line)]) for n, line in lines]
     if (over := (head.get("axis0", "X"), head.get("axis1", "Y"))) != ("X", "Y"):  # named since version 3.3
         what, remedy = "the map is over {axes}, and that of a bed is over X and Y", "probe the bed by X and Y"
@@ -159,19 +164,12 @@ def mesh(file: TextFile, around: Around, whole: bool = False) -> Found:
 
 def moonraker(file: TextFile, around: Around) -> Found:
     """Return the readings of the mesh in force in an answer of Moonraker, or of FILE#NAME; raises ReadingError."""
-    found = list[dict[str, Any]]()
-
-    def with_mesh(held: dict[str, Any]) -> dict[str, Any]:
-        found.extend([held] if {"probed_matrix", "profiles"} & held.keys() else [])
-        return held
-
-    try:
-        json.loads("\n".join(file.lines), object_hook=with_mesh, parse_float=str, parse_int=str, parse_constant=str)
-    except (ValueError, RecursionError):
-        raise file.fail("this is no JSON", "save the whole answer of Moonraker", len(file.lines)) from None
-    held = found[0] if found else {}
+    found = objects_in("\n".join(file.lines))
+    if not found:
+        raise file.fail("this is no JSON", "save the whole answer of Moonraker", len(file.lines))
+    held = {key: value for each in reversed(found) if _OF_MAPS & each.keys() for key, value in each.items()}
     whole, _, named = file.name.rpartition("#")
-    active = str(held.get("profile_name") or "")
+    active = str(held.get("profile_name") or held.get("name") or "")
     named = named if whole and not Path(file.name).exists() else ""
     name = named or active
     saved = {str(key): _as(dict, value) for key, value in _as(dict, held.get("profiles")).items()}
@@ -192,7 +190,7 @@ def _in_force(held: Mapping[str, Any]) -> dict[str, Any]:
     rows = _as(list, held["probed_matrix"])
     low, high = (_as(list, held.get(f"mesh_{end}")) for end in ("min", "max"))
     names = ("min_x", "min_y", "max_x", "max_y") if len(low) == len(high) == 2 else ()
-    keys = dict(zip(names, (*low, *high), strict=False))
+    keys = _as(dict, held.get("mesh_params")) or dict(zip(names, (*low, *high), strict=False))
     return {"points": rows, "mesh_params": {**keys, "x_count": len(_as(list, rows[0])), "y_count": len(rows)}}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
@@ -16,15 +17,20 @@ SLOPES = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "in/ft", "d
 Units = tuple[str, ...]
 """In which a column may be."""
 TEXT: Units = ()
-UNITS = {*LENGTHS, *ANGLES, *SLOPES}
-_IN_BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[(]*)[\])]")
-_CANONICAL = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
 _WORDS = tomllib.loads(resources.files(__package__).joinpath("columns.toml").read_text(encoding="utf-8"))
-ACTUAL: Sequence[str] = _WORDS["actual"]
-"""Words for where an axis stood, which says its deviation."""
-STEMS = {word: stem for stem, words in _WORDS["columns"].items() for word in words} | dict.fromkeys(ACTUAL, "deviation")
+_UNITS = {word: unit for unit, words in _WORDS["units"].items() for word in words}
+_UNITS |= {unit: unit for unit in (*LENGTHS, *ANGLES, *SLOPES)}
+_ENDS = "|".join(map(re.escape, sorted(_UNITS, key=len, reverse=True)))
+_WITH_UNIT = re.compile(
+    rf"(.+?)(?:\s*[\[(]\s*|_|(?<![\d\s])(?:\s*[,/]\s*|\s+(?:in\s+)?))({_ENDS})\s*[\])]?", re.IGNORECASE
+)
+"""A header: what it holds, and its unit, in brackets or behind `_`, a comma, a stroke, a blank, or "in"."""
+STEMS = {word: stem for stem, words in _WORDS["columns"].items() for word in words}
 """Of tests, by the words of their headers."""
 OF_READINGS = {word: word for word in ("setup", "approach", "reading", "check", "time", "value")}
+TIMES: Sequence[str] = _WORDS["times"]
+"""How times are written, as `strptime` has them."""
+_UNREAD = frozenset(_WORDS["unread"])
 _SIGNS = {word: int(sign) for sign, words in _WORDS["directions"].items() for word in words}
 _PARTS = re.compile(r"\d{1,9}|[+\-\u2190-\u2193]|[^\W\d_]+")
 RUN = re.compile(r"[0-9]{1,6}")
@@ -60,21 +66,29 @@ def column_of(name: str, stated: str = "", words: Mapping[str, str] = OF_READING
 
     words : stems by what they may be called
     """
-    plain = name.translate(_CANONICAL)
-    stem, unit = found.groups() if (found := _IN_BRACKETS.fullmatch(plain)) else plain.rpartition("_")[::2]
-    stem, unit = (stem, unit_of(unit)) if stem and unit_of(unit) else (name, None)
+    found = _WITH_UNIT.fullmatch(_plain(name))
+    stem, unit = (found[1], unit_of(found[2])) if found else (name, None)
     return Column(name, words.get(stem.lower(), stem), unit, stated)
+
+
+def _plain(text: str) -> str:
+    """Return a text with the plainest form of each letter and sign, and u for micro."""
+    return unicodedata.normalize("NFKC", text).replace("\N{GREEK SMALL LETTER MU}", "u")
 
 
 def unit_of(text: str) -> str | None:
     """Return the unit that a text is, in brackets or not; None where it is none."""
-    plain = text.translate(_CANONICAL).strip(" []()").replace("°", "deg").lower()
-    return plain if plain in UNITS else None
+    return _UNITS.get(_plain(text).strip(" []()").lower())
 
 
 def sign_of(text: str) -> int | None:
     """Return the sign of a direction by its word, None for another word."""
-    return _SIGNS.get(text.lower().replace("\N{MINUS SIGN}", "-"))
+    return _SIGNS.get(_plain(text).lower().replace("\N{MINUS SIGN}", "-"))
+
+
+def unread(text: str) -> bool:
+    """Return whether a cell says that nobody read anything there."""
+    return text.strip("=").lower() in _UNREAD
 
 
 def whole(text: str) -> int | None:

@@ -20,7 +20,7 @@ from axiscal.exceptions import Faults, UnitError
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, Column, Units, whole
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TIMES, Column, Units, whole
 from axiscal.measurement.readers.csv_table import EXAMPLE, CsvTable, csv_text, raw_pose, table_of
 from axiscal.measurement.readers.table_cells import Cell, Row
 from axiscal.measurement.readers.text_file import TextFile
@@ -28,8 +28,9 @@ from axiscal.measurement.reading import Places, Reading, approach_text, columns_
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import parse_quantity, to_unit
 
-_CLOCK = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d(?:\.\d+)?))?", re.ASCII)
 _DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
+_NO_YEAR = 1900
+"""That of a time without a date, by Python."""
 _REMEDY = "write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time"
 
 _THREE = ("value_x", "value_y", "value_z")
@@ -253,8 +254,10 @@ def read_times(table: CsvTable) -> list[float | None]:
 
 def _time(cell: Cell) -> tuple[str, float]:
     """Return how a time is written, and its seconds from wherever such times begin."""
-    if clock := _CLOCK.fullmatch(cell.text):
-        return "clock", 3600.0 * int(clock[1]) + 60.0 * int(clock[2]) + float(clock[3] or 0.0)
+    for form in TIMES:
+        with suppress(ValueError):
+            moment = datetime.strptime(cell.text, form).replace(tzinfo=UTC)
+            return ("clock" if moment.year == _NO_YEAR else "date"), moment.timestamp()
     with suppress(UnitError):
         return "since", parse_quantity(cell.text, "time")
     try:

@@ -138,6 +138,8 @@ def table_of(
     texts = [_texts(file.name, n, line, separator, len(columns)) for n, line in data]
     if not texts:
         raise file.fail("there is a header but no data", "add one line for each reading", number)
+    kept = [at for at, column in enumerate(columns) if column.stem]
+    columns, texts = tuple(columns[at] for at in kept), [tuple(each[at] for at in kept) for each in texts]
     marks, places = marks_of(list(zip(*texts, strict=True)), separator), dict[str, list[int]]()
     columns = tuple(replace(column, mark=each) for column, each in zip(columns, marks, strict=True))
     for at, column in enumerate(columns):
@@ -149,7 +151,7 @@ def table_of(
 def header_of(file: TextFile, words: Mapping[str, str]) -> tuple[Column, ...]:
     """Return the columns that the header of a file names, none where it has none."""
     try:
-        return _begun(file, "", words)[2]
+        return tuple(column for column in _begun(file, "", words)[2] if column.stem)
     except ReadingError:
         return ()
 
@@ -204,7 +206,7 @@ def _cells(file: str, number: int, line: str, separator: str) -> list[str]:
 def _columns(
     file: TextFile, number: int, names: list[str], header: str, words: Mapping[str, str]
 ) -> tuple[Column, ...]:
-    if any(NUMBER.fullmatch(name) for name in names):
+    if any(NUMBER.fullmatch(name) for name in names) and not _names(names[0]):
         remedy = "let the first line be the header, such as {header}"
         raise file.fail("the first line holds numbers and names no columns", remedy, number, header=header)
     for index, name in enumerate(names):

@@ -13,7 +13,7 @@ from axiscal.exceptions import InputError
 from axiscal.language.spoken import counted, joined, later, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.readers import bed_map, level_survey, marlin_map, point_lists
-from axiscal.measurement.readers.axis_tests import axis_test, test_of
+from axiscal.measurement.readers.axis_tests import axis_named, axis_test, test_of
 from axiscal.measurement.readers.bed_map import points_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
 from axiscal.measurement.readers.marlin_map import POINT
@@ -111,6 +111,9 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
     if any(each.error == "z" for each in found.readings):  # heights, by a probe that may stand beside the tool point
         beside = offset_in("\n".join(file.lines))
         found = replace(found, readings=tuple(replace(each, beside=beside) for each in found.readings))
+    if axis := axis_named(file):
+        told = (replace(each, axis=each.axis or axis) if each.test else each for each in found.readings)
+        found = replace(found, readings=tuple(told))
     return Recognised(file.name, kind.title, found)
 
 

@@ -27,7 +27,7 @@ _KEY = re.compile(r"#\s*([A-Za-z]+)\s*([=:]?)\s*(.*?)\s*")
 _PASSES = ("forward", "back")
 
 
-is_survey = partial(begins, (r"(?i)[ \t;,]*# level survey[ \t;,]*",))
+is_survey = partial(begins, (r"(?i)[ \t;,]*# level survey\b[^=]*",))
 """Whether the first line says that this is a survey."""
 _Head = dict[str, Any]
 """What the lines before the table say: set-up, base, m, division, rad."""

@@ -15,8 +15,8 @@ import numpy as np
 from axiscal.document.file import number_or_none
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, points_of, probed_of
-from axiscal.measurement.readers.columns import column_of
-from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
+from axiscal.measurement.readers.columns import STEMS, column_of
+from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import table_of
 from axiscal.measurement.readers.table_cells import plain
 from axiscal.measurement.readers.text_file import TextFile, begins, telling
@@ -25,12 +25,16 @@ _SLACK = 1e-6
 """m, of rounding."""
 _SMALL = 0.05
 """Share of X: readings are far below it, and the sides of a bed are not."""
-_REMARK = re.compile(r"\s*(?:[#%(;]|//|$)")
+_REMARK = re.compile(r"\s*(?:[#%(;]|//|$|BEGIN .* MM\s*$|\[END\])")
+"""A line that is no point; HEIDENHAIN begins and ends its tables of points so."""
+_BEHIND = re.compile(r"(?<=[\d.])\s*(?:[#%(]|//|;\s*[^\W\d]).*")
+"""A remark behind numbers."""
 _AXES = "XYZABCUVW"
 """In the order in which LinuxCNC writes them."""
-_WORDS = {f"{delta}{axis}".lower(): axis for axis in _AXES for delta in ("", "d")}
-_WIDTHS = (3, 4, 9, 10)
-"""Cells of a point with three or nine axes, and its name."""
+_WORDS = {word: stem for word, stem in STEMS.items() if stem in ("", "time")}
+_WORDS |= {f"{delta}{axis}".lower(): axis for axis in _AXES for delta in ("", "d")}
+_WIDTHS = (3, 4, 5, 9, 10)
+"""Cells of a point with three or nine axes, its name, and its time."""
 _LETTERS = re.compile("".join(rf"\s*{axis}\s*[:=]?\s*([-+.,\d]+)[\s,;]*" for axis in "XYZ"), re.IGNORECASE)
 _BEFORE_UNIT = re.compile(r"\s+(?=[\[(])")
 _COUNT = re.compile(r"\d{1,4}")
@@ -53,8 +57,8 @@ def is_list(file: TextFile) -> bool:
     """Return whether the first line is a point, three numbers or nine of LinuxCNC, or names X, Y and Z and no more."""
     first = next((_cells(line) for line in file.lines if not _REMARK.match(line)), [])
     numbers = all(number_or_none(cell.replace(",", ".")) is not None for cell in first)
-    head = [column_of(cell, words=_WORDS).stem for cell in first]  # before X, Y and Z the points' names may stand
-    return (len(first) in (3, 9) and numbers) or (len(head) <= 4 and sorted(head[-3:]) == ["X", "Y", "Z"])
+    head = [column_of(cell, words=_WORDS).stem for cell in first]
+    return (len(first) in (3, 9) and numbers) or sorted(stem for stem in head if stem not in ("", "time")) == [*"XYZ"]
 
 
 def is_xml(file: TextFile) -> bool:
@@ -126,7 +130,7 @@ def _cells(line: str) -> list[str]:
     """Return the cells of a point or of the head of a list, by semicolons, tabs, blanks or commas."""
     if lettered := _LETTERS.fullmatch(line):
         return [cell.strip(",") for cell in lettered.groups()]
-    line = _BEFORE_UNIT.sub("", line.strip().rstrip(";"))
+    line = _BEFORE_UNIT.sub("", _BEHIND.sub("", line).strip().rstrip(";"))
     cells = re.split("[;\t]", line) if re.search("[;\t]", line) else [cell.removesuffix(",") for cell in line.split()]
     return [cell.strip() for cell in (cells if len(cells) in _WIDTHS else line.split(","))]
 
@@ -146,14 +150,15 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
     if file.unit and any(column.unit for column in table.columns):
         raise table.fail("the header names its unit, and --unit names another", "leave --unit out")
     table, readings = table.with_columns(replace(column, mark=mark) for column in table.columns), list[RawReading]()
-    for row in table.rows:
+    for row, time in zip(table.rows, read_times(table), strict=True):
         if aside := [axis for axis in _AXES[3:] if table.all_of(axis) and row.of(axis).number()]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed without moving them"
             raise row.fail(what, remedy, axes=", ".join(aside))
         z = row.of("Z")
         unit = z.column.unit or z.column.stated
         x, y = row.of("X").quantity(), row.of("Y").quantity()
-        readings += height(replace(file, unit=unit), x, y, plain(z.text, mark), row.line)
+        low = height(replace(file, unit=unit), x, y, plain(z.text, mark), row.line)
+        readings += [replace(each, time=time) for each in low]
     found = probed_of(file, readings, len(table.rows), table.rows[-1].line)
     bare = (
         table.line == table.rows[0].line and len(table.columns) == 3 and not _LETTERS.match(file.lines[table.line - 1])
@@ -161,4 +166,4 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
     if bare and _two_readings(found):
         what = "these lines look like a place and two readings each, and not like X, Y and Z"
         raise table.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um")
-    return found if all(column.unit for column in table.columns[-3:]) else _noted(file, found)
+    return found if all(table.one_of(axis, axis).unit for axis in "XYZ") else _noted(file, found)

@@ -1,7 +1,7 @@
 """Where the probe of a 3D printer stands beside its nozzle, as the printer's own files say.
 
-Klipper: `x_offset` and `y_offset` of [probe], [bltouch] and their kin. Marlin: `M851`. RepRapFirmware: `G31`. All count
-from the nozzle to the probe.
+Klipper: `x_offset` and `y_offset` of [probe], [bltouch] and their kin, in answers of Moonraker, too. Marlin: `M851`.
+RepRapFirmware: `G31`. All count from the nozzle to the probe.
 """
 
 from __future__ import annotations
@@ -9,8 +9,10 @@ from __future__ import annotations
 import configparser
 import re
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from axiscal.document.file import number_or_none
+from axiscal.measurement.readers.text_file import objects_in
 from axiscal.units import from_unit
 
 Beside = tuple[float, float]
@@ -24,12 +26,26 @@ _WORD = re.compile(r"\b([XY])(-?[\d.]+)")
 
 def sections_in(text: str) -> Sections | None:
     """Return the sections of a printer.cfg, those that Klipper saved among them; None where the text has none."""
+    if answered := objects_in(text):
+        return _in_answer(answered)
     config = configparser.RawConfigParser(strict=False, inline_comment_prefixes=("#", ";"), allow_no_value=True)
     try:
         config.read_string(text.replace("#*# ", "").replace("#*#", ""))
     except (configparser.Error, AttributeError):  # G-code has no sections; Python fails at lines behind a bare key
         return None
     return {name: {key: value or "" for key, value in config[name].items()} for name in config.sections()}
+
+
+def _in_answer(answered: Iterable[dict[str, Any]]) -> Sections:
+    """Return the sections in an answer of Moonraker: those of `configfile`, or the offsets of `dump_mesh`."""
+    found = dict[str, dict[str, str]]()
+    for each in answered:
+        if isinstance(aside := each.get("probe_offsets"), list):
+            found["probe"] = dict(zip(("x_offset", "y_offset"), aside, strict=False))
+        if isinstance(settings := each.get("settings"), dict):
+            own = {name: keys for name, keys in settings.items() if isinstance(keys, dict)}
+            found |= {name: {key: str(value or "") for key, value in keys.items()} for name, keys in own.items()}
+    return found
 
 
 def offset_of(sections: Sections) -> Beside | None:

@@ -27,7 +27,6 @@ _KINDS: dict[str, tuple[Test, str]] = {
 }
 """By `File type`: which test, and the unit of its deviations, "" where the file says it."""
 _UNITS = re.compile(r"(deviation )?units?\s*:\s*(.*?)\s*", re.IGNORECASE)
-_CALLED = {"microns": "um", "metric": "mm", "inch": "in", "inches": "in", "imperial": "in"}
 _TYPE = re.compile(r"file type\s*:\s*(.*?)\s*", re.IGNORECASE)
 _NEEDED = ("TARGET DATA", "DEVIATIONS")
 _OF_TARGETS = ("filetype", "target-count", "targets", "flags")
@@ -84,10 +83,10 @@ def _units(file: TextFile, usual: str, angles: bool) -> tuple[str, str, bool]:
     """
     found = [(number, each) for number, line in enumerate(file.lines, 1) if (each := _UNITS.fullmatch(line.strip()))]
     number, text, own = next(((at, each[2], each[1]) for at, each in found), (2, "", None))
-    stated = _CALLED.get(text.lower()) or unit_of(text.lower()) or ""
+    stated = unit_of(text) or ""
     if text and not stated:
         raise file.fail("{text} is no unit of deviations", "known are um, mm, in and arcsec", number, text=text[:20])
-    inches = stated == "in" and not own
+    inches = stated in ("in", "inch") and not own
     unit = "" if inches else stated if own or not usual or stated in ANGLES else usual
     if unit and file.unit:
         raise file.fail("the file names its unit, and --unit names another", "leave --unit out", number)

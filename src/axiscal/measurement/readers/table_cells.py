@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import later, listed, said
-from axiscal.measurement.readers.columns import Column
+from axiscal.measurement.readers.columns import Column, unread
 from axiscal.measurement.reading import LARGEST
 from axiscal.units import from_unit
 
@@ -64,7 +64,7 @@ def marks_of(columns: Sequence[Sequence[str]], separator: str) -> list[str]:
 def _decimal(text: str) -> str:
     """Return the decimal mark that a number shows, "" where it shows none."""
     text = text.replace("\N{MINUS SIGN}", "-")
-    if _EITHER.fullmatch(text):
+    if _EITHER.fullmatch(text) or unread(text):
         return ""
     if grouped := _GROUPED.fullmatch(text):
         return grouped[2] or {".": ",", ",": "."}.get(grouped[1], "")

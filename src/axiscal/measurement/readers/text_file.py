@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from axiscal.document.file import bounded_content, number_or_none
 from axiscal.exceptions import ReadingError
@@ -113,3 +116,17 @@ def _decoded(data: bytes) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("latin-1")  # only names and remarks go beyond ASCII
+
+
+def objects_in(text: str) -> list[dict[str, Any]]:
+    """Return every object of a JSON text, inner ones first, with numbers as texts; none of another text."""
+    found = list[dict[str, Any]]()
+
+    def kept(held: dict[str, Any]) -> dict[str, Any]:
+        found.append(held)
+        return held
+
+    with suppress(ValueError, RecursionError):
+        json.loads(text, object_hook=kept, parse_float=str, parse_int=str, parse_constant=str)
+        return found
+    return []
