@@ -31,7 +31,7 @@ OF_READINGS = {word: word for word in ("setup", "approach", "reading", "check", 
 TIMES: Sequence[str] = _WORDS["times"]
 """How times are written, as `strptime` has them."""
 _UNREAD = frozenset(_WORDS["unread"])
-_SIGNS = {word: int(sign) for sign, words in _WORDS["directions"].items() for word in words}
+SIGNS = {word: int(sign) for sign, words in _WORDS["directions"].items() for word in words}
 _PARTS = re.compile(r"\d{1,9}|[+\-\u2190-\u2193]|[^\W\d_]+")
 RUN = re.compile(r"[0-9]{1,6}")
 """Of a run or a reading: whoever writes more has slipped."""
@@ -83,7 +83,7 @@ def unit_of(text: str) -> str | None:
 
 def sign_of(text: str) -> int | None:
     """Return the sign of a direction by its word, None for another word."""
-    return _SIGNS.get(_plain(text).lower().replace("\N{MINUS SIGN}", "-"))
+    return SIGNS.get(_plain(text).lower().replace("\N{MINUS SIGN}", "-"))
 
 
 def unread(text: str) -> bool:
@@ -101,6 +101,6 @@ def run_of(stem: str) -> tuple[int, int] | None:
     words = _PARTS.findall(stem.lower().replace("\N{MINUS SIGN}", "-"))
     runs = [word for word in words if RUN.fullmatch(word)]
     ways = [sign for word in words if word not in runs and (sign := sign_of(word))]
-    others = [word for word in words if not sign_of(word) and word not in runs and STEMS.get(word) != "run"]
+    others = [word for word in words if not (sign_of(word) or word in runs or STEMS.get(word) in ("run", "deviation"))]
     alone = not runs and any(map(str.isalpha, stem))
     return (int((runs or ["1"])[0]), ways[0]) if len(runs) + alone == len(ways) == 1 and not others else None

@@ -49,6 +49,8 @@ _APPROACH = re.compile(f"([+−-])?({AXIS_NAME})([+−-])?")
 _AXIS = re.compile(f"{AXIS_NAME}(?:_radius|_diameter)?")
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 _SEPARATORS, _QUOTED = ",;\t", re.compile(r'"[^"]*"|\([^()]*\)')
+_SEPARATED, _GAP = re.compile(r"[;\t]|,(?!\d)|(?<!\d),"), re.compile(" {2,}")
+"""What separates cells, no decimal comma, and what does where nothing else does."""
 _NOTHING = re.compile(r"\s*#|[\s;,]*$")
 _TITLES = 60
 """Lines with more titles above the header than any program writes are no table."""
@@ -161,6 +163,8 @@ def _begun(
 ) -> tuple[int, str, tuple[Column, ...], list[tuple[int, str]]]:
     """Return the line of the header, what separates cells, the columns, and the lines of data; raises ReadingError."""
     data = [(number, line) for number, line in enumerate(file.lines, 1) if not _NOTHING.match(line)]
+    if not any(_SEPARATED.search(line) for _, line in data):
+        data = [(number, _GAP.sub("\t", line.strip())) for number, line in data]
     hint = _HINT.fullmatch(data[0][1]) if data else None
     if not data[bool(hint) :]:
         raise file.fail("there is no header and no data", "let the first line name the columns")
@@ -170,7 +174,9 @@ def _begun(
     names = _cells(file.name, number, first, separator)
     if usual and not any(map(str.isalpha, first)):
         names, data = list(usual[: len(names)]), [(number, first), *data]
-    if len(names) == 1 and not (_names(first) or _AXIS.fullmatch(names[0])):
+    if first.lstrip().startswith(tuple("{[<")) or (
+        len(names) == 1 and not (_names(first) or _AXIS.fullmatch(names[0]))
+    ):
         what, remedy = "no known format begins with {text}", "give a table such as {header}; docs/readings.md names all"
         raise file.fail(what, remedy, number, text=quoted(first), header=header)
     width, below = len(names), _cells(file.name, *data[0], separator) if data else []

@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any
 
 from axiscal.exceptions import InputError
-from axiscal.measurement.readers.columns import LENGTHS, SLOPES, TEXT
+from axiscal.measurement.readers.columns import LENGTHS, OF_READINGS, SIGNS, SLOPES, TEXT
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, table_of
 from axiscal.measurement.readers.text_file import TextFile, begins
@@ -25,6 +25,7 @@ _LEAST = 1e-9
 """m or rad: no base and no division is as small."""
 _KEY = re.compile(r"#\s*([A-Za-z]+)\s*([=:]?)\s*(.*?)\s*")
 _PASSES = ("forward", "back")
+_WORDS = OF_READINGS | {word: _PASSES[sign < 0] for word, sign in SIGNS.items()}
 
 
 is_survey = partial(begins, (r"(?i)[ \t;,]*# level survey\b[^=]*",))
@@ -35,7 +36,7 @@ _Head = dict[str, Any]
 
 def survey_readings(file: TextFile, around: Around) -> Found:
     """Return the readings, first those of the way there, then those of the way back; raises ReadingError."""
-    head, table = _head(file), table_of(file)
+    head, table = _head(file), table_of(file, words=_WORDS)
     station, ways = _columns(table, head)
     places = [row.of(station).quantity() for row in table.rows]
     upward = places[-1 if len(places) < 3 else len(places) // 2] >= places[0]  # the last may close the circle

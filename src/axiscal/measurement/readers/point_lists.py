@@ -36,6 +36,7 @@ _WORDS |= {f"{delta}{axis}".lower(): axis for axis in _AXES for delta in ("", "d
 _WIDTHS = (3, 4, 5, 9, 10)
 """Cells of a point with three or nine axes, its name, and its time."""
 _LETTERS = re.compile("".join(rf"\s*{axis}\s*[:=]?\s*([-+.,\d]+)[\s,;]*" for axis in "XYZ"), re.IGNORECASE)
+_INCHES = re.compile(r"\b(?:inch(?:es)?|zoll|pouces?|thou|mils?)\b", re.IGNORECASE)
 _BEFORE_UNIT = re.compile(r"\s+(?=[\[(])")
 _COUNT = re.compile(r"\d{1,4}")
 _XML = re.compile(r"<heightmap\b([^>]*)>")
@@ -122,7 +123,13 @@ def xml(file: TextFile, around: Around) -> Found:
 
 
 def _noted(file: TextFile, found: Found) -> Found:
-    """Return readings with the unit that was taken, for these files name none."""
+    """Return readings with the unit that was taken; raises ReadingError where a remark names another.
+
+    Their numbers name none.
+    """
+    named = (number for number, line in enumerate(file.lines, 1) if _INCHES.search(line))
+    if not file.unit and (line := next(named, 0)):
+        raise file.fail("this line names inches, and the numbers name no unit", "say it: --unit inch or mm", line)
     return replace(found, note=said("in {unit}", unit=file.unit or "mm"))
 
 
