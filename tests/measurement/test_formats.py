@@ -17,6 +17,7 @@ from axiscal.exceptions import InputError, ReadingError
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import FORMATS, Recognised, read_any, recognised
 from axiscal.measurement.readers.text_file import MOST_LINES
+from axiscal.present.delivery import read_in
 from tests.generators.texts import Said, campaign_text, machine_text, setup_text
 from tests.generators.written_maps import EVERYWHERE, FORMS, DrawnMap, drawn
 from tests.measurement.test_instrument_files import RTL
@@ -368,3 +369,12 @@ def test_a_file_of_another_axis_is_refused(tmp_path: Path) -> None:
     campaign = campaign_from_texts(campaign_text("bed", laser), "c.toml", BED, "bed")
     with pytest.raises(ReadingError, match="says that Y was tested, and no set-up reads what it reads along Y"):
         placed_readings(read_any(tmp_path / "r.csv"), campaign, "r.csv")
+
+
+def test_readings_of_few_whole_targets_are_used_without_figures(tmp_path: Path) -> None:
+    (tmp_path / "r.csv").write_text("Pos_mm;1+_um;1-_um\n0;0,1;0,2\n100;-;1,2\n200;2,1;n/a\n", encoding="utf-8")
+    laser = setup_text("laser", "interferometer", direction="x", moves=["X"], approach="both")
+    found = read_in(campaign_from_texts(campaign_text("bed", laser), "c.toml", BED, "bed"), tmp_path / "r.csv")
+    assert len(found.readings) == 4
+    assert not found.extras.iso230
+    assert "4 of 6 cells, for set-up laser" in found.told

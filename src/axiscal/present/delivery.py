@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,7 +18,7 @@ from axiscal.description.placed_readings import file_readings
 from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.standards import evaluate, positioning_test
-from axiscal.exceptions import ReadingError, TableError
+from axiscal.exceptions import InputError, ReadingError, TableError
 from axiscal.language.spoken import put, said, speaking
 from axiscal.language.stages import stage
 from axiscal.measurement.readers.csv_readings import Around
@@ -66,7 +66,9 @@ def read_in(described: CampaignDescription, file: Path, unit: str = "", along: s
     refuse_implausible(placed, described, file)
     if rows[0].test == "positioning" and len({each.setup for each in placed}) == 1:
         (axis,) = described.setup(placed[0].setup).moves
-        extras = Extras(iso230=[iso230_block(described.machine.axes[axis].name, evaluate(positioning_test(read)))])
+        with suppress(InputError):  # of so few targets that are whole that the standard has no figures: they are used
+            block = iso230_block(described.machine.axes[axis].name, evaluate(positioning_test(read)))
+            extras = Extras(iso230=[block])
     return ReadIn(described, placed, extras, read.sentence([each.setup for each in placed]))
 
 
