@@ -14,11 +14,10 @@ from functools import partial
 from itertools import compress
 from math import hypot
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined
 from axiscal.measurement.readers.columns import unread
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
@@ -51,6 +50,7 @@ _PRINTED_TO = {"X": 1e-4, "Y": 1e-4}
 """m: places are printed in fewer digits than they have, some in whole millimetres."""
 _SLACK = 1e-4
 """m, of a radius: Klipper cuts its distances to 0.01 mm."""
+_Saved = TypeVar("_Saved")
 _MOST = 1000
 """Nodes along a side."""
 _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_count", "{0}spacing spacing{1} spacing"
@@ -72,31 +72,27 @@ def probed_of(file: TextFile, readings: Sequence[RawReading], cells: int, line: 
 
 
 def read_part(path: str | Path, unit: str = "") -> TextFile:
-    """Return a file, of FILE#NAME with the mesh profile NAME alone; raises ReadingError."""
-    whole, _, name = str(path).rpartition("#")
-    if not whole or Path(path).exists():
-        return read_text(path, unit)
-    file, kept, section = read_text(whole, unit), list[str](), ""
-    if is_moonraker(file):
-        return replace(file, name=str(path))
-    for line in file.lines:
-        if line.removeprefix("#*#").lstrip().startswith("["):
-            section = begin[1] if (begin := _BLOCK.match(line)) else ""
-        kept.append(line if section in ("", name) else "")
-    if name not in (known := list(_profiles(file).values())):
-        raise _unsaved(file, name, known)
-    return replace(file, name=str(path), lines=tuple(kept))
+    """Return a file; raises ReadingError where FILE#NAME names no mesh that is saved in it."""
+    part = TextFile(str(path), ()).part
+    file = replace(read_text(str(path).removesuffix(f"#{part}") if part else path, unit), name=str(path))
+    if part and not is_moonraker(file):
+        _chosen(file, {name: line for line, name in _profiles(file).items()})
+    return file
 
 
-def _several(file: TextFile, names: Sequence[str], line: int) -> ReadingError:
-    what, name = "{count} meshes are saved here: {names}", f"{Path(file.name).name}#{names[-1]}"
-    remedy, known = "name one of them: {name}", ", ".join(names)
-    return file.fail(what, remedy, line, count=len(names), names=known, name=name)
+def _chosen(file: TextFile, saved: Mapping[str, _Saved], active: str = "", line: int = 1) -> _Saved:
+    """Return the saved mesh that FILE#NAME names, the one in force, or the only one; raises ReadingError for another.
 
-
-def _unsaved(file: TextFile, name: str, known: Sequence[str]) -> ReadingError:
-    what, names = "no mesh {name} is saved here", ", ".join(known) or "-"
-    return file.fail(what, "saved are: {known}", name=name[:40] or "in force", known=names)
+    saved : by name; line : of the last one
+    """
+    known, name = ", ".join(saved), file.part or active
+    if not saved or (file.part and name not in saved):
+        what = "no mesh {name} is saved here"
+        raise file.fail(what, "saved are: {known}", name=name[:40] or "in force", known=known or "-")
+    if name not in saved and len(saved) > 1:
+        what, name = "{count} meshes are saved here: {names}", f"{Path(file.name).name}#{[*saved][-1]}"
+        raise file.fail(what, "name one of them: {name}", line, count=len(saved), names=known, name=name)
+    return saved[name] if name in saved else next(iter(saved.values()))
 
 
 def is_mesh(file: TextFile) -> bool:
@@ -142,10 +138,8 @@ def mesh(file: TextFile, around: Around, whole: bool = False) -> Found:
 
     whole : with the cells that Klipper filled, as it corrects by them
     """
-    names = _profiles(file)
-    begin, *others = names
-    if others:
-        raise _several(file, list(names.values()), others[0])
+    profiles = _profiles(file)
+    begin = _chosen(file, {name: line for line, name in profiles.items()}, line=[*profiles][-1])
     keys, points, inside = dict[str, str](), Rows(), False
     for number, line in enumerate(file.lines[begin:], begin + 1):
         text = line.removeprefix("#*#").partition("#")[0].strip()
@@ -168,18 +162,11 @@ def moonraker(file: TextFile, around: Around) -> Found:
     if not found:
         raise file.fail("this is no JSON", "save the whole answer of Moonraker", len(file.lines))
     held = {key: value for each in reversed(found) if _OF_MAPS & each.keys() for key, value in each.items()}
-    whole, _, named = file.name.rpartition("#")
     active = str(held.get("profile_name") or held.get("name") or "")
-    named = named if whole and not Path(file.name).exists() else ""
-    name = named or active
     saved = {str(key): _as(dict, value) for key, value in _as(dict, held.get("profiles")).items()}
-    if _as(list, held.get("probed_matrix")) not in ([], [[]]) and name == active:
-        saved[name] = _in_force(held)
-    if name not in saved and not named and len(saved) > 1:
-        raise _several(file, list(saved), 1)
-    if not saved or (name not in saved and named):
-        raise _unsaved(file, name, list(saved))
-    chosen = saved.get(name) or next(iter(saved.values()))
+    if _as(list, held.get("probed_matrix")) not in ([], [[]]) and file.part in ("", active):
+        saved[file.part or active] = _in_force(held)
+    chosen = _chosen(file, saved, active)
     points = [(1, [str(cell) for cell in _as(list, row)]) for row in _as(list, chosen.get("points"))]
     keys = {str(key): str(value) for key, value in _as(dict, chosen.get("mesh_params")).items()}
     return unfilled(file, grid(file, keyed(file, keys, 1), points, 1))

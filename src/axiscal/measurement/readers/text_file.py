@@ -35,6 +35,12 @@ class TextFile:
     unit: str = ""
 
     @cached_property
+    def part(self) -> str:
+        """The NAME of a mesh behind the name of its file, as in `printer.cfg#NAME`; "" where none is named."""
+        whole, _, name = self.name.rpartition("#")
+        return name if whole and not Path(self.name).exists() else ""
+
+    @cached_property
     def told(self) -> tuple[tuple[int, str], ...]:
         """The lines with their numbers, without what a terminal and a firmware write in front."""
         return tuple((number, _LOG.split(line, maxsplit=1)[-1].rstrip()) for number, line in enumerate(self.lines, 1))
