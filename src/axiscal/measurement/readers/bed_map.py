@@ -73,7 +73,7 @@ def probed_of(file: TextFile, readings: Sequence[RawReading], cells: int, line: 
 
 def read_part(path: str | Path, unit: str = "") -> TextFile:
     """Return a file; raises ReadingError where FILE#NAME names no mesh that is saved in it."""
-    part = TextFile(str(path), ()).part
+    part = TextFile(str(path), ()).profile
     file = replace(read_text(str(path).removesuffix(f"#{part}") if part else path, unit), name=str(path))
     if part and not is_moonraker(file):
         _chosen(file, {name: line for line, name in _profiles(file).items()})
@@ -85,8 +85,8 @@ def _chosen(file: TextFile, saved: Mapping[str, _Saved], active: str = "", line:
 
     saved : by name; line : of the last one
     """
-    known, name = ", ".join(saved), file.part or active
-    if not saved or (file.part and name not in saved):
+    known, name = ", ".join(saved), file.profile or active
+    if not saved or (file.profile and name not in saved):
         what = "no mesh {name} is saved here"
         raise file.fail(what, "saved are: {known}", name=name[:40] or "in force", known=known or "-")
     if name not in saved and len(saved) > 1:
@@ -164,8 +164,8 @@ def moonraker(file: TextFile, around: Around) -> Found:
     held = {key: value for each in reversed(found) if _OF_MAPS & each.keys() for key, value in each.items()}
     active = str(held.get("profile_name") or held.get("name") or "")
     saved = {str(key): _as(dict, value) for key, value in _as(dict, held.get("profiles")).items()}
-    if _as(list, held.get("probed_matrix")) not in ([], [[]]) and file.part in ("", active):
-        saved[file.part or active] = _in_force(held)
+    if _as(list, held.get("probed_matrix")) not in ([], [[]]) and file.profile in ("", active):
+        saved[file.profile or active] = _in_force(held)
     chosen = _chosen(file, saved, active)
     points = [(1, [str(cell) for cell in _as(list, row)]) for row in _as(list, chosen.get("points"))]
     keys = {str(key): str(value) for key, value in _as(dict, chosen.get("mesh_params")).items()}

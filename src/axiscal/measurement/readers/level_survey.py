@@ -26,6 +26,7 @@ _LEAST = 1e-9
 _KEY = re.compile(r"#\s*([A-Za-z]+)\s*([=:]?)\s*(.*?)\s*")
 _PASSES = ("forward", "back")
 _WORDS = OF_READINGS | {word: _PASSES[sign < 0] for word, sign in SIGNS.items()}
+"""Passes by what they may be called."""
 
 
 is_survey = partial(begins, (r"(?i)[ \t;,]*# level survey\b[^=]*",))
@@ -89,17 +90,10 @@ def _size(text: str, key: str) -> float:
 
 def _columns(table: CsvTable, head: _Head) -> tuple[str, list[str]]:
     """Return what the column of stations holds, and those of readings, the way there first."""
-    station = next(iter(table.axes), "")  # a second one is not known
-    table.allow({**({station: LENGTHS} if station else {}), **dict.fromkeys(_PASSES, SLOPES), "time": TEXT})
-    columns = [column for stem in _PASSES for column in table.all_of(stem)]
-    ways = [column.stem for column in columns]
-    if not (station and ways):
-        what = "there is no column of readings, such as forward_um/m"
-        what = what if station else "there is no column of stations, such as X_mm"
-        names = ",".join(column.name for column in table.columns)
-        raise table.fail(what, "name it in the header; found: {found}", found=names)
-    if len({*ways}) < len(ways):
-        raise table.fail("a way is named twice", "give one column forward, and one back")
+    station = next(iter(table.axes), "X")  # a second one is not known
+    table.allow({station: LENGTHS, **dict.fromkeys(_PASSES, SLOPES), "time": TEXT})
+    ways = [way for way in _PASSES if table.all_of(way)] or [_PASSES[0]]
+    columns = [table.one_of(station, f"{station}_mm"), *(table.one_of(way, f"{way}_um/m") for way in ways)]
     if "division" not in head and any(column.unit == "div" for column in columns):
         raise table.fail("readings are in divisions, and the value of one is not said", "write # division = 0.02 mm/m")
     return station, ways

@@ -17,7 +17,7 @@ from axiscal.language.spoken import said
 from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, points_of, probed_of
 from axiscal.measurement.readers.columns import STEMS, column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
-from axiscal.measurement.readers.csv_table import table_of
+from axiscal.measurement.readers.csv_table import CsvTable, table_of
 from axiscal.measurement.readers.table_cells import plain
 from axiscal.measurement.readers.text_file import TextFile, begins, telling
 
@@ -142,11 +142,15 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in (cells if len(cells) in _WIDTHS else line.split(","))]
 
 
-def _two_readings(found: Found) -> bool:
-    """Return whether X never comes again, and Y is far below it or as large: places with two readings each."""
-    x, y = np.array([[each.position[axis] for axis in "XY"] for each in found.readings]).T
+def _two_readings(table: CsvTable, found: Found) -> bool:
+    """Return whether three columns that nobody named look like places with two readings each.
+
+    X never comes again, and Y is far below it or as large.
+    """
+    (x, y), headless = np.array([[each.position[axis] for axis in "XY"] for each in found.readings]).T, table.rows[0]
     apart = np.abs([y, y - x]).max(axis=1).min()
-    return len(set(x)) == len(x) and len(set(y)) > 1 and bool(apart < _SMALL * np.abs(x).max())
+    alike = len(set(x)) == len(x) and len(set(y)) > 1 and bool(apart < _SMALL * np.abs(x).max())
+    return alike and table.line == headless.line and len(table.columns) == 3
 
 
 def listed(file: TextFile, around: Around, after: int = 0) -> Found:
@@ -167,10 +171,7 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
         low = height(replace(file, unit=unit), x, y, plain(z.text, mark), row.line)
         readings += [replace(each, time=time) for each in low]
     found = probed_of(file, readings, len(table.rows), table.rows[-1].line)
-    bare = (
-        table.line == table.rows[0].line and len(table.columns) == 3 and not _LETTERS.match(file.lines[table.line - 1])
-    )
-    if bare and _two_readings(found):
+    if not _LETTERS.match(file.lines[table.line - 1]) and _two_readings(table, found):
         what = "these lines look like a place and two readings each, and not like X, Y and Z"
         raise table.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um")
     return found if all(table.one_of(axis, axis).unit for axis in "XYZ") else _noted(file, found)

@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import later, listed, said
@@ -72,12 +73,6 @@ def _decimal(text: str) -> str:
     return found[1] if found else ""
 
 
-def half_digit(number: str) -> float:
-    """Return half of the last digit of a number with a decimal point."""
-    head, *power = re.split("[eE]", number.lstrip("+-"))
-    return float("e".join([re.sub(r"\d", "0", head) + ("5" if "." in head else ".5"), *power]))
-
-
 LONGEST = 60
 """Characters of what is quoted."""
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
@@ -123,7 +118,8 @@ class Cell(TableLine):
 
     def rounding(self) -> float:
         """Return half of the last digit of a number, in SI units."""
-        return from_unit(half_digit(plain(self.text, self.column.mark)), self.column.unit or self.column.stated)
+        last = Decimal(plain(self.text, self.column.mark)).as_tuple().exponent
+        return from_unit(float(Decimal(5).scaleb(int(last) - 1)), self.column.unit or self.column.stated)
 
     def _no_number(self) -> ReadingError:
         what, remedy = _why_not(self.text, self.column.mark)

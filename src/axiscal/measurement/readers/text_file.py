@@ -35,7 +35,7 @@ class TextFile:
     unit: str = ""
 
     @cached_property
-    def part(self) -> str:
+    def profile(self) -> str:
         """The NAME of a mesh behind the name of its file, as in `printer.cfg#NAME`; "" where none is named."""
         whole, _, name = self.name.rpartition("#")
         return name if whole and not Path(self.name).exists() else ""
@@ -128,11 +128,11 @@ def objects_in(text: str) -> list[dict[str, Any]]:
     """Return every object of a JSON text, inner ones first, with numbers as texts; none of another text."""
     found = list[dict[str, Any]]()
 
-    def kept(held: dict[str, Any]) -> dict[str, Any]:
+    def collected(held: dict[str, Any]) -> dict[str, Any]:
         found.append(held)
         return held
 
     with suppress(ValueError, RecursionError):
-        json.loads(text, object_hook=kept, parse_float=str, parse_int=str, parse_constant=str)
+        json.loads(text, object_hook=collected, parse_float=str, parse_int=str, parse_constant=str)
         return found
     return []
