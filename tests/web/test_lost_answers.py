@@ -118,7 +118,7 @@ def test_the_page_sends_what_the_killed_server_did_not_answer(browser: Browser, 
     assert re.findall('"text":"([^"]*)"', str(outbox(page))) == ["0.5"]
     with served(record, "--port", port) as third:
         page.open(third.address)
-        page.until("document.getElementById('count').textContent === '3 of 4'")
+        page.until("document.getElementById('count').textContent === 'reading 3 of 4'")
         page.until("localStorage.getItem('axiscal steps') === '[]'")
         type_reading(page, "0.4")
     assert kept(record) == [-1.7, 0.5, 0.4]
@@ -137,7 +137,7 @@ def test_a_minute_without_network_keeps_what_is_typed(browser: Browser, tmp_path
         page.enter("-1.7")
         page.until("localStorage.getItem('axiscal steps').includes('-1.7')")
         os.kill(server.process, signal.SIGCONT)
-        page.until("document.getElementById('count').textContent === '2 of 4'")
+        page.until("document.getElementById('count').textContent === 'reading 2 of 4'")
         page.call("Network.enable")
         gone = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
         page.call("Network.emulateNetworkConditions", offline=True, **gone)
@@ -145,6 +145,6 @@ def test_a_minute_without_network_keeps_what_is_typed(browser: Browser, tmp_path
         page.until("document.getElementById('heard').textContent.startsWith('No answer yet')")
         assert kept(record) == [-1.7]
         page.call("Network.emulateNetworkConditions", offline=False, **gone)
-        page.until("document.getElementById('count').textContent === '3 of 4'")
+        page.until("document.getElementById('count').textContent === 'reading 3 of 4'")
         page.until("localStorage.getItem('axiscal steps') === '[]'")
     assert kept(record) == [-1.7, 0.5]

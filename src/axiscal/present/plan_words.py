@@ -100,12 +100,14 @@ def _cells(rows: Sequence[PlannedRow], room: int) -> list[list[str]]:
     """Return a heading and the cells of so many lines at most; rows of one kind stand together where they are more."""
     groups = [[row] for row in rows] if len(rows) <= room else by_kind(rows)
     shown = [*groups[: room - 1], groups[-1]] if len(groups) > room else groups  # the volume stays
-    lines = [["", said("U before"), said("U after")]]
-    for each in shown:
-        before = put("± {known} {unit}", known=digits(max(row.known_before for row in each)), unit=each[0].unit)
-        read = all(row.measured or row.known_to < _READ * row.known_before for row in each)
-        lines.append([row_names(each), before, known_text(each) if read else said("not measured")])
-    return lines
+    return [["", said("U before"), said("U after")], *([row_names(each), *planned_figures(each)] for each in shown)]
+
+
+def planned_figures(rows: Sequence[PlannedRow]) -> tuple[str, str]:
+    """Return U of rows of one kind before the plan and after it, in words."""
+    before = put("± {known} {unit}", known=digits(max(row.known_before for row in rows)), unit=rows[0].unit)
+    read = all(row.measured or row.known_to < _READ * row.known_before for row in rows)
+    return before, known_text(rows) if read else said("not measured")
 
 
 def _mounted(answer: PlannedAnswer) -> str:

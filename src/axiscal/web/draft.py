@@ -32,7 +32,7 @@ from axiscal.planning.helping import rows_shown
 from axiscal.planning.next_readings import next_places
 from axiscal.present.machine_drawing.setup_picture import machine_scene, setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer, minutes_curve
-from axiscal.present.plan_words import open_questions
+from axiscal.present.plan_words import open_questions, planned_figures
 from axiscal.present.sentences import spelt
 from axiscal.record.copies import opened_log
 from axiscal.record.store import record_errors
@@ -101,7 +101,9 @@ def plan(here: Path) -> shapes.PlanShape:
         raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
     minds = open_questions(campaign.description, asked=True)
     return shapes.PlanShape(
-        answer=shapes.AnswerShape.of_campaign(campaign, answer), minds=[spelt(mind) for mind in minds]
+        answer=shapes.AnswerShape.of_campaign(campaign, answer),
+        rows={row.row: [spelt(figure) for figure in planned_figures([row])] for row in answer.rows},
+        minds=[spelt(mind) for mind in minds],
     )
 
 

@@ -214,9 +214,10 @@ class CurveShape(AnswerDocument):
 
 
 class PlanShape(AnswerDocument):
-    """The plan of a draft; minds : what nobody has said yet."""
+    """The plan of a draft; rows : U before and after it, by their names; minds : what nobody has said yet."""
 
     answer: AnswerShape
+    rows: Mapping[str, Sequence[str]]
     minds: Sequence[str]
 
 

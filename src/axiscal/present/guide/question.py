@@ -354,9 +354,9 @@ SURPRISING = 4.0
 def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:
     """Return what to mount and what it will read."""
     reads, moving = sense(setup).reads, [place.axis for place in places if place.moves]
-    words, stands = "mount the instrument ({instrument}); it reads {reads}", ""
+    words, stands = "mount: {instrument}; it reads {reads}", ""
     if setup.artefact is not None:
-        words = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
+        words = "set up {artefact}, and mount: {instrument}; it reads {reads}"
         stands = setup.artefact.standing
     mounted = said(words, artefact=stands, instrument=said(setup.title), reads=reads)
     return said("{mounted}, while {axis} moves", mounted=mounted, axis=moving[0]) if len(moving) == 1 else mounted
@@ -369,6 +369,6 @@ def mount_steps(setup: Setup, places: Sequence[AxisPlace], touch: str) -> tuple[
         (said("park"), coordinates_text(places, moves=False)),
         (said("go to"), coordinates_text(places, moves=True)),
         (said("at"), touch),
-        (said("then"), said("set its display to zero there; the zero need not be exact") if zeroed else ""),
+        (said("then"), said("zero its display, roughly") if zeroed else ""),
     )
     return tuple(step for step in steps if step[1])

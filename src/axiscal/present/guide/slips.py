@@ -214,7 +214,7 @@ def _jog(campaign: Campaign) -> Jog | None:
     far = put("{axis} {step:+.3f} mm", axis=machine.axes[axis].name, step=millimetres)
     if machine.axes[axis].diameters:
         far = said("{place} (the diameter {twice} mm)", place=far, twice=put("{step:+.3f}", step=2 * millimetres))
-    words = said("Jog {far} from where it stands; type what the display shows more than before", far=far)
+    words = said("Jog {far}; type by how much the display changes", far=far)
     unit = reading_unit(setup)
     return Jog(far=far, sentence=words, shows=float(to_unit(float(shows[axis]), unit)), unit=unit)
 
@@ -242,7 +242,7 @@ def try_jog(campaign: Campaign, text: str, *, anyway: bool = False) -> str:
     campaign.note(f'test of sign "{setup.name}": {test.far} shows {text.strip()} ({verdict})')
     if wrong and not anyway:
         raise ReadingError(wrong[1], wrong[2])
-    return said("The display follows the tool; that is kept in the record.")
+    return said("The display follows the tool.")
 
 
 def _wrong(ratio: float) -> tuple[str, str, str] | None:

@@ -8,8 +8,8 @@ let check = null; // the places to read for the control that is chosen
 
 export function renderControls(state) {
   shown = state;
-  show("controls", state !== null);
-  if (state === null) { show("check", false); return; }
+  show("controls", state?.tables.length > 0); // the answer says why there are none
+  if (find("controls").hidden) { show("check", false); return; }
   const select = find("control");
   if (select.options.length === 0) {
     const others = state.controls.filter((name) => !state.tables.includes(name));
@@ -29,6 +29,7 @@ function control() {
 }
 
 function choose() {
+  show("verify", control() !== "csv"); // no control loads it
   show("load-form", ["klipper", "reprapfirmware"].includes(control()));
   find("texts").replaceChildren();
   text("controls-fault", "");

@@ -86,12 +86,16 @@ export async function waiting(work) {
   }
 }
 
-const FEW = 4; // columns that a narrow screen has room for; of more each row stands in lines
+const FEW = 3; // columns that a narrow screen has room for; of more each row stands in lines
+
+export function renderFirst(parts) {
+  find("first").replaceChildren(...parts.map((part, n) => element(n ? "span" : "strong", part)));
+}
 
 // A plan or a result in words: its first line in parts, and a table of a heading and rows.
 export function renderWords(first, [heading = [], ...rows]) {
   const line = (kind, cells) => { const row = document.createElement("tr"); row.append(...cells.map((cell, n) => Object.assign(element(kind, cell), { title: heading[n] }))); return row; };
-  find("first").replaceChildren(...first.map((part, n) => element(n ? "span" : "strong", part)));
+  renderFirst(first);
   find("rows").tHead.replaceChildren(...(rows.length ? [line("th", heading)] : []));
   find("rows").tBodies[0].replaceChildren(...rows.map((cells) => line("td", cells)));
   find("rows").className = heading.length > FEW ? "many" : "";

@@ -43,9 +43,9 @@ function renderLine() {
   const p = state.progress, end = p.taken + p.coming, going = state.question !== null;
   text("machine", state.machine);
   document.title = `${state.machine} · axiscal`;
-  text("count", state.question ? said("{number} of {last}", { number: p.taken + 1, last: end }) : said("{count} taken", { count: p.taken }));
-  const left = p.left_minutes < 1 ? said("less than 1 left") : said("about {minutes} left", { minutes: shown(p.left_minutes, 0) });
-  text("minutes", said("{minutes} done", { minutes: shown(p.minutes && Math.max(p.minutes, 1), 0) }) + (going ? `, ${left}` : ""));
+  text("count", state.question ? said("reading {number} of {last}", { number: p.taken + 1, last: end }) : said("{count} taken", { count: p.taken }));
+  const left = p.left_minutes < 1 ? said("< 1 min") : said("≈ {minutes} min", { minutes: shown(p.left_minutes, 0) });
+  text("minutes", going ? `· ${left}` : "");
 }
 
 function renderPlaces(question) {
@@ -86,30 +86,23 @@ function renderQuestion() {
   show("mount", mounting);
   if (question === null) { asked = ""; return; }
   if (!question.mount) mounted = question.setup;
-  text("mount-title", said('Set-up "{setup}"', question));
+  text("mount-title", question.setup);
   text("mount-sentence", `${question.mount_sentence[0].toUpperCase()}${question.mount_sentence.slice(1)}.`);
   find("mount-steps").replaceChildren(...question.mounting.flatMap((s) => [element("dt", s.name), element("dd", s.what)]));
   text("setup", question.setup);
-  text("instrument", said(question.instrument));
-  text("mount-sign", question.sign);
+  text("mount-sign", state.jog === null ? question.sign : "");
   renderPlaces(question);
   text("sign", question.sign);
-  text("again", [question.again, question.check].filter((words) => words !== "").join("; "));
-  show("again", question.again + question.check !== "");
+  text("again", question.again);
   drawDirection(find("drawing"), question);
   text("unit", question.names.map((name, n) => `${name} ${unitText(question.units[n])}`.trim()).join(", "));
   find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));
-  if (jogging) renderJog();
-  text("shows", state.shows && said("the instrument on the virtual machine shows {value}", { value: state.shows }));
+  text("jog-words", jogging ? `${state.jog.sentence}.` : "");
+  text("jog-unit", jogging ? unitText(state.jog.unit) : "");
+  for (const place of ["shows", "jog-shows"]) text(place, state.shows && said("the instrument on the virtual machine shows {value}", { value: state.shows }));
   if (key !== asked) newQuestion(key);
   if (mounting && document.activeElement !== find("stands") && !find("stopping").contains(document.activeElement)) find("stands").focus();
-}
-
-function renderJog() {
-  text("jog-words", `${state.jog.sentence}.`);
-  text("jog-unit", unitText(state.jog.unit));
-  text("jog-shows", state.shows && said("the instrument on the virtual machine shows {value}", { value: state.shows }));
 }
 
 async function tryJog(anyway) {
@@ -120,7 +113,7 @@ async function tryJog(anyway) {
   show("jog-anyway", !done.ok && done.document.problem === "refused");
   if (!done.ok) { find("jogged").select(); return; }
   find("jogged").value = "";
-  hear(done.document.sentence);
+  hear("");
   begun();
 }
 
@@ -150,8 +143,6 @@ function renderKept() {
     row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? ` (${said("not relied on")})` : "") + (r.by && ` ${r.by}`)), element("td", clock(r.at)));
     return row;
   }));
-  const last = state.readings[0];
-  text("saved", last ? said("reading {number} on disk {time}", { number: last.number, time: clock(last.at) }) : said("nothing recorded yet"));
   find("notes").replaceChildren(...state.notes.slice(-3).map((n) => element("li", `${clock(n.at)} ${n.text}`)));
   renderDue();
   find("minds").replaceChildren(...state.minds.map((m) => element("li", m)));
@@ -171,7 +162,7 @@ function renderAsking() {
 function renderDue() {
   const { temperature_degc: warm, minutes_ago: ago, ask, marker_minutes: marker } = state.due, parts = [];
   if (warm !== null) parts.push(said("temperature {value} °C, {minutes} min ago", { value: warm, minutes: shown(ago, 0) }));
-  if (state.finished === null && ask) parts.push(said("note the temperature"));
+  if (state.finished === null && ask && state.progress.taken) parts.push(said("note the temperature"));
   if (marker !== null) parts.push(marker < 1 ? said("a drift marker is due: the same place once more") : said("a drift marker is due in about {minutes} min", { minutes: shown(marker, 0) }));
   text("due", parts.join(" · "));
 }
@@ -182,14 +173,14 @@ function clock(at) {
 
 // What is known, as every report has it: the first line, the rows, what is to be done next.
 function renderAnswer() {
-  show("answer", state.answer !== null);
-  if (state.answer === null) return;
-  const { first, rows, sentences, document: found } = state.answer;
+  const { first, rows, sentences, document: found } = state.answer ?? {}, unread = state.progress.taken === 0;
+  const ahead = unread && found?.verdict === "unreachable";
+  show("answer", found !== undefined && (!unread || ahead)); // a plan stood beside the button that began it
+  if (found === undefined) return;
   find("first").className = `box ${found.verdict}`;
-  const unread = state.progress.taken === 0, ahead = unread && found.verdict === "unreachable";
   find("answer").className = ahead ? "ahead" : "";
-  renderWords(first, rows);  // sentences of a plan stood beside the button that began it
-  find("known").replaceChildren(...(unread && !ahead ? [] : sentences).map((words) => element("p", words)));
+  renderWords(first, rows);
+  find("known").replaceChildren(...sentences.map((words) => element("p", words)));
 }
 
 function renderEnd() {
@@ -227,12 +218,12 @@ function render(newer) {
   document.body.dataset.version = state.version;
 }
 
-// The machine as it stands at the reading asked for: in the words on mounting, and beside the readings after that.
+// The machine as it stands at the reading asked for.
 function drawMachine() {
-  const mounting = !find("mount").hidden, question = state.question;
-  show("stood", question !== null && !mounting);
+  const question = state.question;
+  show("stood", question !== null);
   if (question === null) return;
-  const place = find(mounting ? "mount-drawing" : "machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
+  const place = find("machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
   if (width < 200) return;
   const words = said("How the instrument stands: {instrument}", { instrument: said(question.instrument) });
   draw(place, `/setup.svg?${new URLSearchParams({ width, version: state.version })}`, words);
@@ -349,7 +340,7 @@ async function askCost(rest) {
 let warming = false;
 function asksForNote(visible, warm = false) {
   warming = warm;
-  document.querySelector("label[for=sentence]").textContent = warm ? said("Temperature of the machine's scale in °C; empty: not measured") : said("what is to be kept in the record? (the temperature: 21.4 °C)");
+  document.querySelector("label[for=sentence]").textContent = warm ? said("temperature of the scale, °C; may stay empty") : said("what is to be kept in the record? (the temperature: 21.4 °C)");
   show("skip-form", false);
   show("note-form", visible);
   if (visible) find("sentence").focus();

@@ -1,9 +1,10 @@
 // From nothing to the first reading: one question a screen; every touch is kept on the disk.
-import { button, call, draw, element, find, on, renderWords, show, text, waiting } from "/elements.js";
+import { button, call, draw, element, find, on, renderFirst, show, text, waiting } from "/elements.js";
 import { language, said, translate } from "/words.js";
 
 const SCREENS = ["start", "machine", "with", "plan"];
 const LONGEST = 48000; // letters of a file: a control's own is shorter, and of another one its beginning tells what it is
+const HELPS = 2; // instruments that are proposed, the most usual that show more; the others stand in the list
 const OF_MACHINE = { travels: {}, switched: [], size: "used", without: [], budget: "", along: "" }; // what another machine has as usual
 let start = null; // what there is to choose from
 let draft = null; // what was chosen
@@ -80,7 +81,7 @@ function render() {
   }
   renderMachine();
   renderInstruments();
-  renderShown();
+  renderRows();
   text("instruments-fault", draft.instruments.map((name) => faults.get(ofMachine(name)) ?? "").join(" ").trim());
   show("coming", plan && ["with", "plan"].includes(draft.screen));
   find("machine-next").disabled = !ready.with;
@@ -105,14 +106,13 @@ function renderStart() {
   find("begun").replaceChildren(...[...going, ...over].map((each, n) => {
     const values = { machine: each.machine, taken: each.taken, last: each.taken + each.coming, day: day(each.at), record: each.record };
     const words = each.finished ? said("Look at: {machine}, {taken} readings, {day}", values) : said("Go on: {machine}, {taken} of {last} readings, {day}", values);
-    const made = button(words, () => openRecord(each.record));
+    const made = Object.assign(button(words, () => openRecord(each.record)), { className: n ? "" : "chief" });
     made.append(element("small", each.record));
-    if (n === 0) made.className = "chief";
     return made;
   }));
   find("new").className = start.begun.length ? "" : "chief";
   find("left-out").replaceChildren(...start.left_out.map((words) => element("li", words)));
-  text("folder", said("New campaigns are kept in {folder}", { folder: start.folder }));
+  text("folder", said("kept in {folder}", { folder: start.folder }));
 }
 
 function renderMachine() {
@@ -120,8 +120,8 @@ function renderMachine() {
   show("kinds", !read);
   for (const button of find("kinds").children) button.setAttribute("aria-pressed", button.dataset.machine === draft.machine);
   show("read", read || machine.readings !== "");
-  text("machine-title", read ? said("Is this your machine?") : said("Which machine is most like yours?"));
-  text("read", said("{file} says: {machine}", { file: draft.file, machine: machine.readings || machine.title }));
+  text("machine-title", read ? said("Your machine?") : said("Machine"));
+  text("read", `${draft.file}: ${machine.readings || machine.title}`);
   text("file-fault", machine.faults.file ?? "");
   const axes = Object.keys(machine.lengths), shown = [...find("travels").querySelectorAll("input")].map((field) => field.dataset.axis);
   if (axes.join() !== shown.join()) find("travels").replaceChildren(...axes.map(travel));
@@ -129,18 +129,20 @@ function renderMachine() {
     if (field !== document.activeElement) field.value = draft.travels[field.dataset.axis] ?? `${machine.lengths[field.dataset.axis]} mm`;
     field.parentElement.querySelector(".fault").textContent = machine.faults[`travels.${field.dataset.axis}`] ?? "";
     const carries = field.parentElement.querySelector("button"), carried = machine.carried.includes(field.dataset.axis);
-    carries.textContent = carried ? said("the table moves") : said("the head moves");
+    carries.textContent = carried ? said("table moves") : said("head moves");
     carries.setAttribute("aria-label", `${field.dataset.axis}: ${carries.textContent}`);
   }
   show("sizes", axes.length > 0);
+  show("travel", axes.length > 0);
   for (const button of find("sizes").children) button.setAttribute("aria-pressed", button.dataset.size === draft.size);
-  find("look").replaceChildren(...machine.look.map((words) => element("li", said("The file does not say: {what}", { what: words }))));
+  show("look", machine.look.length > 0);
+  find("look").lastElementChild.replaceChildren(...machine.look.map((words) => element("li", words)));
 }
 
 function travel(axis) {
   const line = element("p", ""), field = document.createElement("input");
   const carries = button("", () => choose({ switched: toggled(draft.switched, axis) }));
-  const label = element("label", machine.radii.includes(axis) ? said("travel of {axis}: the radius, its display shows diameters", { axis }) : said("travel of {axis}", { axis }));
+  const label = element("label", machine.radii.includes(axis) ? said("{axis}, the radius", { axis }) : axis);
   Object.assign(field, { id: `travel-${axis}`, type: "text", maxLength: 40, spellcheck: false });
   field.dataset.axis = axis;
   label.htmlFor = field.id;
@@ -152,8 +154,7 @@ function travel(axis) {
 function renderInstruments() {
   for (const button of find("instruments").children) {
     const name = button.dataset.instrument;
-    button.disabled = !machine.offered.includes(name);
-    button.title = button.disabled ? said("nothing of this machine can be read with it") : "";
+    button.hidden = !machine.offered.includes(name); // nothing of this machine can be read with the others
     button.setAttribute("aria-pressed", draft.instruments.includes(name));
   }
   text("target-fault", machine.faults.target ?? "");
@@ -184,25 +185,27 @@ function rowsOf(instrument) {
   return rows.get(ofMachine(instrument)) ?? {};
 }
 
-// Rows to be ticked, of one kind in a line, and what other instruments would show besides, in grey.
-function renderShown() {
-  const { volume, ...others } = Object.assign({}, ...draft.instruments.map(rowsOf)), known = volume ? { ...others, volume } : others;
-  const kinds = Map.groupBy(Object.entries(known), ([, words]) => words.split(" ")[0]);
-  const lines = [...kinds].map(([kind, each]) => {
-    const line = element("p", "");
-    line.append(element("span", each[0][1] === kind ? "" : kind, "kind"), ...each.map(([name, words]) => tick(name, words, words.slice(kind.length).trim() || words)));
-    return line;
+// Rows with what the plan tells of each, to be ticked; what other instruments would show besides, in grey.
+function renderRows() {
+  const { volume, ...single } = Object.assign({}, ...draft.instruments.map(rowsOf)), known = volume ? { ...single, volume } : single;
+  const kinds = Map.groupBy(Object.entries(known), ([, words]) => words.split(" ")[0]), lines = [];
+  for (const [kind, each] of kinds) each.forEach(([name, words], n) => {
+    const line = document.createElement("tr"), short = words.slice(kind.length).trim(), ticked = document.createElement("td");
+    ticked.append(tick(name, words, short));
+    line.append(element("td", n ? "" : kind), ticked, ...(planned.plan?.rows[name] ?? ["", ""]).map((figure) => element("td", figure)));
+    lines.push(line);
   });
   const before = document.activeElement?.dataset?.row;
-  find("shown").replaceChildren(...lines);
-  if (before) find("shown").querySelector(`[data-row="${before}"]`)?.focus();
+  find("rows").tBodies[0].replaceChildren(...lines);
+  if (before) find("rows").querySelector(`[data-row="${before}"]`)?.focus();
+  show("rows", lines.length > 0 && ["with", "plan"].includes(draft.screen));
   const seen = new Set(Object.keys(known)), helps = [];
   for (const name of machine.offered.filter((each) => !draft.instruments.includes(each))) {
     const more = Object.entries(rowsOf(name)).filter(([row]) => !seen.has(row));
-    if (!more.length || !draft.instruments.length) continue;
+    if (!more.length || !draft.instruments.length || helps.length === HELPS) continue;
     for (const [row] of more) seen.add(row);
-    const line = element("li", ""), grouped = Map.groupBy(more.map(([, words]) => words.split(" ")), ([kind]) => kind);
-    line.append(button(`+ ${start.instruments[name]}`, () => touch(name)), element("span", [...grouped].map(([kind, each]) => `${kind} ${each.map((parts) => parts.slice(1).join(" ")).join(", ")}`).join(" · ")));
+    const line = element("li", "");
+    line.append(button(`+ ${start.instruments[name]}`, () => touch(name)), element("span", [...new Set(more.map(([, words]) => words.split(" ")[0]))].join(", ")));
     helps.push(line);
   }
   find("helps").replaceChildren(...helps);
@@ -265,7 +268,7 @@ function planOf() {
 // What is shown is the plan of other choices: nothing begins by it.
 function outdate() {
   find("begin").disabled = true;
-  find("coming").className = "old";
+  find("beside").className = "old";
   show("buying", false);
 }
 
@@ -297,9 +300,10 @@ async function makeCurve() {
 }
 
 function renderPlan(plan) {
-  find("coming").className = "";
+  find("beside").className = "";
   show("first", true);
-  renderWords(plan.answer.first.map((words, n) => n ? words : `≈ ${words}`), plan.answer.rows);
+  renderFirst(plan.answer.first.map((words, n) => n ? words : `≈ ${words}`));
+  renderRows();
   find("strip").replaceChildren(...plan.answer.document.setups.map(mounted));
   find("known").replaceChildren(...plan.answer.sentences.map((words) => element("p", words)));
   find("minds").replaceChildren(...plan.minds.map((words) => element("li", words)));
@@ -321,7 +325,7 @@ function sayBought() {
   const minutes = Number(find("minutes").value), marks = curve.marks, n = Math.max(1, marks.findIndex((mark) => mark.minutes >= minutes));
   const [low, high] = [marks[n - 1], marks[n]], share = Math.log(minutes / low.minutes) / Math.log(high.minutes / low.minutes);
   const u = low.expanded_um * (high.expanded_um / low.expanded_um) ** Math.min(Math.max(share, 0), 1);
-  text("buys", said("≈ {minutes} min: U ≈ {u} µm over the volume", { minutes, u: Number(u.toPrecision(2)) }));
+  text("buys", said("≈ {minutes} min: U ≈ {u} µm", { minutes, u: Number(u.toPrecision(2)) }));
 }
 
 // A set-up of the plan, as wide as it has readings; its minutes are those of the end.
