@@ -45,13 +45,24 @@ _WHOLE = "copy the whole file"
 _TOUCH = re.compile(r"(?:\[PRB:([^,\]]+),([^,\]]+),([^,:\]]+)(?:,-?0\.?0*(?=[,:]))*:1]|(?=\[PRB:(?![^][]*:0])))(.*)")
 """The answer of grbl to G38.2, other axes at 0. One with :0 met nothing. Of a broken answer all is the rest."""
 
-_NUMBER = r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?"
-_SIDE = rf"{_NUMBER}\s{_NUMBER}\s+\d{{1,4}}\s*"
-is_bcnc = partial(begins, (_SIDE, _SIDE, rf"{_NUMBER}\s{_NUMBER}\s{_NUMBER}\s*", r"\s*"))
+_NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_SIDE = re.compile(rf"({_NUMBER})\s({_NUMBER})\s+(\d{{1,4}})\s*")
 is_candle = partial(begins, tuple(rf"{_NUMBER}\s*(?:;{_NUMBER}\s*){{{more}}}" for more in (3, 3, 2)))
-"""Whether the first lines are two sides, from, to and how many, and a depth; or four, four and three numbers."""
+"""Whether the first lines are four, four and three numbers."""
 is_grbl = telling(re.compile(r"\[PRB:"))
 """Whether a line is such an answer."""
+
+
+def _sides(file: TextFile) -> list[tuple[int, re.Match[str]]]:
+    """Return lines and sides above a list: of X and of Y, from, to and how many; none of another list."""
+    data = [(number, line) for number, line in enumerate(file.lines, 1) if not _REMARK.match(line)][:2]
+    sides = [(number, side) for number, line in data if (side := _SIDE.fullmatch(line)) and int(side[3]) > 1]
+    return sides if len(sides) == 2 and all(float(side[1]) < float(side[2]) for _, side in sides) else []
+
+
+def is_bcnc(file: TextFile) -> bool:
+    """Return whether the first lines are two sides, which the depth of the probe follows."""
+    return bool(_sides(file))
 
 
 def is_list(file: TextFile) -> bool:
@@ -75,13 +86,14 @@ def grbl(file: TextFile, around: Around) -> Found:
 
 def bcnc(file: TextFile, around: Around) -> Found:
     """Return the readings of a list whose sides stand above it; raises ReadingError."""
-    found = listed(file, around, 3)
-    sides = [line.split() for line in file.lines[:2]]
-    if found.cells != (count := int(sides[0][2]) * int(sides[1][2])):
+    sides = _sides(file)
+    depth = next((n for n, line in enumerate(file.lines, 1) if n > sides[1][0] and not _REMARK.match(line)), 0)
+    found = listed(file, around, depth or len(file.lines))
+    if found.cells != (count := int(sides[0][1][3]) * int(sides[1][1][3])):
         what = "{count} points are announced, and there are {points}"
-        raise file.fail(what, _WHOLE, 1, count=count, points=found.cells)
-    for axis, (low, top, _) in zip("XY", sides, strict=True):
-        ends = file.length(low, "side", 1) - _SLACK, file.length(top, "side", 1) + _SLACK
+        raise file.fail(what, _WHOLE, sides[0][0], count=count, points=found.cells)
+    for axis, (line, (low, top, _)) in zip("XY", ((n, side.groups()) for n, side in sides), strict=True):
+        ends = file.length(low, "side", line) - _SLACK, file.length(top, "side", line) + _SLACK
         if off := [each for each in found.readings if not ends[0] <= each.position[axis] <= ends[1]]:
             what = "the point lies outside of the side of {axis}, {low} to {high}"
             raise file.fail(what, _WHOLE, off[0].line, axis=axis, low=low, high=top)
