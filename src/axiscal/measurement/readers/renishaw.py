@@ -14,7 +14,7 @@ from typing import Literal
 
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.axis_tests import distinct
-from axiscal.measurement.readers.columns import ANGLES, LENGTHS, unit_of
+from axiscal.measurement.readers.columns import LENGTHS, unit_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import from_unit
@@ -87,14 +87,15 @@ def _units(file: TextFile, usual: str, angles: bool) -> tuple[str, str, bool]:
     if text and not stated:
         raise file.fail("{text} is no unit of deviations", "known are um, mm, in and arcsec", number, text=text[:20])
     inches = stated in ("in", "inch") and not own
-    unit = "" if inches else stated if own or not usual or stated in ANGLES else usual
+    unit = "" if inches else stated if own or not usual or stated not in ("", "mm") else usual
     if unit and file.unit:
         raise file.fail("the file names its unit, and --unit names another", "leave --unit out", number)
     if not (unit or file.unit):
         raise file.fail("the file does not name the unit of its deviations", "say it: --unit um, mm or thou", number)
     unit = unit or file.unit
     if angles != (unit not in LENGTHS):
-        raise file.fail("{text} is no unit of this test", "say another by --unit", number, text=unit)
+        remedy = "say another by --unit" if file.unit else "correct this line, or take it out"
+        raise file.fail("{text} is no unit of this test", remedy, number, text=unit)
     return "in" if inches else "mm", unit, not text
 
 
