@@ -36,10 +36,9 @@ from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import said_quantity
 
 _BOTH = LENGTHS + ANGLES
-_OF_TEST = {"target": _BOTH, "angle": ANGLES}
 _READ = ("deviation", "actual")
 """Of a reading: how far off the axis stood, or where."""
-_BESIDE = {"setup": TEXT, "axis": TEXT, "time": TEXT}
+_BESIDE = {"direction": TEXT, "run": TEXT, **dict.fromkeys(_READ, _BOTH), "setup": TEXT, "axis": TEXT, "time": TEXT}
 _RADII = later("these are radii, and no deviations"), later("take the radius off them")
 _NUMBERED = later("number the runs 1, 2, 3, ...")
 _UNKNOWN = later("direction {text!r} is not known")
@@ -84,9 +83,9 @@ def axis_test(file: TextFile, around: Around) -> Found:
     if not table.all_of("direction") and test_of(file) != "long":
         return _in_columns(file, table)
     place = "angle" if table.all_of("angle") else "target"
-    layout = {place: _OF_TEST[place], **dict.fromkeys(("direction", "run"), TEXT), **dict.fromkeys(_READ, _BOTH)}
+    layout = {place: ANGLES if place == "angle" else _BOTH} | _BESIDE
     what = next((stem for stem in _READ if table.all_of(stem)), "deviation")
-    at, read = table.needed(layout | _BESIDE, "angle_deg" if place == "angle" else "target_mm", f"{what}_um")
+    at, read = table.needed(layout, "angle_deg" if place == "angle" else "target_mm", f"{what}_um")
     if place == "angle" and table.all_of("actual"):
         raise table.fail(*_RADII)
     ordered = _by_order([row.of(place).quantity() for row in table.rows]) if place == "target" else []

@@ -142,11 +142,9 @@ def table_of(
         raise file.fail("there is a header but no data", "add one line for each reading", number)
     kept = [at for at, column in enumerate(columns) if column.stem]
     columns, texts = tuple(columns[at] for at in kept), [tuple(each[at] for at in kept) for each in texts]
-    marks, places = marks_of(list(zip(*texts, strict=True)), separator), dict[str, list[int]]()
+    marks = marks_of(list(zip(*texts, strict=True)), separator)
     columns = tuple(replace(column, mark=each) for column, each in zip(columns, marks, strict=True))
-    for at, column in enumerate(columns):
-        places.setdefault(column.stem, []).append(at)
-    rows = (Row(file.name, n, each, columns, places) for (n, _), each in zip(data, texts, strict=True))
+    rows = (Row(file.name, n, each, columns) for (n, _), each in zip(data, texts, strict=True))
     return CsvTable(file.name, number, columns, tuple(rows))
 
 

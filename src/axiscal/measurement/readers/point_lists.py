@@ -53,16 +53,15 @@ is_grbl = telling(re.compile(r"\[PRB:"))
 """Whether a line is such an answer."""
 
 
-def _sides(file: TextFile) -> list[tuple[int, re.Match[str]]]:
-    """Return lines and sides above a list: of X and of Y, from, to and how many; none of another list."""
-    data = [(number, line) for number, line in enumerate(file.lines, 1) if not _REMARK.match(line)][:2]
-    sides = [(number, side) for number, line in data if (side := _SIDE.fullmatch(line)) and int(side[3]) > 1]
-    return sides if len(sides) == 2 and all(float(side[1]) < float(side[2]) for _, side in sides) else []
+def _head(file: TextFile) -> list[tuple[int, str]]:
+    """Return the first three lines that are no remarks, with their numbers."""
+    return [(number, line) for number, line in enumerate(file.lines, 1) if not _REMARK.match(line)][:3]
 
 
 def is_bcnc(file: TextFile) -> bool:
-    """Return whether the first lines are two sides, which the depth of the probe follows."""
-    return bool(_sides(file))
+    """Return whether the first lines are two sides, from, to and how many, which the depth of the probe follows."""
+    sides = [side for _, line in _head(file)[:2] if (side := _SIDE.fullmatch(line)) and int(side[3]) > 1]
+    return len(sides) == 2 and all(float(side[1]) < float(side[2]) for side in sides)
 
 
 def is_list(file: TextFile) -> bool:
@@ -86,13 +85,12 @@ def grbl(file: TextFile, around: Around) -> Found:
 
 def bcnc(file: TextFile, around: Around) -> Found:
     """Return the readings of a list whose sides stand above it; raises ReadingError."""
-    sides = _sides(file)
-    depth = next((n for n, line in enumerate(file.lines, 1) if n > sides[1][0] and not _REMARK.match(line)), 0)
-    found = listed(file, around, depth or len(file.lines))
-    if found.cells != (count := int(sides[0][1][3]) * int(sides[1][1][3])):
+    head = _head(file)
+    found, sides = listed(file, around, head[-1][0]), [line.split() for _, line in head[:2]]
+    if found.cells != (count := int(sides[0][2]) * int(sides[1][2])):
         what = "{count} points are announced, and there are {points}"
-        raise file.fail(what, _WHOLE, sides[0][0], count=count, points=found.cells)
-    for axis, (line, (low, top, _)) in zip("XY", ((n, side.groups()) for n, side in sides), strict=True):
+        raise file.fail(what, _WHOLE, head[0][0], count=count, points=found.cells)
+    for axis, (low, top, _), (line, _) in zip("XY", sides, head, strict=False):
         ends = file.length(low, "side", line) - _SLACK, file.length(top, "side", line) + _SLACK
         if off := [each for each in found.readings if not ends[0] <= each.position[axis] <= ends[1]]:
             what = "the point lies outside of the side of {axis}, {low} to {high}"

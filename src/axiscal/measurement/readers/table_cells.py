@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
@@ -135,11 +135,10 @@ class Cell(TableLine):
 
 @dataclass(frozen=True, slots=True)
 class Row(TableLine):
-    """One line of data: its texts by the columns of the table.  places : of columns by what they hold"""
+    """One line of data: its texts by the columns of the table."""
 
     texts: tuple[str, ...]
     columns: tuple[Column, ...]
-    places: Mapping[str, Sequence[int]]
 
     def cell(self, place: int) -> Cell:
         """Return the cell of a column."""
@@ -150,7 +149,8 @@ class Row(TableLine):
 
         units : that the column may have, any unless said
         """
-        known = [at for stem in stems for at in self.places.get(stem, ()) if not units or self.columns[at].fits(units)]
+        mine = ((at, column) for at, column in enumerate(self.columns) if column.stem in stems)
+        known = [at for at, column in mine if not units or column.fits(units)]
         filled = [at for at in known if self.texts[at]]
         if len(filled) > 1:
             names = listed(said(" and "), [f"'{self.columns[at].name}'" for at in filled])
