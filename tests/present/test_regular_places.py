@@ -7,23 +7,28 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.present.findings import regular_places
 from tests.generators.campaigns import built_in
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
-DESCRIBED = campaign_from_texts(
-    campaign_text("m", setup_text("laser", "interferometer", direction="x"), target={"readings": 9}),
-    "c.toml",
-    machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": "10 um"}),
-    "m",
-)
+
+def described(**laser: object) -> CampaignDescription:
+    return campaign_from_texts(
+        campaign_text("m", setup_text("laser", "interferometer", direction="x", **laser), target={"readings": 9}),
+        "c.toml",
+        machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": "10 um"}),
+        "m",
+    )
 
 
-def said_of(millimetres: Sequence[float]) -> list[str]:
+DESCRIBED = described()
+
+
+def said_of(millimetres: Sequence[float], of: CampaignDescription = DESCRIBED) -> list[str]:
     readings = [Reading("laser", (at / 1e3,), (1,), 0.0) for at in millimetres]
-    return [each.text for each in regular_places(readings, DESCRIBED.setups, DESCRIBED.machine.axes)]
+    return [each.text for each in regular_places(readings, of.setups, of.machine.axes)]
 
 
 @pytest.mark.parametrize(
@@ -44,12 +49,28 @@ def test_the_step_of_regular_places_is_named(places: Sequence[float], step: str)
     assert all(f"a multiple of {step} apart along X" in text for text in found)
 
 
+def odd_places(text: str) -> list[float]:
+    return [float(part.split(" mm")[0]) for part in text.split("X = ")[1:]]
+
+
 def test_the_places_that_are_asked_for_end_it() -> None:
     (text,) = said_of(range(0, 1001, 100))
-    odd = [float(part.split(" mm")[0]) for part in text.split("X = ")[1:]]
+    odd = odd_places(text)
     assert len(odd) == 3
     assert all(0 < at < 1000 and at % 100 != 0 for at in odd)
     assert said_of([*range(0, 1001, 100), *odd]) == []
+
+
+@pytest.mark.parametrize("raster", [50, 20, 5])
+def test_they_are_where_the_set_up_can_be_read(raster: int) -> None:
+    of = described(raster={"X": f"{raster} mm"})
+    (text,) = said_of(range(0, 1001, 100), of)
+    assert all(at % raster == 0 and at % 100 != 0 for at in odd_places(text))
+    assert said_of([*range(0, 1001, 100), *odd_places(text)], of) == []
+
+
+def test_where_it_can_be_read_nowhere_else_none_are_asked_for() -> None:
+    assert said_of(range(0, 1001, 100), described(raster={"X": "100 mm"})) == []
 
 
 ROTARY = built_in(
