@@ -18,6 +18,8 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.proposal import proposed
 from tests.generators.laser_axis import CASE, machine
 
 DRAWN = machine(5)
@@ -62,6 +64,20 @@ def test_backlash_read_from_one_side_is_not_measured_and_one_reading_would_do() 
     aims = Aims.from_case(wanted.case, wanted.printed.belief, wanted.case.yardstick_as_sized, rows)
     assert missing_readings(wanted, aims, rows)[0] == 1
     assert more.known < 0.5 * row.known
+
+
+@pytest.mark.parametrize("taken", [1, 2, 4])
+def test_the_first_readings_do_not_tell_of_hundreds_more(taken: int) -> None:
+    yardstick = CASE.yardstick
+    limit = float(np.hypot(yardstick.rms_floor, 0.1 * yardstick.measure(CASE.prior).rms))
+    target = replace(CASE.description.target, readings=None, rms=limit, wants=())
+    case = Case(replace(CASE.description, target=target, sure="exactly"))
+    known = concluded(case, _readings(BOTH[:taken]))
+    aims = Aims.from_case(known.case, known.printed.belief, known.case.yardstick_as_sized, [])
+    assert taken * aims.volume[0].missing > 90
+    more, _ = missing_readings(known, aims, [])
+    planned = len(proposed(case, Limits(rms=limit)).plan.places)
+    assert planned - taken <= more <= 3 * planned
 
 
 def test_backlash_read_from_both_sides_is_measured_over_the_places_read_from_both() -> None:

@@ -1,7 +1,7 @@
 """From what is known to the answer: rows, what was asked for, and what is missing.
 
-Let an accuracy be U after n readings, L as wanted, and F after endless readings. U² − F² falls with n, so about
-n (U² − F²)/(L² − F²) readings reach L. A backlash that one side was read of begins with U after one from the other.
+Let an accuracy be U after n readings, L as wanted, F after endless ones. About n (U² − F²)/(L² − F²) readings reach L,
+no more than places spread evenly do. A backlash that one side was read of begins with U after one from the other.
 
 A row is found and left as √(estimate² + u²) and √((what the tables leave)² + u²), both RMS over its places.
 """
@@ -317,6 +317,10 @@ def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow])
     shares = [min(left, default=0.0), *(aim.missing for aim in turned)]
     new = sum(not line.read for row in rows if row.open for line in row.lines) if aims.lines else 0
     readings = max(math.ceil(count * max(shares)) + _TARGETS * new, 1)
+    if readings > count:
+        from axiscal.planning.enough import evenly_until_reached  # whoever is nearly there need not load it
+
+        readings = evenly_until_reached(known.case, known.readings, readings)
     described, ends = known.stated.description, known.timed.ends
     mounted = described.setup(known.readings[0].setup).setup_time
     each = float(np.median(np.diff([min(mounted, ends[0]), *ends])))

@@ -6,6 +6,7 @@ each plan that it tries what a result would say after it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 
@@ -14,6 +15,7 @@ from axiscal.estimation.accuracy.yardstick import attainable
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.other_readings import put_among, with_both_sides, with_rooms
@@ -50,6 +52,21 @@ def _within(case: Case, known: Knowledge, limits: Limits) -> bool:
         return False
     floor = expanded_floor(case.yardstick).space
     return expanded(case.yardstick, known.belief).space <= attainable(limits.expanded, floor)
+
+
+_LARGER, _MANY = 1.4, 300
+"""Times as many places as before that are tried next, and so many at most: of time."""
+
+
+def evenly_until_reached(case: Case, readings: Sequence[Reading], most: int) -> int:
+    """Return about how many places, spread evenly over all set-ups, reach the target after readings; at most `most`."""
+    limits, described, count = Limits.of(case.description.target), case.description, FEW
+    while count < min(most, _MANY):
+        places = with_rooms(case, spread(described.machine, described.setups, count))
+        if reached_by(case, limits, places, readings):
+            return min(len(places), most)
+        count = math.ceil(_LARGER * count)
+    return most
 
 
 def few_more(limits: Limits) -> Limits:
