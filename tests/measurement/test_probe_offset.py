@@ -13,11 +13,13 @@ from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.probe_offset import offset_in
 from axiscal.present.plan_words import open_questions
 from tests.zoo.animals import Job
-from tests.zoo.beds import JOB, rolled
+from tests.zoo.beds import rolled
 from tests.zoo.running import described, given
 
 TWIST = "calibrate_y: 10\n#*# [axis_twist_compensation]\n#*# z_compensations = -0.01, 0.0, 0.01\n"
 """By which Klipper makes the heights those that the nozzle would touch (axis_twist_compensation.py)."""
+ONE = Job("printer-gantry", ("probe",), "50 um", (('["klipper", "marlin", "reprapfirmware"]', '["klipper"]'),))
+"""A bed whose tables one control gets: those of all three take seconds."""
 MESH = rolled(1e-3, 2, (7.5, -28.0))(0).readings
 
 
@@ -41,7 +43,7 @@ def test_reads_what_each_firmware_calls_it(text: str, beside: tuple[float, float
 
 
 def test_a_bed_map_brings_its_own_and_the_record_says_it(tmp_path: Path) -> None:
-    campaign, cfg, out = described(JOB, tmp_path / "job"), tmp_path / "printer.cfg", tmp_path / "out"
+    campaign, cfg, out = described(ONE, tmp_path / "job"), tmp_path / "printer.cfg", tmp_path / "out"
     cfg.write_text(MESH)
     assert any(each.startswith("How far does the probe") for each in open_questions(read_campaign(campaign)))
     found = given("data", "estimate", campaign, cfg, "--out", out)
