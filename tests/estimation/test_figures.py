@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.volume import Counted
-from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick, attainable
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.numerics import Array
@@ -99,14 +99,3 @@ def test_endless_readings_leave_the_floor() -> None:
     assert rms == pytest.approx(float(np.sqrt(variances[stick.evenly].mean())), rel=0.02)
     assert worst == pytest.approx(float(np.sqrt(variances.max())), rel=1e-9)
     assert (stick.measure(belief()).floor, stick.measure(belief()).worst_floor) == (rms, worst)
-
-
-def test_a_limit_is_met_or_where_its_floor_is_above_it_a_tenth_more_than_the_floor() -> None:
-    figures = Accuracy(5e-6, 9e-6, 2e-6, 3e-6)
-    assert [figures.meets(rms, None) for rms in (5e-6, 4.9e-6)] == [True, False]
-    assert [figures.meets(None, worst) for worst in (9e-6, 8.9e-6)] == [True, False]
-    assert figures.meets(1e-6, 9e-6)
-    assert not figures.meets(None, None)
-    assert figures._replace(floor=4.6e-6).meets(1e-6, None)
-    assert not figures._replace(floor=4.5e-6).meets(1e-6, None)
-    assert [attainable(limit, 2e-6) for limit in (3e-6, 2e-6, 1e-6)] == pytest.approx([3e-6, 2e-6, 2.2e-6], rel=1e-12)

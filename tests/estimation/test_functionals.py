@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
@@ -44,25 +43,6 @@ def _along(machine: VirtualMachine, line: AxisLine, side: float = 0.0) -> Array:
     sides = np.zeros_like(line.poses)
     sides[:, line.axis] = side
     return machine.deviation(line.poses, sides)
-
-
-def test_positioning_is_both_sides_less_their_mean() -> None:
-    rows, machine = _asked('"positioning X"')
-    (line,) = rows["positioning X"].lines
-    both = np.concatenate([_along(machine, line, 1.0)[:, 0], _along(machine, line, -1.0)[:, 0]])
-    np.testing.assert_allclose(_found(rows["positioning X"], machine), both - both.mean(), atol=1e-15)
-    assert both.std() > 1e-6
-
-
-@pytest.mark.parametrize(("other", "way"), [("Y", 1), ("Z", 2)])
-def test_straightness_is_the_residual_of_the_best_fit_line(other: str, way: int) -> None:
-    name = f"straightness X in {other}"
-    rows, machine = _asked(f'"{name}"')
-    (line,) = rows[name].lines
-    across = _along(machine, line)[:, way]
-    fit = stats.linregress(line.positions, across)
-    expected = across - fit.intercept - fit.slope * line.positions
-    np.testing.assert_allclose(_found(rows[name], machine), expected, atol=1e-15)
 
 
 @pytest.mark.parametrize(("pair", "ways"), [("XY", (0, 1)), ("XZ", (0, 2)), ("YZ", (1, 2))])

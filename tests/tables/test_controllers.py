@@ -285,13 +285,6 @@ def test_pivots_of_a_machine_whose_axis_lines_are_sure_are_those_of_its_descript
     assert re.search(r"^setp xyzac-trt-kins\.y-rot-point\s+-?0\.025", made, re.MULTILINE)
 
 
-def test_a_control_that_can_count_as_iso_841_is_told_to() -> None:
-    for way, told in (("iso", True), ("reversed", False)):
-        text = pivots.write(pivots.pivots(counting("dmu60", way, way), {}), "mm")
-        assert ("setp xyzbc-trt-kins.conventional-directions 1\n" in text) is told
-        assert pivots.read(text, "mm").conventional is told
-
-
 def test_a_kinematics_without_all_its_settings_is_refused() -> None:
     with pytest.raises(TableError, match="not whole"):
         pivots.read("setp xyzac-trt-kins.x-rot-point 1.0\n", "mm")

@@ -28,17 +28,6 @@ EYX = {{ std = "10 um", length = "{stop - start} mm", knots = 3 }}
 """))  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("knots", "most", "count"),
-    [(4, 129, 13), (4, 13, 13), (4, 12, 12), (4, 3, 3), (4, 2, 2), (3, 129, 9), (40, 129, 129)],
-)
-def test_there_are_four_intervals_between_two_knots_as_far_as_they_fit(knots: int, most: int, count: int) -> None:
-    """Of the finest error of the axis."""
-    at = points(model(-100, 300, knots), 0, most=most)
-    assert at == pytest.approx(np.linspace(-0.1, 0.3, count))
-    assert (at[0], at[-1]) == (-0.1, 0.3)
-
-
 @given(st.integers(-500, 500), st.integers(20, 900), st.integers(1, 40), st.integers(2, 140))
 def test_points_on_multiples_cover_the_travel_with_as_few_steps_as_fit(
     start: int, length: int, multiple: int, most: int
