@@ -43,7 +43,7 @@ def begun(folder: Path, screws: str) -> str:
 
 
 def answer_of_map(folder: Path, campaign: str, x_slope: float, y_slope: float, along_x: Sequence[float]) -> Answer:
-    """Return the answer to a map of a tilted bed, mm in mm; of tables the plainest.  along_x : where it was probed, mm"""
+    """Return the answer to a map of a tilted bed, mm in mm, and a plain table.  along_x : where it was probed, mm"""
     rows = [f"probe,{x},{y},{-1000 * (x_slope * x + y_slope * y):.3f}" for x in along_x for y in PLACES]
     (folder / "map.csv").write_text("\n".join(["setup,X_mm,Y_mm,value_um", *rows]))
     text = campaign.replace("# compensation_active", "compensation_active = false #")
