@@ -11,10 +11,10 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.measurement.reading import Reading
 from axiscal.present.findings import regular_places
 from tests.generators.campaigns import built_in
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.texts import Said, campaign_text, machine_text, setup_text
 
 
-def described(**laser: object) -> CampaignDescription:
+def described(**laser: Said) -> CampaignDescription:
     return campaign_from_texts(
         campaign_text("m", setup_text("laser", "interferometer", direction="x", **laser), target={"readings": 9}),
         "c.toml",
