@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
+import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
@@ -18,7 +20,7 @@ from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.enough import reached_by
 from axiscal.planning.helping import helping_setups, helping_words
-from axiscal.planning.next_readings import placed
+from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import alike, blank_problem, foreseen
 from axiscal.planning.proposal import proposed
@@ -62,6 +64,22 @@ def test_where_no_two_set_ups_reach_the_target_those_that_bring_most_are_named()
     assert found is not None
     assert (len(found.setups), found.readings, found.reached) == (2, 0, False)
     assert helping_words(found).endswith(" as well it comes nearer.")
+
+
+@pytest.mark.parametrize("checks", [0, 4])
+def test_a_plan_reaches_its_target_in_the_order_in_which_it_is_read(checks: int) -> None:
+    """With a zero that drifts and checks between: each reading comes later than it would alone."""
+    laser = {"direction": "x", "approach": "both", "reading_time": "4 min", "drift": "6 um/h"}
+    text = setup_text("laser", "interferometer", **laser)
+    case = case_of(built_in(f"[target]\nchecks = {checks}\n{text}", "one-axis"))
+    yardstick = case.yardstick
+    limit = float(np.hypot(yardstick.rms_floor, 0.1 * yardstick.measure(case.knowledge.belief).rms))
+    target = replace(case.description.target, rms=limit)
+    case = case_of(replace(case.description, target=target))
+    places = next_places(case, case.knowledge, ())
+    assert sum(place.check for place in places) == checks
+    assert len(places) < 30
+    assert yardstick.measure(foreseen(case, (), places).belief).rms <= limit
 
 
 TURNED = machine_text(
