@@ -44,7 +44,7 @@ class ReadNumbers(NamedTuple):
 
 
 class _Turn(NamedTuple):
-    """A factor F becomes F T, T = I − U s Uᵀ.  basis : U (r, k); values : σ; weights : η; shrink : s
+    """A factor F becomes F T, T = I − U s Uᵀ.  basis : U (r, k); values : σ; turn : Qᵀ (k, k); weights : η; shrink : s
 
     Let Fᵀ Gᵀ R^-½ = U σ Qᵀ. Where readings enter, s = 1 − 1/√(1 + σ²) and η = 1/(1 + σ²). Where they leave, s = 1 −
     √(1 + σ²/e) and η = −1/e, e = 1 − σ².
@@ -52,17 +52,18 @@ class _Turn(NamedTuple):
 
     basis: Array
     values: Array
+    turn: Array
     weights: Array
     shrink: Array
 
     @classmethod
     def from_numbers(cls, seen: Array, leaving: bool) -> _Turn:
         """Return what numbers make of a factor.  seen : Fᵀ Gᵀ R^-½ (r, k)"""
-        basis, values = _singular(seen)
+        basis, values, turn = _singular(seen)
         if leaving:
             left = np.maximum(1.0 - values**2, _OPEN)
-            return cls(basis, values, -1.0 / left, 1.0 - np.sqrt(1.0 + values**2 / left))
-        return cls(basis, values, 1.0 / (1.0 + values**2), 1.0 - 1.0 / np.hypot(1.0, values))
+            return cls(basis, values, turn, -1.0 / left, 1.0 - np.sqrt(1.0 + values**2 / left))
+        return cls(basis, values, turn, 1.0 / (1.0 + values**2), 1.0 - 1.0 / np.hypot(1.0, values))
 
 
 class LowRank(NamedTuple):
@@ -71,13 +72,19 @@ class LowRank(NamedTuple):
     The turn T G makes the noise of the numbers one and decorrelates their information. Otherwise the rounding of a
     number that tells all of a zero would drown the others.
     eta : (k, k) diagonal, (I + T G C Gᵀ Tᵀ)⁻¹ where they enter, −(I − T G C Gᵀ Tᵀ)⁻¹ where they leave
-    h : (n, k) H = C Gᵀ Tᵀ; z : (n, k) C W H; omega : (k, k) Hᵀ W H
+    h : (n, k) H = C Gᵀ Tᵀ; z : (n, k) C W H; omega : (k, k) Hᵀ W H; back : T⁻¹ (k, k)
     """
 
     eta: Array
     h: Array
     z: Array
     omega: Array
+    back: Array
+
+    @classmethod
+    def by_turn(cls, turn: _Turn, sizes: Array, h: Array, z: Array, reach: Array) -> LowRank:
+        """Return what numbers change.  sizes : the std of each, (k,); reach : V H (w, k)"""
+        return cls(np.diag(turn.weights), h, z, reach.T @ reach, sizes[:, None] * turn.turn.T)
 
     @property
     def gain(self) -> float:
@@ -169,8 +176,8 @@ class Covariance:
 
     def changed_by(self, part: ReadNumbers) -> tuple[Covariance, LowRank]:
         """Return the state after numbers have entered or left, and what they changed: F T, T of `_Turn`."""
-        scaled = part.rows / np.sqrt(part.variances)[:, None]
-        turn = _Turn.from_numbers((scaled @ self.factor).T, part.leaving)
+        sizes = np.sqrt(part.variances)
+        turn = _Turn.from_numbers(((part.rows / sizes[:, None]) @ self.factor).T, part.leaving)
         reach = (self.weighted @ turn.basis) * turn.values
         felt = (reach.T @ self.weighted).T
         seen = (np.hstack([turn.basis, felt]).T @ self.both.T).T  # thin factors first: twice as fast
@@ -178,7 +185,7 @@ class Covariance:
         h, z = along[count:] * turn.values, seen[count:, len(turn.values) :]
         taken = self.both.copy()
         take_off(taken, along * turn.shrink, turn.basis.T)
-        return replace(self, both=taken), LowRank(np.diag(turn.weights), h, z, reach.T @ reach)
+        return replace(self, both=taken), LowRank.by_turn(turn, sizes, h, z, reach)
 
     def after_readings(self, places: Places) -> Covariance:
         """Return the state after readings, all at once."""
@@ -197,17 +204,17 @@ class Covariance:
         return Scorer(self.observation, self.factor, np.hstack([self.factor, self.factor @ self.weighted.T]))
 
 
-def _singular(matrix: Array) -> tuple[Array, Array]:
-    """Return U (r, k) and σ (k,) of a matrix (r, k); of one column by its length, which is all there is.
+def _singular(matrix: Array) -> tuple[Array, Array, Array]:
+    """Return U (r, k), σ (k,), Qᵀ (k, k) of a matrix (r, k); of one column by its length, which is all there is.
 
-    Columns of U that belong to no σ, where k is more than r, are nought: numbers that have nothing to tell.
+    Columns of U that belong to no σ, where k is more than r, are no unit vectors.
     """
     if matrix.shape[1] == 1:
         length = np.sqrt(np.sum(matrix**2, axis=0))
-        return matrix / np.maximum(length, _NOUGHT), length
-    more = max(matrix.shape[1] - len(matrix), 0)
-    basis, values, _ = np.linalg.svd(matrix, full_matrices=False)
-    return np.pad(basis, ((0, 0), (0, more))), np.pad(values, (0, more))
+        return matrix / np.maximum(length, _NOUGHT), length, np.ones((1, 1))
+    more = max(matrix.shape[1] - len(matrix), 0)  # numbers that have nothing to tell keep their noise
+    basis, values, turn = np.linalg.svd(matrix, full_matrices=more > 0)
+    return np.pad(basis, ((0, 0), (0, more))), np.pad(values, (0, more)), turn
 
 
 def informed(factor: Array, scaled: Array) -> Array:
