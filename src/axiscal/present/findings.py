@@ -176,11 +176,15 @@ _ODD = (0.2, 0.31), (0.5, 0.5), (0.8, 0.73)
 def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> Iterator[Finding]:
     """Yield a warning for each axis of a set-up whose places are all multiples of one step apart, with three others.
 
-    None where its raster has no others.
+    Without where its raster has none.
     """
     text = (
         'All places of "{setup}" are a multiple of {step} apart along {axis}: an error of that period looks like none. '
         'Read three more at odd places, such as {places}, with "yes" in a column check: they judge the others.'
+    )
+    bare = (
+        'All places of "{setup}" are a multiple of {step} apart along {axis}: an error of that period looks like none. '
+        "Its raster has no others."
     )
     for setup in setups:
         poses = np.array([reading.pose for reading in readings if reading.setup == setup.name]).reshape(-1, len(axes))
@@ -190,13 +194,13 @@ def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: S
                 count, pose = (places[-1] - places[0]) // step, np.zeros((len(_ODD), len(axes)))
                 asked = [places[0] + (int(at * count) + part) * step for at, part in _ODD]
                 pose[:, k] = from_unit(np.array(asked) * _THOUSANDTH, axes[k].unit)
-                if (raster := setup.raster[k]) > 0:
-                    if to_unit(raster, axes[k].unit) > step * _THOUSANDTH / 2 * (1 + 1e-9):
-                        continue
+                raster, shown = setup.raster[k], f"{step * _THOUSANDTH:.6g} {axes[k].unit}"
+                if raster > 0:
                     pose[:, k] = raster * np.round(pose[:, k] / raster)
+                coarse = to_unit(raster, axes[k].unit) > step * _THOUSANDTH / 2 * (1 + 1e-9)
                 odd = listed(", ", [place_text(axes, each, [k]) for each in pose.tolist()])
-                named = {"setup": setup.name, "axis": axes[k].name, "places": odd}
-                yield Finding("period", None, said(text, step=f"{step * _THOUSANDTH:.6g} {axes[k].unit}", **named))
+                named = {"setup": setup.name, "axis": axes[k].name, "step": shown, "places": odd}
+                yield Finding("period", None, said(bare if coarse else text, **named))
 
 
 def step_between(places: NDArray[np.int64]) -> int:
