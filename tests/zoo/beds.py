@@ -48,12 +48,15 @@ def as_planned() -> Array:
     return np.array([[float(point["position"][axis]) for axis in "XY"] for point in planned(JOB, 36)])
 
 
-def probed(height: Height, places: Callable[[], Array]) -> Callable[[int], Met]:
-    """Return how a bed is met: a high bed stops the probe early, so readings are its heights with the other sign."""
+def probed(height: Height, places: Callable[[], Array], jump: float = 0.0) -> Callable[[int], Met]:
+    """Return how a bed is met: a high bed stops the probe early, so readings are its heights with the other sign.
+
+    jump : um, of the probe's zero before the fifth row
+    """
 
     def met(seed: int) -> Met:
         rng, where = np.random.default_rng((seed, 3)), places()
-        shown = -height(*where.T) + rng.normal(0, NOISE, len(where))
+        shown = -height(*where.T) + rng.normal(0, NOISE, len(where)) + jump * (np.arange(len(where)) >= 28)
         rows = (("probe", x, y, round(value, 1)) for (x, y), value in zip(where.tolist(), shown.tolist(), strict=True))
         return Met(rows_of("setup,X_mm,Y_mm,value_um", rows), BedTruth(height))
 
@@ -121,6 +124,7 @@ _BESIDE = r"beside the (nozzle|tool point)"
 BEDS = (
     Animal("sag of a beam: mesh of 7 x 7", JOB, probed(sag, grid)),
     Animal("sag of a beam: 36 planned", JOB, probed(sag, as_planned)),
+    Animal("zero that jumps at a row: 7 x 7", JOB, probed(sag, grid, 120.0), "anew before reading 29", asked=True),
     Animal("half-probed bed: 7 x 4", JOB, probed(one_sided, lambda: grid(150.0, 4)), r"not read|not probed|15 to 150"),
     Animal("rail that rolls under a probe: 46 mm in front", JOB, rolled(1.2e-3, 1, (-33.0, -46.0)), _BESIDE),
     Animal("rail that rolls under a probe: 24 mm behind", JOB, rolled(8e-4, 3, (12.0, 24.0)), _BESIDE),

@@ -78,7 +78,7 @@ class Explained(NamedTuple):
     log_odds : beside no mistake; setups : whose readings
     reading : index of the first that is wrong, −1 for all; last : of the last one, −1 for all later ones
     factor : by which values are too large or too small, for a unit; axes : that count the other way
-    backlash : explains a jump as well: it is where the axis turned
+    backlash, detail : explain a jump as well: it is where the axis turned, or over a plane
     """
 
     mistake: Mistake
@@ -89,11 +89,12 @@ class Explained(NamedTuple):
     axes: tuple[str, ...] = ()
     backlash: bool = False
     last: int = -1
+    detail: bool = False
 
     @property
     def least(self) -> float:
         """Logarithm of the odds from which it is named."""
-        return float(-np.log(NAMED) if self.backlash else np.log(NAMED))
+        return 0.0 if self.detail else float(-np.log(NAMED) if self.backlash else np.log(NAMED))
 
     @property
     def odds(self) -> float:

@@ -135,21 +135,25 @@ def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
 
 
 def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> Iterator[Tried]:
-    """Yield the jumps where an axis turned, unless backlash is 20 times as likely.
+    """Yield the jumps where an axis turned, unless backlash is 20 times as likely, and those over a plane.
 
     found : draws for the readings without any; sure : readings before which it is backlash
     """
+    over_plane = any(size.kind == "together" for size in problem.sizes.of)
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
-        turn = turn_of(problem, mine)
-        if turn < 0 or turn in sure:
+        of, turn = np.unique(problem.reading[mine]), turn_of(problem, mine)
+        readings = np.array([turn]) if turn >= 0 else of[_BEYOND : -_BEYOND if over_plane else 0]
+        readings = np.setdiff1d(readings, [*sure])
+        if not len(readings) or numbers_of_one(problem.reading[mine]) > 1:
             continue
-        suspect = _suspect(problem, as_stated_or_larger(problem, found.drawn.stated), mine, np.array([turn]), False)
+        suspect = _suspect(problem, as_stated_or_larger(problem, found.drawn.stated), mine, readings, False)
         if suspect.mistake.log_odds <= -_NAMED:
             continue
         beside = sized(space_of(suspect.other))
         odds = beside.log_evidence - found.log_evidence + float(np.log(PRIOR / suspect.places))
-        yield Tried(suspect.mistake._replace(log_odds=odds), tail_of(suspect.other, beside))
+        mistake = suspect.mistake._replace(log_odds=odds, detail=turn < 0)
+        yield Tried(mistake, tail_of(suspect.other, beside))
 
 
 def turn_of(problem: Problem, mine: NDArray[np.bool_]) -> int:
