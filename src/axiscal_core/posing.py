@@ -22,8 +22,8 @@ from axiscal_core.splines import distances
 
 def posed(case: Model, readings: Readings, about: Array | None = None) -> Problem:
     """Return readings as a problem.  about : (size,) the unknowns at which they are linear, None for zero"""
-    values, sizes, n = case.values(readings, "Case.estimate"), sizes_of(case), case.numbers(readings, about)
-    values = values - n.shown + (0.0 if about is None else n.rows @ about)
+    sizes, n = sizes_of(case, len(readings.places)), case.numbers(readings, about)
+    values = case.values(readings, "Case.estimate") - n.shown + (0.0 if about is None else n.rows @ about)
     passing = [*columns_of(case, readings.places, n, clock_of(case, readings))]
     scaled = [(term, case.machine.columns[i]) for i, term in case.machine.curves if term.ramp is not None]
     scales = tuple(Scale(part, term.ramp) for term, part in scaled if term.ramp is not None)
@@ -35,8 +35,7 @@ def posed(case: Model, readings: Readings, about: Array | None = None) -> Proble
     for start, root in roots:
         part = slice(start, start + len(root))
         rows[:, part] = rows[:, part] @ root
-    exact = readings.std is not None
-    groups = np.full(len(n.setup), -1) if exact else sizes.indices("noise", case.setups)[n.setup]
+    groups = np.full(len(n.setup), -1) if readings.std is not None else sizes.indices("noise", case.setups)[n.setup]
     kinds = tuple(kind for kind, _, each in passing for _ in range(each.shape[1]))
     return Problem(
         rows / n.noise[:, None], values / n.noise, n.noise, n.place, n.setup, groups, sizes,
@@ -51,9 +50,8 @@ def _own(case: Model, start: int) -> tuple[int, np.ndarray, tuple[Bent, ...], tu
 
     start : where they begin among all columns
     """
-    machine, at = case.machine, np.full(case.size, -1, dtype=np.intp)
+    machine, sizes, at = case.machine, sizes_of(case), np.full(case.size, -1, dtype=np.intp)
     bent, roots = dict[int, list[tuple[Curved, slice]]](), list[tuple[int, Array]]()
-    sizes = sizes_of(case)
     for term, part in zip(machine.terms, machine.columns, strict=True):
         if isinstance(term, Curved):
             at[part] = sizes.index("reversal" if term.error.kind == "reversal" else "std", term.name)

@@ -6,7 +6,7 @@ import math
 
 from axiscal_core.errors import Curved
 from axiscal_core.model import Model
-from axiscal_core.theta import SURE, Kind, Size, Sizes
+from axiscal_core.theta import MANY, SURE, Kind, Size, Sizes
 
 FACTORS: dict[Kind, float] = {
     "std": 3.0, "length": 2.5, "scale": 3.0, "reversal": 3.0, "rest": 5.0, "drift": 4.0, "cycle": 4.0, "growth": 4.0,
@@ -15,8 +15,8 @@ FACTORS: dict[Kind, float] = {
 """Within which each is known, at most: 38 measured curves, nine ISO 230-2 tests, and assumptions for the last three."""
 
 
-def sizes_of(case: Model) -> Sizes:
-    """Return the sizes of a case."""
+def sizes_of(case: Model, readings: int = MANY) -> Sizes:
+    """Return the sizes of a case that so many readings may teach."""
     kinds: tuple[Kind, ...] = ("std", "length", "scale", "reversal")
     found = [size for kind in kinds for size in _of_errors(case, kind)]
     if case.usual:
@@ -27,7 +27,7 @@ def sizes_of(case: Model) -> Sizes:
         found += [Size("way", turning, math.log(FACTORS["way"]))] if turning else []
     if case.usual or case.sure != "exactly":
         found += [Size("noise", (name,), math.log(FACTORS["noise"])) for name in case.setups]
-    return Sizes(tuple(found))
+    return Sizes(tuple(found), min(1.0, readings / MANY))
 
 
 def _of_errors(case: Model, kind: Kind) -> list[Size]:

@@ -36,6 +36,7 @@ _LARGEST: dict[Kind, float] = {
 Nobody states what passes while a machine is read: one of nine ISO 230-2 tests has 19 times the usual drift. Where a way
 is 30 times as large, all of a reversal is missing when the axis has just turned.
 """
+MANY = 12  # readings: fewer say that a size is worse than stated, and hardly that it is better
 _MOST = math.log(10.0)
 """Of θ of other sizes: what would have to be more than ten times as large as stated contradicts."""
 
@@ -53,9 +54,10 @@ class Size(NamedTuple):
 
 @dataclass(frozen=True)
 class Sizes:
-    """All sizes that vary, in the order of θ."""
+    """All sizes that vary, in the order of θ.  share : of θ where that is better than stated, readings over `MANY`"""
 
     of: tuple[Size, ...]
+    share: float = 1.0
 
     def __len__(self) -> int:
         return len(self.of)
@@ -91,4 +93,5 @@ class Sizes:
         """Return θ and dθ/dx, (..., k) each.  x : (..., k)"""
         theta = self.spreads * (x - self.stated)
         within = (theta > -_FARTHEST) & (theta < self._largest)
-        return np.clip(theta, -_FARTHEST, self._largest), np.where(within, self.spreads, 0.0)
+        share = np.where(np.multiply([1 if s.kind == "length" else -1 for s in self.of], theta) > 0, self.share, 1.0)
+        return share * np.clip(theta, -_FARTHEST, self._largest), np.where(within, share * self.spreads, 0.0)

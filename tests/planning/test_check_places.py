@@ -110,6 +110,21 @@ def test_which_set_ups_checks_are_in_is_known_from_a_rough_plan() -> None:
     assert (len(found), len(checks(found))) == (20, 4)
 
 
+def test_checks_come_from_a_side_that_the_others_hardly_come_from() -> None:
+    case, full = case_of("readings = 20"), plan_of("readings = 20\nchecks = 0")
+    for side in (1, -1):
+        one = tuple(replace(place, approach=(side,)) for place in full)
+        found = with_checks(
+            case,
+            posed(case, case.knowledge),
+            Limits(readings=20),
+            (),
+            (),
+            lambda most, *_, own=one: own[: most.readings],
+        )
+        assert {place.approach for place in checks(found)} == {(-side,)}
+
+
 @pytest.mark.parametrize("slack", [30.0, 45.0, 60.0])
 def test_where_time_is_short_each_set_up_keeps_checks(slack: float) -> None:
     text = CAMPAIGN.replace("TARGET", 'budget = "9 h"')

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,10 +16,12 @@ from tests.zoo.axes import (
     SCALE,
     TAPE,
     Curve,
+    Places,
     Rule,
     Shown,
     Visits,
     anywhere,
+    as_planned,
     even,
     everywhere,
     nothing,
@@ -118,6 +120,10 @@ def _twice_anywhere(rng: np.random.Generator) -> Visits:
     return Visits(np.append(first.x, second.x), np.append(first.sides, second.sides))
 
 
+def _planned(readings: int) -> Places:
+    return lambda _: as_planned(_CLOSE, readings)
+
+
 def _iso(_: np.random.Generator) -> Visits:
     return even(11, 5)
 
@@ -125,6 +131,16 @@ def _iso(_: np.random.Generator) -> Visits:
 def _once(_: np.random.Generator) -> Visits:
     test = even(11, 1)
     return Visits(test.x[:11], test.sides[:11])
+
+
+def worn(x: Array, side: Array) -> Array:
+    """Return a backlash that grows from 2 to 12 um, and a gentle bow."""
+    return 3 * np.sin(np.pi * x / LENGTH) + side * (1 + 5 * x / LENGTH)
+
+
+def wave(x: Array, side: Array) -> Array:
+    """Return a wave of 5 um every 40 mm with a backlash of 2 um."""
+    return 5 * np.sin(2 * np.pi * x / 40 + 1) - side
 
 
 _SLOPES = (5, 10, 20, 40, 60, 100)
@@ -180,6 +196,7 @@ FOREIGN = (
     Foreign("thermal front", heated, front, r"warm(s|ed|ing) (up|while)|\bdrift\b"),
 )
 NOTHING_WRONG = Animal("nothing wrong: random", LASER.job, read(bowed, LASER, _twice_anywhere))
+_CLOSE = replace(PERFECT, target="7 um")
 _EXACT = Rule("laser", LASER.noise, LASER.step, PERFECT)
 ONCE = Animal(
     "zero that comes back: out and back once",
@@ -189,8 +206,14 @@ ONCE = Animal(
     asked=True,
 )
 AGAIN = Animal("zero that comes back: three places again", PERFECT, read(bowed, _EXACT, _three_again, returning))
+FEW = tuple(
+    Animal(f"few readings: {name}, {count} planned", _CLOSE, read(curve, LASER, _planned(count)), "NOT CHECKED")
+    for name, curve in (("backlash from 2 to 12 um", worn), ("wave of 40 mm", wave))
+    for count in (5, 8)
+)
 CURVES = (
     NOTHING_WRONG,
+    *FEW,
     ONCE,
     AGAIN,
     *(each.animal(places) for each in FOREIGN for places in _PLACES),

@@ -210,8 +210,41 @@ def squared(sign: int) -> Callable[[int], Met]:
 
 
 SQUARE = Animal("dial on a square: squareness", _SQUARE, squared(1))
+
+
+class NotKnown(Truth):
+    """A truth that no reading tells from its mirror image."""
+
+    def left(self, answer: Answer) -> Array:
+        """Return nothing: only the cause counts."""
+        return np.zeros(1)
+
+
+def yawing(seed: int) -> Met:
+    """Return how X is met by an autocollimator that counts the other way."""
+    rng, visits = np.random.default_rng((seed, 15)), even(11, 1, 600)
+    shown = -1e6 * YAW * np.sin(np.pi * (visits.x / 600 - 0.5)) + rng.normal(0, 0.5, 22)
+    sides = np.where(visits.sides > 0, "X+", "X-")
+    rows = [('"autocollimator along X, about z"', *row) for row in zip(visits.x, sides, shown, strict=True)]
+    return Met(rows_of("setup,X_mm,approach,value_urad", rows), NotKnown())
+
+
+def tracked(seed: int) -> Met:
+    """Return how a mill is met by a tracker whose x and y are exchanged."""
+    rng = np.random.default_rng((seed, 16))
+    poses = rng.uniform([0, 0, 0], [600, 400, 400], (30, 3)).round(1)
+    off = np.column_stack([0.03 * poses[:, 0], 10 * np.sin(poses[:, 1] / 100), 0.02 * poses[:, 2]])
+    shown = (off[:, [1, 0, 2]] + rng.normal(0, 5, (30, 3))).round(1)
+    rows = [("tracker", *at, "X+ Y+ Z+", *values) for at, values in zip(poses, shown, strict=True)]
+    columns = ",".join(f"value_{axis}_um" for axis in "xyz")
+    return Met(rows_of(f"setup,X_mm,Y_mm,Z_mm,approach,{columns}", rows), NotKnown())
+
+
+_ANGLES, _TRACKER = (Job("three-axis-mill", (each,), "20 um") for each in ("autocollimator", "tracker"))
 MILLS = (
     SQUARE,
+    Animal("sign of an angle: yaw", _ANGLES, yawing, "With the other sign", asked=True),
+    Animal("frame of a tracker: x and y", _TRACKER, tracked, "With x and y exchanged", asked=True),
     Animal("slip: sign of a leg of a square", _SQUARE, squared(-1), "have the wrong sign", asked=True),
     LAGGING,
     ONE_WAY,

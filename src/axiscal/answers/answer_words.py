@@ -35,6 +35,7 @@ from axiscal.answers.row_words import (
 from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 from axiscal.units import digits
+from axiscal_core.theta import MANY
 
 _Row = TypeVar("_Row", bound=PlannedRow)
 LINES, WIDTH, _CUT = 14, 80, " …"
@@ -51,9 +52,15 @@ _ENDS: dict[Verdict, str] = {
     "contradict": later("READINGS CONTRADICT"),
     "nothing": later("NO READINGS YET"),
 }
+_UNCHECKED = later("REACHED, NOT CHECKED")
+"""Where no reading was drawn at random, of so few that none could be spared."""
 _UNUSED = later("NOT MEASURED")
 """Where none of the readings is used."""
 VERDICTS = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
+_UNTOLD = later(
+    "No check was read: finer detail, or backlash that differs from place to place, would not show. "
+    "{many} readings, or checks = 3, test that."
+)
 _AIMS = {
     "rms": later("{volume} RMS {now} of {limit} {unit}"),
     "worst": later("worst place {now} of {limit} {unit}"),
@@ -99,6 +106,7 @@ def answer_text(
     found = [
         *spare,
         _agreement(answer, agreement),
+        said(_UNTOLD, many=MANY) if _unchecked(answer) else "",
         _unmeasured(answer, cut),
         _beside(answer),
         half_read_sentence(answer.half_read),
@@ -122,12 +130,18 @@ def _first_line(answer: ResultAnswer) -> FirstLine:
             "{count} MORE READING, {coming} MIN", "{count} MORE READINGS, {coming} MIN", answer.more, coming=coming
         )
     else:
-        verdict = said(_ENDS[answer.verdict] if answer.compared or not answer.readings else _UNUSED)
+        unused = answer.readings and not answer.compared
+        verdict = said(_UNUSED if unused else _UNCHECKED if _unchecked(answer) else _ENDS[answer.verdict])
     taken = counted("{count} reading", "{count} readings", answer.readings)
     minutes = minutes_text(answer.minutes)
     time = said("{minutes} min" if answer.clocked else "{minutes} min by the plan", minutes=minutes)
     aims = "" if answer.verdict == "contradict" else aims_text(answer)
     return FirstLine(verdict, aims, put("{taken}, {time}", taken=taken, time=time))
+
+
+def _unchecked(answer: ResultAnswer) -> bool:
+    """Return whether a target is reached by so few readings that none is a check."""
+    return answer.verdict == "reached" and not answer.checks and answer.compared < MANY
 
 
 def minutes_text(minutes: float) -> str:

@@ -23,7 +23,7 @@ from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import evaluated, read_in
-from axiscal.present.findings import of_how_it_was_read, of_readings, regular_places
+from axiscal.present.findings import hidden_in_files, of_how_it_was_read, of_readings
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras
 from axiscal.units import to_unit
@@ -110,7 +110,7 @@ def estimate(
     around = placed, description.setups, description.machine.axes
     extras = replace(extras, warnings=of_readings(*around))
     with evaluated(description, placed) as opened:
-        seen = [*regular_places(*around), *of_how_it_was_read(opened.so_far())]
+        seen = [*hidden_in_files(*around), *of_how_it_was_read(opened.so_far())]
         kept = out / RECORD
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)

@@ -7,7 +7,7 @@ everywhere would read one place again and again.
 
 Checks: a fifth of all readings, 3 to 12, are drawn at random and put where they cost least time. There are none below
 12 readings, nor where nothing usually goes wrong. So no place of a check follows from what the model thinks. The other
-readings are chosen beside them.
+readings are chosen beside them. Where these hardly come from a side the checks do: else one place tells of a backlash.
 
 Room to come to a place from the side that was planned: at the ends of a travel there is none.
 """
@@ -36,6 +36,7 @@ from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import EVERY
 from axiscal.record.events import Gap
 from axiscal.units import from_unit, to_unit
+from axiscal_core.theta import MANY
 
 Pose = tuple[float, ...]
 Approach = tuple[int, ...]
@@ -249,8 +250,11 @@ def _there(case: Case, setup: Setup, axis: int, like: Place, at: float, side: in
     return Place(setup.name, *with_room(case.errors, setup, pose, approach))
 
 
-_SHARE, _FEWEST, _MOST, _LEAST = 5, 3, 12, 12
-"""One of so many readings is a check, from few that tell s to many; below so many readings all are planned ones."""
+_SHARE, _FEWEST, _MOST = 5, 3, 12
+"""One of so many readings is a check, from few that tell s to many."""
+
+_SELDOM = 0.25
+"""Share of readings below which they hardly come from a side."""
 
 Within = Callable[[Limits, Sequence[Place], Sequence[Place], bool], tuple[Place, ...]]
 """The readings to come within limits, from those that are left of a plan, beside checks; or roughly which they are."""
@@ -260,7 +264,7 @@ def checks_among(described: CampaignDescription, readings: int) -> int:
     """Return how many of so many readings are checks."""
     if described.target.checks is not None:
         return described.target.checks
-    return min(max(round(readings / _SHARE), _FEWEST), _MOST) if described.usual and readings >= _LEAST else 0
+    return min(max(round(readings / _SHARE), _FEWEST), _MOST) if described.usual and readings >= MANY else 0
 
 
 def with_checks(
@@ -345,10 +349,24 @@ class _Checks:
 
     def fitting(self, places: Sequence[Place], checks: Sequence[Place], budget: float | None) -> tuple[Place, ...]:
         """Return planned readings with as many checks as there is time for, of all set-ups alike."""
-        whole = len(checks)
+        checks, whole = self._from_seldom_sides(places, checks), len(checks)
         evenly = ([(i * whole + whole // 2) // count for i in range(count)] for count in range(whole, -1, -1))
         fewer = (self.among(places, [checks[i] for i in chosen]) for chosen in evenly)
         return next((each for each in fewer if budget is None or self.seconds(each) <= budget), tuple(places))
+
+    def _from_seldom_sides(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
+        """Return checks, the new ones from the sides that the other readings hardly come from."""
+        found, setups = columns_of(self.case, checks), self.case.description.setups
+        others = columns_of(self.case, [*(reading.place for reading in self.readings), *places])
+        for index, mine in found.by_setup():
+            setup, sides = setups[index], others.approaches[others.setups == index]
+            free = setup.moves if setup.chart is None and len(setup.sides) > 1 else ()
+            for k in self.case.errors.reversing & {*free}:
+                rising = np.mean(sides[:, k] > 0)
+                if min(rising, 1 - rising) < _SELDOM:
+                    found.approaches[mine, k] = 1.0 if rising < _SELDOM else -1.0
+        turned = (replace(place, check=True) for place in found.listed(setups))
+        return tuple(old if old in self.known else new for old, new in zip(checks, turned, strict=True))
 
 
 def put_among(case: Case, task: Task, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:

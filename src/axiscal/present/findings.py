@@ -27,7 +27,7 @@ from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import WORDS, capital, listed, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.reading import Reading, place_text, reading_unit, units_of
+from axiscal.measurement.reading import Reading, place_text, reading_unit, sense, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.displays import last_decimal
@@ -151,7 +151,27 @@ def of_how_it_was_read(estimation: Estimation) -> Iterator[Finding]:
 
 def of_readings(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> list[Finding]:
     """Return the warnings that readings of a file give before anything is estimated."""
-    return [*copies(readings, setups), *untimed(readings, setups), *regular_places(readings, setups, axes)]
+    return [*copies(readings, setups), *untimed(readings, setups), *hidden_in_files(readings, setups, axes)]
+
+
+def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> Iterator[Finding]:
+    """Yield what no estimate can see: the sign of angles, the frame of a tracker, and regular places."""
+    sign = (
+        'With the other sign the values of "{setup}" would fit as well. Tilt it once, and look whether it shows {sign}.'
+        " If not, give them with the other sign."
+    )
+    frame = (
+        'With x and y exchanged, or one turned round, the values of "{setup}" would fit as well. Move each axis alone, '
+        "and look whether it shows {sign}."
+    )
+    told = set[str]()
+    for setup in setups:
+        kind, meant = model_of(setup), sense(setup).sign
+        angles, framed = kind.reads == "angle", bool(setup.station) and len(kind.numbers) > 1
+        if meant not in told and (angles or framed) and any(each.setup == setup.name for each in readings):
+            told.add(meant)
+            yield Finding("sign", None, said(sign if angles else frame, setup=setup.name, sign=meant))
+    yield from regular_places(readings, setups, axes)
 
 
 def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:

@@ -33,7 +33,7 @@ from axiscal_core.columns import NUGGET, Bent, Curves, Scale
 from axiscal_core.eigen import unique_root
 from axiscal_core.problem import MOST_NUMBERS, Problem, by_blocks
 from axiscal_core.splines import distances, ramp
-from axiscal_core.theta import Kind, Sizes
+from axiscal_core.theta import MANY, Kind, Sizes
 
 MOST_COLUMNS = 620
 """Beyond so many columns rests of the weakest errors count as noise: the cost grows with the cube.
@@ -61,6 +61,7 @@ def problem(
     observation : before any cell is visited; sizes : that vary
     usual : with what readings alone usually suffer, else with what is stated of it
     """
+    sizes = replace(sizes, share=min(1.0, len(readings) / MANY))
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
     causes = contributions(observation, places, [each.values for each in readings], usual)
@@ -201,7 +202,8 @@ class _Builder:
         else:
             entries = {entry.name: entry for entry in self.observation.errors.machine.errors}
             for term in self.observation.errors.terms:
-                size_at[term.columns] = self.sizes.index(_kind(term), term.name)
+                kind: Kind = "std" if isinstance(term, ErrorFunction) else "together"
+                size_at[term.columns] = self.sizes.index("reversal" if term.kind == "reversal" else kind, term.name)
                 entry = entries.get(term.name)
                 if isinstance(term, ErrorFunction) and entry is not None and _has_length(term, entry):
                     by_kind.setdefault((term.basis.size, entry.smoothness), []).append((term, entry))
@@ -236,10 +238,6 @@ def _without_scale(term: Term, entry: ErrorEntry | None) -> Array:
     if entry is None or not entry.scale or not isinstance(term, ErrorFunction):
         return term.covariance
     return covariance(replace(entry, scale=None), term.basis)
-
-
-def _kind(term: Term) -> Kind:
-    return "reversal" if term.kind == "reversal" else "std" if isinstance(term, ErrorFunction) else "together"
 
 
 def _has_length(term: ErrorFunction, entry: ErrorEntry) -> bool:
