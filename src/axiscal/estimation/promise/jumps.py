@@ -10,7 +10,7 @@ without. No size is beyond ten times what is stated (`description.usual`), so no
 a jump is a bad reading. What stands on the table may have stood elsewhere since its first reading, too.
 
 Readings out and back along one axis cannot tell a jump where it turns from backlash: both add the same to them. Such a
-step is weighed likewise, and named unless backlash is 20 times as likely.
+step is weighed likewise, and named unless backlash is 20 times as likely; over a plane unless a detail is likelier.
 """
 
 from __future__ import annotations
@@ -152,8 +152,7 @@ def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> 
             continue
         beside = sized(space_of(suspect.other))
         odds = beside.log_evidence - found.log_evidence + float(np.log(PRIOR / suspect.places))
-        mistake = suspect.mistake._replace(log_odds=odds, detail=turn < 0)
-        yield Tried(mistake, tail_of(suspect.other, beside))
+        yield Tried(suspect.mistake._replace(log_odds=odds, detail=turn < 0), tail_of(suspect.other, beside))
 
 
 def turn_of(problem: Problem, mine: NDArray[np.bool_]) -> int:
