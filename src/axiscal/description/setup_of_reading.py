@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
@@ -92,7 +94,7 @@ def _tested(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]
         return fitting[0], -1 if against else 1
     what, names = _ASKS[row.test or "circle"], joined([each.name for each in fitting])
     what = "several set-ups read what this test reads: {names}" if fitting else what
-    if row.axis and not fitting:
+    if not fitting and any(_reads_test(replace(row, axis=""), setup, campaign.machine) for setup in campaign.setups):
         what = "the file says that {axis} was tested, and no set-up reads what it reads along {axis}"
     remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
     if len({setup.moves for setup in fitting}) > 1:
