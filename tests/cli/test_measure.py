@@ -248,8 +248,6 @@ def test_a_zero_that_was_set_anew_is_asked_about_at_once_and_may_be_told_at_any_
     terminal.type("k")
     terminal.until("reading [um] > ")
     terminal.type("140.6")
-    terminal.until("Enter to read again: ")
-    terminal.type("k")
     shown = terminal.until("Enter if not: ")
     assert 'Was the zero of "laser" set anew before reading 9?' in shown
     terminal.type("yes")
