@@ -30,6 +30,8 @@ STEMS = {word: stem for stem, words in _WORDS["columns"].items() for word in wor
 OF_READINGS = {word: word for word in ("setup", "approach", "reading", "check", "time", "value")}
 TIMES: Sequence[str] = _WORDS["times"]
 """How times are written, as `strptime` has them."""
+GRAD = re.compile(r"(?<![^\W_])grad(?![^\W_])", re.IGNORECASE)
+GERMAN = re.compile(rf"(?<![^\W\d_])(?:{'|'.join(_WORDS['german'])})(?![^\W\d_])", re.IGNORECASE)
 _UNREAD = frozenset(_WORDS["unread"])
 SIGNS = {word: int(sign) for sign, words in _WORDS["directions"].items() for word in words}
 _PARTS = re.compile(r"\d{1,9}|[+\-\u2190-\u2193]|[^\W\d_]+")

@@ -29,6 +29,8 @@ from axiscal.language.spoken import said
 from axiscal.machine.entry import AXIS_NAME
 from axiscal.measurement.readers.columns import (
     ANGLES,
+    GERMAN,
+    GRAD,
     LENGTHS,
     OF_READINGS,
     STEMS,
@@ -169,6 +171,7 @@ def _begun(
     begin = next((at for at, (_, line) in enumerate(data[:_TITLES]) if _names(line) > 1), int(hint is not None))
     (number, first), *data = data[begin:]
     separator = hint[1] if hint else "\t" if usual else _separator(first)
+    first, under = (_in_deg(file, number, line, first) for line in (first, data[0][1] if data else ""))
     names = _cells(file.name, number, first, separator)
     if usual and not any(map(str.isalpha, first)):
         names, data = list(usual[: len(names)]), [(number, first), *data]
@@ -177,7 +180,7 @@ def _begun(
     ):
         what, remedy = "no known format begins with {text}", "give a table such as {header}; docs/readings.md names all"
         raise file.fail(what, remedy, number, text=quoted(first), header=header)
-    width, below = len(names), _cells(file.name, *data[0], separator) if data else []
+    width, below = len(names), _cells(file.name, data[0][0], under, separator) if data else []
     while len(names) > 1 and not names[-1]:
         names.pop()
     units = [unit_of(cell) for cell in below[:width]]
@@ -185,6 +188,13 @@ def _begun(
         names = [f"{name} [{unit}]" if unit else name for name, unit in zip_longest(names, units, fillvalue="")]
         data = data[1:]
     return number, separator, _columns(file, number, names, header, words), data
+
+
+def _in_deg(file: TextFile, number: int, line: str, header: str) -> str:
+    """Return a line of a header with deg for the Grad of a German one; raises ReadingError for those of another."""
+    if GRAD.search(line) and not GERMAN.search(header):
+        raise file.fail("Grad are deg in German and may be gon here", "write deg in the header", number)
+    return GRAD.sub("deg", line)
 
 
 def _separator(line: str) -> str:

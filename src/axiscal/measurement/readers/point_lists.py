@@ -18,7 +18,7 @@ from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, point
 from axiscal.measurement.readers.columns import STEMS, column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, table_of
-from axiscal.measurement.readers.table_cells import plain
+from axiscal.measurement.readers.table_cells import NUMBER, plain
 from axiscal.measurement.readers.text_file import TextFile, begins, telling
 
 _SLACK = 1e-6
@@ -67,7 +67,7 @@ def is_bcnc(file: TextFile) -> bool:
 def is_list(file: TextFile) -> bool:
     """Return whether the first line is a point, three numbers or nine of LinuxCNC, or names X, Y and Z and no more."""
     first = next((_cells(line) for line in file.lines if not _REMARK.match(line)), [])
-    numbers = all(number_or_none(cell.replace(",", ".")) is not None for cell in first)
+    numbers = all(NUMBER.fullmatch(plain(cell.replace(",", "."), ".")) for cell in first)
     head = [column_of(cell, words=_WORDS).stem for cell in first]
     return (len(first) in (3, 9) and numbers) or sorted(stem for stem in head if stem not in ("", "time")) == [*"XYZ"]
 

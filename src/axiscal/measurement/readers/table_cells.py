@@ -20,13 +20,14 @@ from axiscal.measurement.reading import LARGEST
 from axiscal.units import from_unit
 
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_OF_FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[+-]?\d+$)", re.ASCII)
 _SWAPPED = str.maketrans(",.", ".,")
 _BETWEEN = " '\N{RIGHT SINGLE QUOTATION MARK}\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}\N{THIN SPACE}"
 """What stands between thousands and is no decimal mark."""
 _GROUPED = re.compile(rf"[+-]?[1-9]\d{{0,2}}([.,{_BETWEEN}])\d{{3}}(?:\1\d{{3}})*(?:(?!\1)([.,])\d*)?", re.ASCII)
 _EITHER = re.compile(r"[+-]?[1-9]\d{0,2}([.,])\d{3}", re.ASCII)
 """A number whose only mark may be that of thousands, or the decimal one."""
-_DECIMAL = re.compile(r"[+-]?\d*([.,])\d*(?:[eE][+-]?\d+)?", re.ASCII)
+_DECIMAL = re.compile(r"[+-]?\d*([.,])\d*(?:[dDeE][+-]?\d+)?", re.ASCII)
 
 
 def plain(text: str, mark: str) -> str:
@@ -34,7 +35,7 @@ def plain(text: str, mark: str) -> str:
 
     mark : the decimal one of its column
     """
-    text = text.replace("\N{MINUS SIGN}", "-")
+    text = _OF_FORTRAN.sub("E", text.replace("\N{MINUS SIGN}", "-"))
     found = _GROUPED.fullmatch(text)
     if found and found[1] != mark and not _EITHER.fullmatch(text):
         text = text.replace(found[1], "")
