@@ -20,7 +20,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 from pathlib import Path
 
 from axiscal.document.quoting import meant
@@ -168,8 +168,12 @@ def _begun(
     hint = _HINT.fullmatch(data[0][1]) if data else None
     if not data[bool(hint) :]:
         raise file.fail("there is no header and no data", "let the first line name the columns")
-    begin = next((at for at, (_, line) in enumerate(data[:_TITLES]) if _names(line) > 1), int(hint is not None))
+    over = [_spanned(line, below) for (_, line), (_, below) in pairwise([*data[: _TITLES + 1], (0, "")])]
+    heads = (at for at, (_, line) in enumerate(data[:_TITLES]) if over[at] or _names(line) > 1)
+    begin = next(heads, int(hint is not None))
     (number, first), *data = data[begin:]
+    if over[begin]:
+        first, data = over[begin], data[1:]
     separator = hint[1] if hint else "\t" if usual else _separator(first)
     first, under = (_in_deg(file, number, line, first) for line in (first, data[0][1] if data else ""))
     names = _cells(file.name, number, first, separator)
@@ -202,10 +206,27 @@ def _separator(line: str) -> str:
     return max(_SEPARATORS, key=_QUOTED.sub("", line).count)
 
 
+def _spanned(line: str, below: str) -> str:
+    """Return a header of two lines as one, with runs below what spans them; "" where these are none."""
+    separator, names, wide = _separator(line), list[str](), column_of("")
+    over, under = (_split(each.rstrip(separator)) for each in (line, below))
+    for above, own in zip_longest(over, under, fillvalue="") if "" in over or len(under) > len(over) else ():
+        wide = column_of(above) if above else wide
+        name = f"{wide.stem} {own}" + (f" [{wide.unit}]" if wide.unit and not column_of(own).unit else "")
+        if not (own and STEMS.get(wide.stem.lower(), "run") in ("run", "deviation") and run_of(column_of(name).stem)):
+            unit = unit_of(own)
+            name = (f"{above} [{unit}]" if unit else "") if above and own else above or own
+        names.append(name)
+    return header if _names(header := separator.join(names)) == len(names) > 1 else ""
+
+
+def _split(line: str) -> list[str]:
+    return [cell.strip(' "') for cell in line.split(_separator(line), _COLUMNS)[:_COLUMNS]]
+
+
 def _names(line: str) -> int:
     """Return how many cells of a line are known as names of columns."""
-    cells, words = line.split(_separator(line), _COLUMNS)[:_COLUMNS], STEMS.keys() | OF_READINGS
-    columns = [column_of(cell.strip(' "')) for cell in cells]
+    columns, words = [*map(column_of, _split(line))], STEMS.keys() | OF_READINGS
     return sum(bool(each.unit or each.stem.lower() in words or run_of(each.stem)) for each in columns)
 
 
