@@ -261,6 +261,21 @@ def test_a_file_of_a_trade_is_read_as_it_is_meant(tmp_path: Path, unit: str, say
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        '[{"x": 10, "y": 20, "z": 1e-1}, {"x": 30, "y": 20, "z": null}, {"x": 30, "y": 25, "z": -0.2}]',
+        '[{"z_mm": 0.1, "id": "a", "y_mm": 20, "x_mm": 10},\n{"x_mm": 30, "id": "b", "z_mm": -0.2, "y_mm": 25}]',
+        "[[10, 20, 0.1],\n [30, 25, -0.2]]\n",
+    ],
+)
+def test_a_list_in_json_is_one_of_points(tmp_path: Path, text: str) -> None:
+    found = read(tmp_path, text).found.readings
+    assert [each.position for each in found] == [{"X": 0.01, "Y": 0.02}, {"X": 0.03, "Y": 0.025}]
+    assert [each.value for each in found] == pytest.approx([-1e-4, 2e-4])
+    assert found[-1].line == 1 + text.rstrip().count("\n")
+
+
+@pytest.mark.parametrize(
     ("header", "unit", "note"),
     [
         ("Pos;1+;1-;2+;2-", 1e-6, "in mm and um (it names no unit)"),

@@ -176,12 +176,10 @@ def _begun(
         first, data = over[begin], data[1:]
     separator = hint[1] if hint else "\t" if usual else _separator(first)
     first, under = (_in_deg(file, number, line, first) for line in (first, data[0][1] if data else ""))
-    names = _cells(file.name, number, first, separator)
+    names = [] if first.lstrip().startswith(tuple("{[<")) else _cells(file.name, number, first, separator)
     if usual and not any(map(str.isalpha, first)):
         names, data = list(usual[: len(names)]), [(number, first), *data]
-    if first.lstrip().startswith(tuple("{[<")) or (
-        len(names) == 1 and not (_names(first) or _AXIS.fullmatch(names[0]))
-    ):
+    if not names or (len(names) == 1 and not (_names(first) or _AXIS.fullmatch(names[0]))):
         what, remedy = "no known format begins with {text}", "give a table such as {header}; docs/readings.md names all"
         raise file.fail(what, remedy, number, text=quoted(first), header=header)
     width, below = len(names), _cells(file.name, data[0][0], under, separator) if data else []

@@ -6,7 +6,9 @@ depth; LinuxCNC (`smartprobe.ngc`) writes all nine axes; grbl answers `[PRB:X,Y,
 
 from __future__ import annotations
 
+import json
 import re
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -66,7 +68,7 @@ def is_bcnc(file: TextFile) -> bool:
 
 def is_list(file: TextFile) -> bool:
     """Return whether the first line is a point, three numbers or nine of LinuxCNC, or names X, Y and Z and no more."""
-    first = next((_cells(line) for line in file.lines if not _REMARK.match(line)), [])
+    first = next((_cells(line) for _, line in _told(file) if not _REMARK.match(line)), [])
     numbers = all(NUMBER.fullmatch(plain(cell.replace(",", "."), ".")) for cell in first)
     head = [column_of(cell, words=_WORDS).stem for cell in first]
     return (len(first) in (3, 9) and numbers) or sorted(stem for stem in head if stem not in ("", "time")) == [*"XYZ"]
@@ -152,6 +154,19 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in (cells if len(cells) in _WIDTHS else line.split(","))]
 
 
+def _told(file: TextFile) -> list[tuple[int, str]]:
+    """Return the lines with their numbers; of a list in JSON one for each point, below its keys if it has any."""
+    with suppress(ValueError, RecursionError, TypeError, LookupError):
+        held = json.loads("\n".join(file.lines), parse_float=str, parse_int=str, parse_constant=str)
+        head = [*held[0]] if isinstance(held[0], dict) else []
+        points = [[each[key] for key in head] if head else each for each in held]
+        places = [number for number, line in enumerate(file.lines, 1) for sign in line if sign in "[{"]
+        if len(set(map(len, held))) == 1:
+            texts = ("\t".join("nan" if cell is None else str(cell) for cell in each) for each in points)
+            return [(1, "\t".join(head))] * bool(head) + [*zip(places[1:], texts, strict=True)]
+    return [*enumerate(file.lines, 1)]
+
+
 def _two_readings(table: CsvTable, found: Found) -> bool:
     """Return whether three columns that nobody named look like places with two readings each.
 
@@ -165,13 +180,15 @@ def _two_readings(table: CsvTable, found: Found) -> bool:
 
 def listed(file: TextFile, around: Around, after: int = 0) -> Found:
     """Return the readings of a list behind some lines, other axes at 0; raises ReadingError."""
-    cells = ["" if _REMARK.match(line) else "\t".join(_cells(line)) for line in file.lines[after:]]
+    told = _told(file)
+    cells = ["" if _REMARK.match(line) else "\t".join(_cells(line)) for _, line in told[after:]]
     lines, mark = tuple([""] * after + cells), "," if any("," in each for each in cells) else "."
     table = table_of(replace(file, lines=lines, unit=file.unit or "mm"), words=_WORDS, usual=_AXES)
     if file.unit and any(column.unit for column in table.columns):
         raise table.fail("the header names its unit, and --unit names another", "leave --unit out")
     table, readings = table.with_columns(replace(column, mark=mark) for column in table.columns), list[RawReading]()
-    for row, time in zip(table.rows, read_times(table), strict=True):
+    for each, time in zip(table.rows, read_times(table), strict=True):
+        row = replace(each, line=told[each.line - 1][0])
         if aside := [axis for axis in _AXES[3:] if table.all_of(axis) and row.of(axis).number()]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed without moving them"
             raise row.fail(what, remedy, axes=", ".join(aside))
@@ -179,7 +196,7 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
         unit = z.column.unit or z.column.stated
         x, y = row.of("X").quantity(), row.of("Y").quantity()
         low = height(replace(file, unit=unit), x, y, plain(z.text, mark), row.line)
-        readings += [replace(each, time=time) for each in low]
+        readings += [replace(reading, time=time) for reading in low]
     found = probed_of(file, readings, len(table.rows), table.rows[-1].line)
     if not _LETTERS.match(file.lines[table.line - 1]) and _two_readings(table, found):
         what = "these lines look like a place and two readings each, and not like X, Y and Z"
