@@ -18,17 +18,7 @@ from typing import Literal
 
 from axiscal.language.spoken import later, said
 from axiscal.machine.entry import AXIS_NAME
-from axiscal.measurement.readers.columns import (
-    ANGLES,
-    LENGTHS,
-    STEMS,
-    TEXT,
-    Column,
-    run_of,
-    sign_of,
-    unread,
-    whole,
-)
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, STEMS, TEXT, Column, run_of, sign_of, unread, whole
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, header_of, table_of
 from axiscal.measurement.readers.table_cells import Cell

@@ -48,11 +48,7 @@ _FORMS: Mapping[tuple[str, ...], Literal["", "stations", "found", "length"]] = {
 FOUND = ("less_expected", "surprise", "used", "rms_um", "minutes")
 """Columns that results add to their readings; a reading that was not used is left out."""
 _LAYOUT = {
-    "reading": TEXT,
-    "setup": TEXT,
-    "approach": TEXT,
-    "time": TEXT,
-    "check": TEXT,
+    **dict.fromkeys(("reading", "setup", "approach", "time", "check"), TEXT),
     **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + ANGLES),
     **dict.fromkeys((*_MET, "length"), LENGTHS),
     "rms": LENGTHS,
