@@ -58,7 +58,7 @@ class Pool:
         self.size = self._bare.size
         self.noise = np.array([observation.setups[s].noise ** 2 for s in self.lattice.setups])
         self.numbers = numbers_of_setups(observation.setups)
-        self.width = int(self.numbers.max())
+        self.width, self._count = int(self.numbers.max()), len(self.lattice)
         self._blocks = [
             self._block(setup, slice(start, min(start + _BLOCK, int(mine[-1]) + 1)))
             for setup, mine in self.lattice.by_setup()
@@ -66,7 +66,7 @@ class Pool:
         ]
 
     def __len__(self) -> int:
-        return len(self.lattice)
+        return self._count
 
     def products(self, observation: Observation, vectors: Array) -> Array:
         """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (c, w, M)."""

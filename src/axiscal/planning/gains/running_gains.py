@@ -81,7 +81,8 @@ class Scores:
     @property
     def gains(self) -> Array:
         """The gain of every candidate, (M,)."""
-        return _gains(self.above[:, :, : len(self.pool)], self.below[:, :, : len(self.pool)])
+        count = len(self.pool)
+        return _gains(self.above[:, :, :count], self.below[:, :, :count])
 
     def enter(self, what: int | Places) -> float:
         """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls."""
