@@ -250,19 +250,19 @@ def read_times(table: CsvTable) -> list[float | None]:
 
 def _time(cell: Cell) -> tuple[str, float]:
     """Return how a time is written, and its seconds from wherever such times begin."""
+    with suppress(ValueError):
+        moment = datetime.fromisoformat(cell.text)
+        if _DAY.fullmatch(cell.text):  # all readings of a day at once, and no drift between them
+            raise cell.fail("time {text!r} is a day without a time of day", _REMEDY, text=cell.text)
+        kind = "date with zone" if moment.tzinfo else "date"
+        return kind, (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+    with suppress(UnitError):
+        return "since", parse_quantity(cell.text, "time")
     for form in TIMES:
         with suppress(ValueError):
             moment = datetime.strptime(cell.text, form).replace(tzinfo=UTC)
             return ("clock" if moment.year == _NO_YEAR else "date"), moment.timestamp()
-    with suppress(UnitError):
-        return "since", parse_quantity(cell.text, "time")
-    try:
-        moment = datetime.fromisoformat(cell.text)
-    except ValueError:
-        raise cell.fail("time {text!r} is no time", _REMEDY, text=cell.text[:40]) from None
-    if _DAY.fullmatch(cell.text):  # all readings of a day at once, and no drift between them
-        raise cell.fail("time {text!r} is a day without a time of day", _REMEDY, text=cell.text)
-    return ("date with zone", moment.timestamp()) if moment.tzinfo else ("date", moment.replace(tzinfo=UTC).timestamp())
+    raise cell.fail("time {text!r} is no time", _REMEDY, text=cell.text[:40])
 
 
 def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places) -> str:

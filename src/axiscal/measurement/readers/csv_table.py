@@ -168,12 +168,12 @@ def _begun(
     hint = _HINT.fullmatch(data[0][1]) if data else None
     if not data[bool(hint) :]:
         raise file.fail("there is no header and no data", "let the first line name the columns")
-    over = [_spanned(line, below) for (_, line), (_, below) in pairwise([*data[: _TITLES + 1], (0, "")])]
-    heads = (at for at, (_, line) in enumerate(data[:_TITLES]) if over[at] or _names(line) > 1)
-    begin = next(heads, int(hint is not None))
+    titles = enumerate(pairwise([*data, (0, "")][: _TITLES + 1]))
+    heads = ((at, one) for at, ((_, line), (_, below)) in titles if (one := _spanned(line, below)) or _names(line) > 1)
+    begin, over = next(heads, (int(hint is not None), ""))
     (number, first), *data = data[begin:]
-    if over[begin]:
-        first, data = over[begin], data[1:]
+    if over:
+        first, data = over, data[1:]
     separator = hint[1] if hint else "\t" if usual else _separator(first)
     first, under = (_in_deg(file, number, line, first) for line in (first, data[0][1] if data else ""))
     names = [] if first.lstrip().startswith(tuple("{[<")) else _cells(file.name, number, first, separator)

@@ -11,6 +11,7 @@ import re
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from itertools import islice
 
 import numpy as np
 
@@ -57,7 +58,8 @@ is_grbl = telling(re.compile(r"\[PRB:"))
 
 def _head(file: TextFile) -> list[tuple[int, str]]:
     """Return the first three lines that are no remarks, with their numbers."""
-    return [(number, line) for number, line in enumerate(file.lines, 1) if not _REMARK.match(line)][:3]
+    told = ((number, line) for number, line in enumerate(file.lines, 1) if not _REMARK.match(line))
+    return [*islice(told, 3)]
 
 
 def is_bcnc(file: TextFile) -> bool:
@@ -187,9 +189,10 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
     if file.unit and any(column.unit for column in table.columns):
         raise table.fail("the header names its unit, and --unit names another", "leave --unit out")
     table, readings = table.with_columns(replace(column, mark=mark) for column in table.columns), list[RawReading]()
+    others = [axis for axis in _AXES[3:] if table.all_of(axis)]
     for each, time in zip(table.rows, read_times(table), strict=True):
         row = replace(each, line=told[each.line - 1][0])
-        if aside := [axis for axis in _AXES[3:] if table.all_of(axis) and row.of(axis).number()]:
+        if aside := [axis for axis in others if row.of(axis).number()]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed without moving them"
             raise row.fail(what, remedy, axes=", ".join(aside))
         z = row.of("Z")

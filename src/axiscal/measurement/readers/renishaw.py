@@ -1,9 +1,9 @@
 """Renishaw `.rtl`, `.rta`, `.rts`: tests of positioning, angle and straightness of laser software, `NAME::` a section.
 
 Targets wrap over lines, indices count from 1, odd runs go to the last target and even runs back unless the flags say
-that all go there. Targets are in mm, positions in um, and angles in mm/m (one is 206.26 arcsec). Where that leaves the
-unit open, a line `Units: um` of the header or `--unit` says it: of straightness, which programs export in um and in mm,
-and of deviations where the header says inch. Of a turning axis targets are in deg and deviations in arcsec.
+that all go there. Targets are in mm, positions in um, and angles in mm/m (one is 206.26 arcsec). A line `Units: um` of
+the header or `--unit` says the unit of straightness, which programs export in um and in mm. It also says that of
+deviations where the header says inch. Of a turning axis targets are in deg and deviations in arcsec.
 """
 
 from __future__ import annotations
