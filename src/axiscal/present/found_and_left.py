@@ -39,17 +39,14 @@ _BAR = 60.0
 """Pixels of the bar that shows the scale, at most."""
 
 
-def found_and_left(volume: BentVolume, width: float, found: str = "", left: str = "") -> str:
-    """Return the picture as an SVG element of a page.
-
-    width : pixels; found, left : figures under the titles, such as "27 µm"
-    """
-    whole = found_and_left_drawing(volume, width, found, left)
+def found_and_left(volume: BentVolume, width: float) -> str:
+    """Return the picture as an SVG element of a page.  width : pixels"""
+    whole = found_and_left_drawing(volume, width)
     return page(whole.width, whole.height, whole.body, said("The error of the volume"))
 
 
 def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", left: str = "") -> Drawing:
-    """Return the picture for a width, as `found_and_left`."""
+    """Return the picture for a width, pixels.  found, left : figures under the titles, such as 27 µm"""
     home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
     times, room = magnification(volume), StandingMachine(volume.machine, home)
     panels = [(said("found"), found, volume.found, "beam")]

@@ -64,7 +64,7 @@ def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None =
         openapi_url=f"{ROOT}/openapi.json",
         lifespan=watching,
     )
-    for file in ("report.html", "report.pdf", "tables.zip", "setup.svg", "machine.svg"):
+    for file in ("report.html", "report.pdf", "tables.zip", "setup.svg", "volume.svg", "machine.svg"):
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "rows", "state", "typed", "cost", "texts", "check", "again"):
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
@@ -76,6 +76,7 @@ def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None =
     return Guard(app, port, addresses, None if shop is None else shop.door)
 
 
+_picture = partial(Response, media_type="image/svg+xml")
 _Answering = Callable[..., Awaitable[AnswerDocument | None]]
 """Makes the document that answers a request."""
 _Sent = Annotated[shapes.Short, Body(embed=True)]
@@ -147,9 +148,11 @@ class _Api:
     async def setup_svg(self, query: Annotated[shapes.PictureQuery, Query()]) -> Response:
         """The machine with the instrument on it and the places that are read, as wide as the page has room."""
         drawn = await self._counter.ask(lambda desk: desk.setup_picture(query.width))
-        if not drawn:
-            return Response(status_code=204)  # what was asked has been answered in the meantime
-        return Response(drawn, media_type="image/svg+xml")
+        return _picture(drawn) if drawn else Response(status_code=204)  # what was asked has been answered meanwhile
+
+    async def volume_svg(self, query: Annotated[shapes.PictureQuery, Query()]) -> Response:
+        """The error of the volume, found and left, as wide as the page has room."""
+        return _picture(await self._counter.ask(lambda desk: after_end.volume_picture(desk, query.width)))
 
     async def report_html(self) -> Response:
         """The report, which allows its own scripts by their hashes and asks for nothing."""
@@ -200,8 +203,7 @@ class _Api:
 
     async def machine_svg(self, query: Annotated[shapes.MachineQuery, Query()]) -> Response:
         """A machine, with an instrument on it if one is named."""
-        drawn = await asyncio.to_thread(draft.picture, self._here, query)
-        return Response(drawn, media_type="image/svg+xml")
+        return _picture(await asyncio.to_thread(draft.picture, self._here, query))
 
     async def plan(self) -> shapes.PlanShape | None:
         """The plan of the draft in words; it takes seconds."""

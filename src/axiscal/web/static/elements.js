@@ -29,6 +29,11 @@ export function show(id, visible) {
   find(id).hidden = !visible;
 }
 
+export function alarm(words) {
+  text("trouble", words);
+  show("trouble", words !== "");
+}
+
 export function on(id, kind, act) {
   find(id).addEventListener(kind, (event) => { event.preventDefault(); act(); });
 }

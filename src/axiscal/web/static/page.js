@@ -1,5 +1,5 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
-import { button, call, draw, element, find, hear, on, renderWords, show, text, waiting } from "/elements.js";
+import { alarm, button, call, draw, element, find, hear, on, renderWords, show, text, waiting } from "/elements.js";
 import { renderControls } from "/after.js";
 import { deliver, enter, unanswered } from "/outbox.js";
 import "/shop.js";
@@ -202,8 +202,7 @@ function renderEnd() {
 function render(newer) {
   if (state !== null && newer.version <= state.version) return;
   state = newer;
-  show("trouble", state.trouble !== "");
-  text("trouble", state.trouble);
+  alarm(state.trouble);
   renderLine();
   renderQuestion();
   renderKept();
@@ -218,15 +217,16 @@ function render(newer) {
   document.body.dataset.version = state.version;
 }
 
-// The machine as it stands at the reading asked for.
+// The machine as it stands at the reading asked for; after the end its error, found and left.
 function drawMachine() {
-  const question = state.question;
-  show("stood", question !== null);
-  if (question === null) return;
+  const question = state.question, over = state.results !== "" && state.progress.taken > 0;
+  show("stood", question !== null || over);
+  if (find("stood").hidden) return;
+  find("answer")[over ? "after" : "before"](find("stood"));
   const place = find("machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
   if (width < 200) return;
-  const words = said("How the instrument stands: {instrument}", { instrument: said(question.instrument) });
-  draw(place, `/setup.svg?${new URLSearchParams({ width, version: state.version })}`, words);
+  const words = over ? said("The error of the volume") : said("How the instrument stands: {instrument}", { instrument: said(question.instrument) });
+  draw(place, `/${over ? "volume" : "setup"}.svg?${new URLSearchParams({ width, version: state.version })}`, words);
 }
 
 async function follow() {
@@ -238,8 +238,7 @@ async function follow() {
       else throw new Error(newest.document.sentence);
       if (first) resume();
     } catch (failure) {
-      show("trouble", true);
-      text("trouble", failure instanceof TypeError ? said("axiscal does not answer. Start axiscal serve again and open the address it prints.") : failure.message);
+      alarm(failure instanceof TypeError ? said("axiscal does not answer. Start axiscal serve again and open the address it prints.") : failure.message);
       await new Promise((resolve) => setTimeout(resolve, 1000));
     }
   }
@@ -287,7 +286,7 @@ async function plain(path, body = {}) {
   const pressed = document.activeElement;
   const done = await step(path, body);
   hear(done.document.sentence, !done.ok);
-  if (find("task").hidden) { text("trouble", done.ok ? "" : done.document.sentence); show("trouble", !done.ok); }
+  if (find("task").hidden) alarm(done.ok ? "" : done.document.sentence);
   if ([pressed, document.body].includes(document.activeElement)) home(); // unless the person has gone elsewhere
   return done;
 }

@@ -1,5 +1,5 @@
 // From nothing to the first reading: one question a screen; every touch is kept on the disk.
-import { button, call, draw, element, find, on, renderFirst, show, text, waiting } from "/elements.js";
+import { alarm, button, call, draw, element, find, on, renderFirst, show, text, waiting } from "/elements.js";
 import { language, said, translate } from "/words.js";
 
 const SCREENS = ["start", "machine", "with", "plan"];
@@ -19,11 +19,6 @@ let planned = { of: "" }; // the newest plan, and the choices that it is of
 let curve = { of: "", marks: [] }; // what minutes buy, whatever the budget
 
 translate(document.body);
-
-function alarm(words) {
-  text("trouble", words);
-  show("trouble", words !== "");
-}
 
 // What the program answers; what is wrong stands over the page.
 async function asked(path, body) {
@@ -329,11 +324,12 @@ function sayBought() {
 }
 
 // A set-up of the plan, as wide as it has readings; its minutes are those of the end.
-function mounted({ setup, readings, minutes }) {
-  const part = element("li", String(readings));
+function mounted({ setup, instrument, moves, readings, minutes }) {
+  const part = element("li", moves.join(""));
   part.title = setup;
+  part.dataset.instrument = instrument;
   part.style.flexGrow = readings;
-  part.append(element("small", said("{minutes} min", { minutes: Math.max(Math.round(minutes), 1) })));
+  part.append(element("strong", String(readings)), element("small", said("{minutes} min", { minutes: Math.max(Math.round(minutes), 1) })));
   return part;
 }
 
