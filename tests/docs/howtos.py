@@ -17,20 +17,17 @@ from tempfile import TemporaryDirectory
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
-from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place
-from axiscal.present.drawing.svg_picture import paper_svg, picture_file
+from axiscal.present.drawing.svg_picture import picture_file
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.machine_drawing.setup_picture import plan_picture
-from axiscal.present.rendering import groups
-from axiscal.present.summarising import Extras, summarise
 from axiscal.present.volume_error import bent_volume
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGES = [*sorted(set((DOCS / "howto").glob("*.md")) - {DOCS / "howto" / "a-port-of-your-own.md"}), DOCS / "tour.md"]
+PAGES = sorted(set((DOCS / "howto").glob("*.md")) - {DOCS / "howto" / "a-port-of-your-own.md"})
 _BLOCK = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```', re.MULTILINE | re.DOTALL)
 _SHOWN = 12
 _WIDTHS = (800.0, 380.0)
@@ -86,22 +83,15 @@ def draw(page: Path, folder: Path) -> None:
     _keep(f"{page.stem}.svg", plan_picture(campaign.machine.name, campaign, places, _WIDTHS))
 
 
-def draw_tour(folder: Path) -> None:
-    """Draw the error of the volume and a curve as the report of the tour has them.  folder : where it was followed"""
-    with Campaign.open(folder / "rehearsal" / "campaign.axiscal", write=False) as campaign:
-        known = campaign.estimate(ended=True)
-        summary = summarise(campaign, known, Extras())
-    _keep_volume("volume.svg", known, "linuxcnc")
-    curve = next(curve for curve in summary.curves if curve.name == "EXX")
-    figure = groups([curve])[0][2][0][0][1]
-    _keep("curve.svg", paper_svg(figure, 700).replace("<svg ", '<svg style="background:#fff" ', 1))
-
-
 def draw_demo(folder: Path) -> None:
     """Draw the error of the volume as the report of the demo has it.  folder : where its results go"""
     run(["demo", "--out", str(folder)])
+    controller, words = "linuxcnc-volumetric", _of_volume(folder)
     with Campaign.open(folder / "campaign.axiscal", write=False) as campaign:
-        _keep_volume("demo.svg", campaign.estimate(ended=True), "linuxcnc-volumetric", _of_volume(folder))
+        known = campaign.estimate(ended=True)
+        bent = bent_volume(known, controller, export(known.estimate(), controller, ExportOptions()).control)
+        drawings = [found_and_left_drawing(bent, width, *words) for width in _WIDTHS]
+        _keep("demo.svg", picture_file(drawings, "The error of the volume, found and left"))
 
 
 def _of_volume(folder: Path) -> tuple[str, str]:
@@ -113,14 +103,6 @@ def _of_volume(folder: Path) -> tuple[str, str]:
     return f"{row['found']:.2g} µm RMS", f"{left:.2g} µm RMS{reached}"
 
 
-def _keep_volume(name: str, known: Estimation, controller: str, words: tuple[str, str] = ("", "")) -> None:
-    """Write the volume as found beside what is left by tables.  words : under the title of each"""
-    tables = export(known.estimate(), controller, ExportOptions())
-    bent = bent_volume(known, controller, tables.control)
-    drawings = [found_and_left_drawing(bent, width, *words) for width in _WIDTHS]
-    _keep(name, picture_file(drawings, "The error of the volume, found and left"))
-
-
 def _keep(name: str, svg: str) -> None:
     """Write a picture."""
     (DOCS / "pictures" / name).write_text(svg.rstrip() + "\n", encoding="utf-8")
@@ -130,11 +112,7 @@ def main() -> None:
     """Make the pictures of all pages anew."""
     for page in PAGES:
         with TemporaryDirectory() as folder:
-            if page.stem == "tour":
-                follow(page, Path(folder))
-                draw_tour(Path(folder))
-            else:
-                draw(page, Path(folder))
+            draw(page, Path(folder))
     with TemporaryDirectory() as folder:
         draw_demo(Path(folder))
 

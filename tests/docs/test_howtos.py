@@ -27,12 +27,11 @@ def test_a_how_to_can_be_followed_word_for_word(page: Path, tmp_path: Path) -> N
     assert any((tmp_path / name).exists() for name in ("rehearsal/report.pdf", "where.svg"))
 
 
-PICTURED = {page.stem: page for page in PAGES if page.stem != "tour"}
 SLOW = {"tonight", "tracer-on-a-large-machine"}
 
 
 @pytest.mark.parametrize(
-    "page", [pytest.param(page, id=name, marks=[pytest.mark.long] * (name in SLOW)) for name, page in PICTURED.items()]
+    "page", [pytest.param(page, id=page.stem, marks=[pytest.mark.long] * (page.stem in SLOW)) for page in PAGES]
 )
 def test_its_picture_is_that_of_its_set_ups(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     kept = (DOCS / "pictures" / f"{page.stem}.svg").read_text(encoding="utf-8")
