@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -10,14 +11,17 @@ import sysconfig
 import venv
 import zipfile
 from configparser import ConfigParser
+from importlib.metadata import Distribution
 from pathlib import Path
 
 import pytest
 
+import axiscal
 from tests.commands import Command
 from tests.web.served import Served
 
 CHECKOUT = Path(__file__).parents[2]
+WHEEL = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet", "-w"]
 LIBRARY_ALONE = """
 import re, runpy, sys, tomllib
 project = tomllib.load(open("{checkout}/pyproject.toml", "rb"))["project"]
@@ -45,13 +49,13 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("pyproject.toml", "LICENSE", "docs/package.md"):
         (source / name).parent.mkdir(exist_ok=True)
         shutil.copy(CHECKOUT / name, source / name)
-    build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet", "-w", str(folder)]
-    subprocess.run([*build, str(source)], env=surroundings, check=True)
+    subprocess.run([*WHEEL, folder, source], env=surroundings, check=True)
     (wheel,) = folder.glob("axiscal-*.whl")
     with zipfile.ZipFile(wheel) as packed:
         held = set(packed.namelist())
     files = {path.relative_to(source / "src").as_posix() for path in (source / "src").rglob("*") if path.is_file()}
-    assert {name for name in files - held if "build" not in name and "egg-info" not in name} == set()
+    made = {name for name in files if "build" in name or "egg-info" in name}
+    assert files - held - made == {"axiscal_core/pyproject.toml"}
     venv.create(folder / "bare", with_pip=True)
     python = folder / "bare" / "bin" / "python"
     install = ["-m", "pip", "install", "--no-deps", "--no-index", "--quiet", str(wheel)]
@@ -130,3 +134,23 @@ def test_the_program_says_what_the_library_alone_lacks(tmp_path: Path) -> None:
         "axiscal: The library is installed without the program, which needs typer. "
         "Install it: pip install 'axiscal[app]'\n"
     )
+
+
+@pytest.mark.long
+def test_the_core_is_a_distribution_of_its_own(tmp_path: Path) -> None:
+    source, alone = tmp_path / "axiscal_core", tmp_path / "alone"
+    shutil.copytree(CHECKOUT / "src" / "axiscal_core", source, ignore=shutil.ignore_patterns("__pycache__"))
+    subprocess.run([*WHEEL, tmp_path, source], check=True)
+    (wheel,) = tmp_path.glob("axiscal_core-*.whl")
+    with zipfile.ZipFile(wheel) as packed:
+        packed.extractall(alone)
+    (metadata,) = Distribution.discover(path=[str(alone)])
+    needed = {re.split("[<>=]", each)[0] for each in metadata.requires or []}
+    assert (metadata.version, needed) == (axiscal.__version__, {"numpy", "scipy", "threadpoolctl"})
+    assert {path.name for path in (alone / "axiscal_core").iterdir()} == {
+        path.name for path in (CHECKOUT / "src" / "axiscal_core").iterdir() if path.suffix in (".py", ".pyi", ".typed")
+    }
+    for example in sorted((CHECKOUT / "examples").glob("core_*.py")):
+        then = f"sys.modules['axiscal'] = None; runpy.run_path({str(example)!r}, run_name='__main__')"
+        blocked = LIBRARY_ALONE.format(checkout=CHECKOUT, then=f"sys.path.insert(0, {str(alone)!r}); {then}")
+        subprocess.run([sys.executable, "-c", blocked], cwd=tmp_path, check=True)
