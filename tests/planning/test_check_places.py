@@ -19,7 +19,7 @@ from axiscal.planning.enough import reached_by
 from axiscal.planning.next_readings import next_places, placed, posed
 from axiscal.planning.other_readings import checks_among, columns_of, with_checks, with_rooms
 from axiscal.planning.plan.order import seconds_along
-from axiscal.planning.plan.task import Limits
+from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
 from tests.generators.texts import machine_text, setup_text
 
@@ -83,10 +83,10 @@ def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks(
     task, full = posed(case, case.knowledge), plan_of("readings = 20\nchecks = 0")
     room = seconds_along(task, columns_of(case, full)) + 1.0
 
-    def plan(limits: Limits, left: Sequence[Place], beside: Sequence[Place], rough: bool) -> tuple[Place, ...]:
+    def plan(of: Task, limits: Limits, left: Sequence[Place], beside: Sequence[Place]) -> tuple[Place, ...]:
         asked.append((limits.budget or 0.0, len(left)))
         assert bool(beside) == bool(left)
-        assert not rough
+        assert of.patience
         return full[: 16 if left else 20]
 
     found = with_checks(case, task, Limits(budget=room), (), (), plan)
@@ -101,13 +101,29 @@ def test_which_set_ups_checks_are_in_is_known_from_a_rough_plan() -> None:
     case, asked = case_of("readings = 20"), list[tuple[int | None, int, bool]]()
     full = plan_of("readings = 20\nchecks = 0")
 
-    def plan(limits: Limits, _: Sequence[Place], beside: Sequence[Place], rough: bool) -> tuple[Place, ...]:
-        asked.append((limits.readings, len(beside), rough))
+    def plan(of: Task, limits: Limits, _: Sequence[Place], beside: Sequence[Place]) -> tuple[Place, ...]:
+        asked.append((limits.readings, len(beside), not of.patience))
         return full[: limits.readings]
 
     found = with_checks(case, posed(case, case.knowledge), Limits(readings=20), (), (), plan)
     assert asked == [(16, 0, True), (16, 4, False)]
     assert (len(found), len(checks(found))) == (20, 4)
+
+
+def test_the_plan_beside_checks_is_of_the_set_ups_in_which_they_are() -> None:
+    """Else a check would stand where nothing else is mounted for, and be lost."""
+    text = CAMPAIGN.replace("TARGET", "readings = 20")
+    more = text.partition("[[setups]]")[2]
+    others = "".join("[[setups]]" + more.replace('"laser"', f'"{name}"') for name in ("second", "third"))
+    case, among = Case(campaign_from_texts(text + others, "c.toml", MACHINE, "m")), list[set[int]]()
+    full = plan_of("readings = 20\nchecks = 0")
+
+    def plan(of: Task, limits: Limits, *_: Sequence[Place]) -> tuple[Place, ...]:
+        among.append({*of.lattice.setups.tolist()})
+        return full[: limits.readings]
+
+    assert len(with_checks(case, posed(case, case.knowledge), Limits(readings=20), (), (), plan)) == 20
+    assert among == [{0, 1, 2}, {0}]
 
 
 def test_checks_come_from_a_side_that_the_others_hardly_come_from() -> None:
@@ -120,7 +136,7 @@ def test_checks_come_from_a_side_that_the_others_hardly_come_from() -> None:
             Limits(readings=20),
             (),
             (),
-            lambda most, *_, own=one: own[: most.readings],
+            lambda _, most, *__, own=one: own[: most.readings],
         )
         assert {place.approach for place in checks(found)} == {(-side,)}
 

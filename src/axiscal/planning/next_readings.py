@@ -96,8 +96,7 @@ def reaching(
     heeded : limits that a search heeds for them; kept : places that are read anyway
     """
 
-    def beside(within: Limits, left: Sequence[Place], checks: Sequence[Place], rough: bool) -> tuple[Place, ...]:
-        among = replace(task.coarse, patience=0.0) if rough else task
+    def beside(among: Task, within: Limits, left: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
         most = [each for each in (heeded.readings, within.readings) if each is not None]
         search = replace(heeded, readings=min(most, default=None), budget=within.budget)
         return planned_places(case, among, search, readings, gaps, left, believed, (*kept, *checks))

@@ -256,8 +256,8 @@ _SHARE, _FEWEST, _MOST = 5, 3, 12
 _SELDOM = 0.25
 """Share of readings below which they hardly come from a side."""
 
-Within = Callable[[Limits, Sequence[Place], Sequence[Place], bool], tuple[Place, ...]]
-"""The readings to come within limits, from those that are left of a plan, beside checks; or roughly which they are."""
+Within = Callable[[Task, Limits, Sequence[Place], Sequence[Place]], tuple[Place, ...]]
+"""The readings to come of a task within limits, from those that are left of a plan, beside checks."""
 
 
 def checks_among(described: CampaignDescription, readings: int) -> int:
@@ -288,7 +288,8 @@ def with_checks(
     if limits.readings == 0:
         return checks.among((), checks.picked((), count))
     rough = count > 0 and task.patience > 0 and not limits.timed  # another plan follows, beside as many checks
-    begun = own or plan(limits, (), (), rough)  # says how many checks belong to it, and in which set-ups
+    roughly = replace(task.coarse, patience=0.0) if rough else task
+    begun = own or plan(roughly, limits, (), ())  # says how many checks belong to it, and in which set-ups
     beside = checks.picked(begun, checks.count(begun)) if budget is None else checks.for_a_fifth(begun)
     if not own and not beside and not rough:
         return begun
@@ -296,7 +297,9 @@ def with_checks(
         more = checks.seconds(checks.among(begun, beside)) - checks.seconds(begun)
         limits = replace(limits, budget=budget - more)
     if task.patience > 0 or own:  # else for figures only, which checks change little
-        begun = plan(limits, without_markers(case, readings, begun if limits.timed else own), beside, False)
+        within = np.isin(task.lattice.setups, columns_of(case, begun).setups) if rough else slice(None)
+        task = replace(task, lattice=task.lattice.within(within))
+        begun = plan(task, limits, without_markers(case, readings, begun if limits.timed else own), beside)
     return checks.fitting(begun, beside, budget)
 
 
