@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
+import numpy as np
+
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.stated_type_b import lacks_temperature
@@ -14,6 +16,7 @@ from axiscal.description.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, quoted, said
 from axiscal.machine import Machine
@@ -68,16 +71,18 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     missed = before = _missed(case)
     for name, measured in (("measured", partial(_warmed, case.description.machine)), ("tool", _tooled)):
         setups = tuple(measured(setup) for setup in case.description.setups)
-        known = replace(case, description=replace(case.description, setups=setups))
+        known = _of(case, setups)
         if setups != case.description.setups and _missed(known) < 1.0:
             return replace(_planned(known, ()), measured=name == "measured", tool=name == "tool")
-    for _ in range(_TOGETHER):
-        more = [(replace(case, description=each), setup) for each, setup in _with_one_more(case.description)]
-        tried = [(_missed(each), each, setup) for each, setup in more]
-        if not tried:
-            break
-        missed, case, setup = min(tried, key=lambda each: each[0])
+    more = list(_not_there(case.description))
+    for _ in range(min(_TOGETHER, len(more))):
+        left = case.yardstick.left  # to see which one takes most away, the others need not be looked at again
+        alone = replace(case, inherited=Inherited(np.zeros(len(left)), left @ left.T), rivals=())
+        setup = min(more, key=lambda each: _missed(_of(alone, (each,))))
+        more.remove(setup)
         added.append(setup.name)
+        case = _of(case, (*case.description.setups, setup))
+        missed = _missed(case)
         if missed < 1.0:
             return _planned(case, tuple(added))
     return Helping(tuple(added), 0, 0.0, reached=False) if missed < _NEARER * before else None
@@ -120,17 +125,21 @@ def _missed(case: Case) -> float:
     return max([*([min(volume)] if volume else []), *lines])
 
 
-def _with_one_more(described: CampaignDescription) -> Iterator[tuple[CampaignDescription, Setup]]:
-    """Yield the campaign with each set-up of a usual instrument that it does not have."""
-    names = {setup.name for setup in described.setups}
+def _of(case: Case, setups: tuple[Setup, ...]) -> Case:
+    return replace(case, description=replace(case.description, setups=setups))
+
+
+def _not_there(described: CampaignDescription) -> Iterator[Setup]:
+    """Yield the set-ups of usual instruments that a campaign does not have."""
+    names, head = {setup.name for setup in described.setups}, described.text.partition("[[setups]]")[0]
     for text in (text for kind in _KINDS for text in OFFERED[kind].setups(described.machine)):
         machine = described.machine.text, described.machine_source
         try:
-            found = campaign_from_texts(f"{described.text}\n{text}", described.source, *machine).setups[-1]
+            found = campaign_from_texts(f"{head}\n{text}", described.source, *machine).setups[-1]
         except InputError:  # an artefact of that name stands there already
             continue
         if found.name not in names:
-            yield replace(described, setups=(*described.setups, found)), found
+            yield found
 
 
 def _planned(case: Case, added: tuple[str, ...]) -> Helping:
