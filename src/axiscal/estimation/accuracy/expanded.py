@@ -24,6 +24,7 @@ from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
 from axiscal_core.from_scipy import chi_square_quantile, chi_square_share, f_quantile
 from axiscal_core.threads import one_thread
 
@@ -70,6 +71,7 @@ def known_to(name: str, yardstick: Yardstick, belief: Belief) -> float:
     return yardstick.measure(belief).worst
 
 
+@remembered
 def expanded_floor(yardstick: Yardstick) -> Expanded:
     """Return the expanded uncertainties that endless readings would leave."""
     covariances = yardstick.covariances(yardstick.left)

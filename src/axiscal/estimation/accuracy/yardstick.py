@@ -309,10 +309,13 @@ class Yardstick:
 
         factor : F (n, r) with C = F Fᵀ
         """
-        seen = self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)
-        loose = self._loose.transpose(1, 2, 0)
+        return _squared(self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)) + self._anyway
+
+    @cached_property
+    def _anyway(self) -> Array:
+        """What rests add, and shifts that are not counted take off, at each pose, (m, 3, 3), m²."""
         hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
-        return _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)
+        return _squared(self._loose.transpose(1, 2, 0)) + _squared(hidden) - _squared(self._here)
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""

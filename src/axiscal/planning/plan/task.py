@@ -12,11 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.target import Target
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.yardstick import Root, Yardstick
 from axiscal.estimation.belief import Belief
+from axiscal.machine import Machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
+from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
@@ -136,16 +139,23 @@ class Clock(NamedTuple):
 
     def reading(self, setups: Iterable[int]) -> Array:
         """Return the seconds of a reading of each of some set-ups, (m,)."""
-        return np.array([_reading_with_way(self.observation, int(setup)) for setup in setups])
+        of, described = self.observation.errors, self.observation.setups
+        return np.array([_reading_with_way(of, _moved(of.machine, described[setup])) for setup in setups])
+
+
+def _moved(machine: Machine, setup: Setup) -> Setup:
+    """Return what of a set-up its ways follow from: of those that move alike they are found once."""
+    free = setup.contact == "free" and setup.chart is None
+    park = tuple(sum(axis.travel) / 2 for axis in machine.axes) if free else setup.park
+    return replace(setup, name="", unknowns=(), park=park)
 
 
 @remembered
-def _reading_with_way(observation: Observation, setup: int) -> float:
+def _reading_with_way(of: ErrorModel, setup: Setup) -> float:
     """Return the seconds of a reading of a set-up; the way is that between a few evenly spread readings."""
-    machine, described = observation.machine, observation.setups[setup]
-    sample = spread(machine, (described,), _TYPICAL)
-    _, ways = short_way(machine, described, sample.poses, np.zeros_like(sample.poses))
-    return reading_seconds(described) + float(ways.mean())
+    sample = spread(of.machine, (setup,), _TYPICAL)
+    _, ways = short_way(of.machine, setup, sample.poses, np.zeros_like(sample.poses))
+    return reading_seconds(setup) + float(ways.mean())
 
 
 def clock(task: Task) -> Clock:
