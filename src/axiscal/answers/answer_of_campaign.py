@@ -117,10 +117,8 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
             left = {name: shown(turns(each, *where)) for name, each in controls.items()}
     else:
         after = partial(left_by, estimate.machine, estimate.deviation)
-        at, left = (
-            shown(estimate.deviation(*where)),
-            {name: shown(after(each, *where)) for name, each in controls.items()},
-        )
+        at = shown(estimate.deviation(*where))
+        left = {name: shown(after(each, *where)) for name, each in controls.items()}
 
     def squares(row: Array) -> Array:
         """Return the squared length of each vector of a row, with what is not known of it."""

@@ -151,10 +151,8 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
     found = _described(document, load_machine(source), source, target_needed, _prior_text(document), asking)
     for named in found.compensation_active if isinstance(found.compensation_active, tuple) else ():
         if not any((document.path.parent / each).exists() for each in (named, named.partition("=")[2] or named)):
-            what, remedy = (
-                "compensation_active names {name}, which is not there",
-                "Name a file that is, or write true or false without quotes",
-            )
+            what = "compensation_active names {name}, which is not there"
+            remedy = "Name a file that is, or write true or false without quotes"
             raise DescriptionError(what, remedy, document.path, document.line("compensation_active"), name=shown(named))
     return found
 

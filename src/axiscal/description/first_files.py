@@ -185,10 +185,8 @@ def of_file(file: Path, folder: Path) -> Beginning:
     if not _OF_LINUXCNC.search(text):
         what, remedy = "This looks like {kind}", "Give the INI file of a LinuxCNC, or the printer.cfg of a Klipper"
         if kind := title_of(file):
-            what, remedy = (
-                "These are readings: {kind}",
-                "Begin a campaign here; axiscal data estimate takes it with this file",
-            )
+            what = "These are readings: {kind}"
+            remedy = "Begin a campaign here; axiscal data estimate takes it with this file"
         kind = kind or next((kind for kind, sign in _KINDS.items() if sign.search(text)), _UNKNOWN)
         raise DescriptionError(what, remedy, file, kind=said(kind))
     return of_ini(machine_of(read_ini(file)), file, folder)

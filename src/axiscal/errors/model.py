@@ -306,10 +306,8 @@ class ErrorModel:
     def compose(self, values: Array, approaches: Array) -> SmallMotions:
         """Return the small motions of the axis frames from the value of every term.  values : (terms, m)."""
         shape = (len(self.machine.axes), values.shape[1], 3)
-        parts, signed = (
-            SmallMotions(np.zeros(shape), np.zeros(shape), np.zeros(shape)),
-            self.effects(values, approaches),
-        )
+        parts = SmallMotions(np.zeros(shape), np.zeros(shape), np.zeros(shape))
+        signed = self.effects(values, approaches)
         for i, function in enumerate(self.terms):
             getattr(parts, self.part_of(function))[function.axis, :, function.component % 3] += signed[i]
         return parts

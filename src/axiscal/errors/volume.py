@@ -63,10 +63,8 @@ def levers_at(model: ErrorModel, coefficients: Array, poses: Array) -> tuple[Arr
     Of the TCP, m or m/rad, and of the tool's turn, (terms, m, 3) each, by complex steps of the exact chain.
     coefficients : (size,); poses : (m, q)
     """
-    small, found = (
-        model.small_motions(coefficients, poses, np.zeros_like(poses)),
-        dict[tuple[str, int, int], Deviation](),
-    )
+    small = model.small_motions(coefficients, poses, np.zeros_like(poses))
+    found = dict[tuple[str, int, int], Deviation]()
     ways = [(model.part_of(term), term.axis, term.component % 3) for term in model.terms]
     for part, axis, along in set(ways):
         step = np.zeros(small.rotation.shape, dtype=complex)

@@ -74,10 +74,8 @@ def read_errors(
             identity = (name.component, frozenset(name.axes)) if isinstance(name, PlaneName) else name.canonical
             first, before = found.setdefault(identity, (key, entry))
             if before is not entry:
-                earlier, what = (
-                    document.line("errors", first),
-                    "{key} is {name}, which is there already in line {earlier}",
-                )
+                earlier = document.line("errors", first)
+                what = "{key} is {name}, which is there already in line {earlier}"
                 raise DescriptionError(what, "Keep one of them", key=key, name=before.name, earlier=earlier)
     entries = [entry for _, entry in found.values()]
     curves = tuple(entry for entry in entries if isinstance(entry, ErrorEntry))

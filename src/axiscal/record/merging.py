@@ -124,10 +124,8 @@ def merged(content: bytes, beginning: EventText | None = None) -> Merged:
     marked = [each for each in strands if each.certain and not each.aside and each is not zero]
     named = zero is not None and (not marked or (zero.first.end > 0 and zero.first.row == beginning))
     proven = [*marked, *(each for each in strands if each is zero and named)]
-    evidence, ours = (
-        _Evidence(content, strands, proven),
-        sorted(proven, key=lambda each: (not _begins(each.first), each.order)),
-    )
+    evidence = _Evidence(content, strands, proven)
+    ours = sorted(proven, key=lambda each: (not _begins(each.first), each.order))
     asides, apart = list[Strand](), list[Strand]()
     for strand in (each for each in strands if each not in proven):
         place = evidence.place(strand, ours, not marks or marks[-1] not in borne)

@@ -183,6 +183,5 @@ def _line(description: CampaignDescription, lines: dict[RowName, AxisLine], row:
     if row in lines:
         return lines[row]
     axis = description.machine.index(row.axes[0])
-    others = (line for line in lines.values() if line.axis == axis)
-    found = next(others, None)
+    found = next((line for line in lines.values() if line.axis == axis), None)
     return through_the_volume(description, axis) if found is None else AxisLine(axis, found.poses)

@@ -316,10 +316,8 @@ def _table(estimate: Estimate, name: str, plan: PitchParameters) -> Compensation
     if plan.first > needed[0] or plan.last < needed[1]:
         unit = "deg" if plan.rotary else "mm"
         first, last = (format_quantity(float(value), unit) for value in plan.positions[[0, -1]])
-        what, shown = (
-            "the points of {name} reach from {shown}, the volume goes beyond",
-            said("{low} to {high}", low=first, high=last),
-        )
+        what = "the points of {name} reach from {shown}, the volume goes beyond"
+        shown = said("{low} to {high}", low=first, high=last)
         remedy = "3621 = {first} and 3622 = {second} would cover it"
         raise TableError(what, remedy, name=name, shown=shown, first=needed[0], second=needed[1])
     return own_table(estimate, axis, plan.positions)
