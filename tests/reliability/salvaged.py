@@ -311,6 +311,13 @@ def blanks(one: Original, chance: random.Random) -> bytes:
     return text.rstrip() if chance.random() < 0.5 else text
 
 
+def foreign(one: Original, chance: random.Random) -> bytes:
+    """Put the head and marks of one record before lines of the other, in every second case with own lines behind."""
+    lines, own = (content[START:].splitlines(keepends=True) for content in (one.other, one.content))
+    at = chance.randrange(1, len(own)) if chance.random() < 0.5 else len(own)
+    return one.content[:START] + b"".join([*lines[:at], *own[at:]])
+
+
 DAMAGES: dict[str, Damage] = {
     "a bit": bit,
     "a sector of 512 bytes": sector,
@@ -327,6 +334,7 @@ DAMAGES: dict[str, Damage] = {
     "two writers": two_writers,
     "line ends": line_ends,
     "trailing blanks": blanks,
+    "own head and marks before another's lines": foreign,
 }
 
 
@@ -404,8 +412,9 @@ def tried(name: str, count: int, first: int = 0) -> Trial:
     whole, back = sum(each.whole for each in outcomes), sum(each.back for each in outcomes)
     wrong, again = sum(each.wrong for each in outcomes), sum(each.again for each in outcomes)
     unreadable, beginning = sum(each.unreadable for each in outcomes), sum(each.beginning for each in outcomes)
+    share = back / max(whole, 1)
     detail = (
-        f"{unreadable:,} unreadable; {back:,} of {whole:,} readings that stand whole come back ({back / whole:.2%}), "
+        f"{unreadable:,} unreadable; {back:,} of {whole:,} readings that stand whole come back ({share:.2%}), "
         f"{wrong} wrong; {beginning:,} need --beginning; {again} that had been taken back stand"
     )
     return Trial(f"records salvaged: {name}", count, wrong + max(0, int(0.99 * whole) - back), detail)

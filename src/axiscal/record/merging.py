@@ -271,9 +271,8 @@ def _fits(strand: Strand, before: Sequence[Strand], behind: Sequence[Strand], op
     if not behind and not open_end:
         return False
     if behind and behind[0].certain:
-        least = before[0].numbers[-1] if before and before[0].certain else 0
-        highest = strand.numbers[-1] if strand.certain else least + 1
-        if behind[0].numbers[0] <= max(highest, least + 1):
+        least = 0 if strand.certain else 1 + (before[0].numbers[-1] if before and before[0].certain else 0)
+        if behind[0].numbers[0] <= least + strand.numbers[-1] + 1:  # what follows at once would be linked
             return False
     times = [*(each.last.row.at for each in before), strand.first.row.at, strand.last.row.at]
     times += [each.first.row.at for each in behind]
