@@ -113,6 +113,8 @@ def test_of_an_error_so_much_is_there_with_99_percent() -> None:
     assert _surely(problem, more) == pytest.approx(expected)  # type: ignore[arg-type]
     large = SimpleNamespace(thetas=0.0 * THETAS, weights=WEIGHTS)
     assert _surely(problem, large) == 1.0  # type: ignore[arg-type]
+    sure = SimpleNamespace(thetas=THETAS * [0.0, 1.0, 1.0], weights=WEIGHTS)  # noise and length alone are in doubt
+    assert _surely(problem, sure) == 1.0  # type: ignore[arg-type]
 
 
 def test_rests_of_a_curve_go_together_by_halves_within_six_percent_of_the_travel() -> None:
