@@ -42,3 +42,19 @@ def test_a_warm_machine_takes_the_tool_farther_from_the_middle(setup: str) -> No
         "interferometer": (grown @ [0.6, 0.8, 0.0])[:, None],
     }
     assert taken_off == pytest.approx(by_hand[warm.setups[0].instrument], abs=1e-12)
+
+
+def test_a_tracker_is_linear_about_the_turn_that_readings_have_found() -> None:
+    """By 20 mrad the second order is 80 um at 400 mm, which rows about the stated turn would take for errors."""
+    case = Case(built_in(f'[[setups]]\nname = "0"\ninstrument = "tracker"\n{STATION}'))
+    mean, poses = case.prior.mean.copy(), np.array([[0.1, 0.1, 0.1], [0.5, 0.3, 0.3]])
+    names = [unknown.name for unknown in case.description.setups[0].unknowns]
+    own = dict(zip(names, case.observation.unknowns_of(0).tolist(), strict=True))
+    mean[[own["turn_x"], own["turn_y"], own["turn_z"]]] = 0.02, -0.01, 0.015
+    found = case.located(mean)
+    assert found is not None
+    sides, shown = np.ones_like(poses), case.observation.shown(0, poses, np.ones_like(poses), mean)
+    rows = np.array([each.rows for each in found.observation.rows_each(0, poses, sides)])
+    linear = (rows @ mean).T + found.observation.nonlinear_part(0, poses, sides)
+    assert linear == pytest.approx(shown, abs=1e-12)
+    assert np.abs(shown).max() > 1e-3
