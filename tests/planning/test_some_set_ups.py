@@ -12,9 +12,11 @@ from axiscal.estimation.case import Case
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.setup import Unknown
+from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
+from axiscal.planning.plan import greedy
 from axiscal.planning.plan.greedy import Setups, scores_among
 from axiscal.planning.plan.minutes import quickest
 from axiscal.planning.plan.task import Goal, Limits, Task
@@ -95,3 +97,16 @@ def test_many_set_ups_alike_leave_no_more_than_one() -> None:
     """The readings that endless ones stand for are spread over each of them."""
     one, many = (lasers(count).yardstick.rms_floor for count in (1, 150))
     assert many == pytest.approx(one, rel=0.02)
+
+
+def test_of_set_ups_that_are_alike_one_is_looked_at_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    case, looked = lasers(40), list[int]()
+    after = greedy.criterion_after
+
+    def counted(weighted: Array, told: Array) -> float:
+        looked.append(len(told))
+        return after(weighted, told)
+
+    monkeypatch.setattr(greedy, "criterion_after", counted)
+    assert greedy.chosen_setups(posed(case, case.knowledge), Limits(readings=8)) == (0,)
+    assert len(looked) == 4

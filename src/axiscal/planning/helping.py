@@ -71,8 +71,7 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     missed = before = _missed(case)
     for name, measured in (("measured", partial(_warmed, case.description.machine)), ("tool", _tooled)):
         setups = tuple(measured(setup) for setup in case.description.setups)
-        known = _of(case, setups)
-        if setups != case.description.setups and _missed(known) < 1.0:
+        if setups != case.description.setups and _missed(known := _of(case, setups)) < 1.0:
             return replace(_planned(known, ()), measured=name == "measured", tool=name == "tool")
     more = list(_not_there(case.description))
     for _ in range(min(_TOGETHER, len(more))):

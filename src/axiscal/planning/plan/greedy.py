@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice, takewhile
 
 import numpy as np
@@ -94,10 +95,12 @@ def _growing(task: Task, parts: Sequence[Setups], limits: Limits, times: Clock) 
         return criterion_after(weighted, np.concatenate(told)) if told else state.value
 
     found: Setups = ()
-    now, gained = state.value, dict.fromkeys(parts, np.inf)
+    now, gained, setups_of = state.value, dict.fromkeys(parts, np.inf), task.observation.setups
+    kinds = {part: tuple(replace(setups_of[setup], name="") for setup in part) for part in parts}
     while more := [part for part in parts if not {*part} <= {*found}]:
         left = dict[Setups, float]()
-        for part in sorted(more, key=lambda part: -gained[part]):
+        one_of_each = {kinds[part]: part for part in reversed(more)}.values()
+        for part in sorted(one_of_each, key=lambda part: -gained[part]):
             if len(left) >= _LOOKED and gained[part] < now - min(left.values()):
                 break  # each takes away less, the more there are: no other one is likely to win
             left[part] = remaining(tuple(sorted({*found, *part})))
