@@ -23,18 +23,32 @@ typedef struct {
         bool rapid_motion, inverse_time;
     } condition;
 } plan_line_data_t;
+typedef struct {
+    coord_data_t min, max;
+} work_envelope_t;
+typedef bool (*travel_limits_ptr)(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope);
 typedef void (*on_jog_cancel_ptr)(sys_state_t state);
 typedef void (*on_report_options_ptr)(bool newopt);
 
 struct {
     struct {
-        float steps_per_mm;
+        float steps_per_mm, max_travel;
     } axis[N_AXIS];
+    struct {
+        struct {
+            bool force_set_origin;
+        } flags;
+        axes_signals_t dir_mask;
+    } homing;
 } settings;
 struct {
     int32_t position[N_AXIS];
+    float home_position[N_AXIS];
+    axes_signals_t soft_limits;
+    work_envelope_t work_envelope;
 } sys;
 struct {
+    travel_limits_ptr check_travel_limits;
     on_jog_cancel_ptr on_jog_cancel;
     on_report_options_ptr on_report_options;
 } grbl;
@@ -54,4 +68,4 @@ struct {
     float (*homing_cycle_get_feedrate)(axes_signals_t axes, float rate, homing_mode_t mode);
 } kinematics;
 
-void limits_set_machine_positions(axes_signals_t cycle, bool add_pulloff);
+coord_data_t *limits_homing_pulloff(coord_data_t *distance);

@@ -68,8 +68,16 @@ class Host:
         self._library.shown(passed(place))
         return place
 
-    def home(self, mask: int) -> None:
-        self._library.home(mask)
+    def home(
+        self, mask: int, travel: float = -300.0, off: float = 0.0, down: bool = False, origin: bool = False
+    ) -> int:
+        """Home axes; return how many steps the others are sent, which no drive would make.  travel, off : mm or deg"""
+        ends = ctypes.c_double(travel), ctypes.c_double(off)
+        return int(self._library.home(mask, *ends, ctypes.c_int(down), ctypes.c_int(origin)))
+
+    def passes(self, drives: Array, low: float, high: float) -> bool:
+        """Return whether soft limits let a place of the drives pass."""
+        return bool(self._library.passes(passed(np.array(drives, float)), ctypes.c_double(low), ctypes.c_double(high)))
 
 
 class Machined(NamedTuple):
@@ -145,9 +153,29 @@ def test_homing_forgets_from_where_an_axis_came(own: Machined) -> None:
     from_above = own.host.go(middle).checked
     assert np.max(np.abs(from_above - own.drives(middle[None], nowhere - 1.0)[0])) < 2 * ROUNDING
     own.host.home(2 ** len(middle) - 1)
-    shown = own.host.shown()
-    assert np.max(np.abs(from_above - own.drives(shown[None], nowhere)[0])) < 1 / 1600 + 2 * ROUNDING
-    assert np.max(np.abs(own.host.go(shown).checked - from_above)) < 1 / 1600 + 2 * ROUNDING
+    shown = own.host.shown()[None]  # where all drives stand at zero
+    assert np.max(np.abs(own.drives(shown, nowhere))) < 1 / 1600 + 2 * ROUNDING
+    assert np.max(np.abs(own.drives(shown, nowhere - 1.0))) > 1e-3
+
+
+def test_homing_sends_no_axis_that_stays_and_ends_where_the_firmware_says(own: Machined) -> None:
+    """The planner counts each step, but in homing only axes of the cycle make one."""
+    middle, others = (own.low + own.high) / 2, slice(1, None)
+    own.host.go(middle + 1.0)
+    before = own.host.go(middle).parts[-1]
+    assert own.host.home(1, off=2.0) == 0
+    for down, origin, end in ((False, False, -2.0), (True, False, -298.0), (True, True, 0.0)):
+        assert own.host.home(1, -300.0, 2.0, down, origin) == 0
+        shown = own.host.shown()
+        drives = own.drives(shown[None], np.where(np.arange(len(middle)) == 0, 0.0, -1.0)[None])[0]
+        assert drives[0] == pytest.approx(end, abs=1 / 1600 + 2 * ROUNDING)
+        assert np.max(np.abs(drives[others] - before[others])) < 2 / 1600 + 2 * ROUNDING
+
+
+def test_soft_limits_let_drives_pass_up_to_their_ends(own: Machined) -> None:
+    drives = np.full(len(own.low), 10.0)
+    assert own.host.passes(drives, -20.0, 10.0)
+    assert not own.host.passes(drives, -20.0, 9.99)
 
 
 def test_a_table_that_was_changed_corrects_nothing(tmp_path: Path) -> None:

@@ -22,6 +22,8 @@ static vc_machine machine;
 static double way[VC_AXES];    /* the side from which each axis came, 0 where it has not moved since homing */
 static const char *refused;    /* why nothing is corrected, 0 where it is */
 static bool stopped;
+static coord_data_t apart;     /* of drives beside the place, when that was asked for last */
+static travel_limits_ptr check_travel_limits;
 static on_jog_cancel_ptr on_jog_cancel;
 static on_report_options_ptr on_report_options;
 
@@ -59,7 +61,25 @@ static coord_data_t *steps_to_place(coord_data_t *place, mpos_t *steps)
     coord_data_t drives;
     int i;
     for (i = 0; i < N_AXIS; i++) drives.values[i] = (float)steps->values[i] / settings.axis[i].steps_per_mm;
-    return to_place(place, &drives);
+    to_place(place, &drives);
+    for (i = 0; i < N_AXIS; i++) apart.values[i] = drives.values[i] - place->values[i];
+    return place;
+}
+
+/* Where the drives go in homing, which asks for its place before it moves: what is added stays. An axis that is not in
+ * the cycle gets no step, yet each would be counted. */
+static coord_data_t *homing_drives(coord_data_t *drives, coord_data_t *place)
+{
+    int i;
+    for (i = 0; i < N_AXIS; i++) drives->values[i] = place->values[i] + apart.values[i];
+    return drives;
+}
+
+/* Soft limits hold for drives as they do for places: the firmware's own test lets no drive pass. */
+static bool within_travel(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope)
+{
+    (void)is_cartesian;
+    return check_travel_limits(target, axes, true, envelope);
 }
 
 /* A line in parts.  First its end, at which soft limits look, then one part after the other, and NULL. */
@@ -97,10 +117,18 @@ static uint_fast8_t axis_mask(uint_fast8_t i) { return bit(i); }
 
 static void home_position(uint_fast8_t i) { sys.position[i] = 0; }
 
+/* As the firmware does without kinematics; with them it has no function for it. */
 static void homed(axes_signals_t cycle)
 {
-    int k;
-    limits_set_machine_positions(cycle, true);
+    coord_data_t *off = limits_homing_pulloff(NULL);
+    int i, k;
+    for (i = 0; i < N_AXIS; i++) {
+        bool low = settings.homing.dir_mask.mask & bit(i);
+        float end = low ? settings.axis[i].max_travel + off->values[i] : -off->values[i];
+        if (!(cycle.mask & bit(i))) continue;
+        sys.home_position[i] = settings.homing.flags.force_set_origin ? 0.0f : end;
+        sys.position[i] = lroundf(sys.home_position[i] * settings.axis[i].steps_per_mm);
+    }
     for (k = 0; k < machine.axes; k++)
         if (cycle.mask & bit(machine.axis[k].joint[0])) way[k] = 0;
 }
@@ -132,7 +160,7 @@ void my_plugin_init(void)
     for (k = 0; k < machine.axes && !refused; k++)
         if (machine.axis[k].joint[0] < 0 || machine.axis[k].joint[0] >= N_AXIS) refused = "an axis is not built in";
     if (refused) machine.axes = 0;
-    kinematics.transform_from_cartesian = to_drives;
+    kinematics.transform_from_cartesian = homing_drives;
     kinematics.transform_steps_to_cartesian = steps_to_place;
     kinematics.segment_line = segment_line;
     kinematics.limits_get_axis_mask = axis_mask;
@@ -140,6 +168,8 @@ void my_plugin_init(void)
     kinematics.limits_set_machine_positions = homed;
     kinematics.homing_cycle_validate = any_cycle;
     kinematics.homing_cycle_get_feedrate = own_rate;
+    check_travel_limits = grbl.check_travel_limits;
+    grbl.check_travel_limits = within_travel;
     on_jog_cancel = grbl.on_jog_cancel;
     grbl.on_jog_cancel = cancel;
     on_report_options = grbl.on_report_options;
