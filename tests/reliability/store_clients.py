@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import signal
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from unittest.mock import patch
@@ -21,6 +23,7 @@ from axiscal.ports.postgres.syncing import synced
 from axiscal.ports.postgres.tables import prepare
 from axiscal.record.log import chained_texts, rows_of
 from axiscal.record.store import Record
+from tests.generators.sisters import read_on, slide, write_record
 from tests.record.postgres_server import RunningServer, running_server
 from tests.record.test_server_log import UNFIT
 from tests.reliability.record_faults import CREATED, recorded
@@ -28,6 +31,8 @@ from tests.reliability.trial import Trial, scratch
 from tests.zoo.running import given
 
 SHARED, MEASURER = "shared", "measurer"
+FIRST_LOOK = 10
+"""Seconds at most."""
 _CUT = "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE usename = 'measurer'"
 
 
@@ -130,6 +135,60 @@ def names() -> Trial:
                 wrong += 1
         database.close()
     return Trial("names of a store, `../../evil` to U+202E, each refused in a sentence", 2 * len(UNFIT), wrong)
+
+
+def mended() -> Trial:
+    """Take a name that is taken, set an entry aside that a laptop has, list a campaign without events.
+
+    Each is refused in a sentence, or listed, and one command mends it.
+    """
+    found = list[bool]()
+    with scratch() as top, _store() as server, patch.dict(os.environ, {VARIABLE: server.address()}):
+        mine, other = top / "mine.axiscal", top / "other.axiscal"
+        for number, path in enumerate((mine, other)):
+            with Record.create(path, replace(CREATED, campaign_source=path.stem)) as record:
+                record.append(*(recorded(float(3 * number + n)) for n in range(3)))
+
+        def refused(words: Sequence[object], says: str, mends: Sequence[object]) -> None:
+            told, after = given(*words), given(*mends)
+            said = " ".join(told.err.split())
+            found.append(told.status == 1 and said.startswith("axiscal: ") and says in said and "defect" not in said)
+            found.append(after.status == 0)
+
+        sync = ("sync", mine, "--name", "mill")
+        found.append(given(*sync).status == 0)
+        refused(("sync", other, "--name", "MILL"), "of this name already", ("sync", other, "--name", "mill b"))
+        keeper = _opened(server, "keeper")
+        found.append(given("sync", "--quarantine", f"store:{entries(keeper, 'mill')[0].id}:3").status == 0)
+        refused(sync, "--drop", (*sync, "--drop"))
+        keeper.select("INSERT INTO axiscal.campaigns VALUES (gen_random_uuid(), 'empty', NULL, NULL)")
+        keeper.close()
+        listed = given("fleet", "store:")
+        found.append(listed.status == 0 and "mill b" in listed.out)
+        third = top / "third.axiscal"
+        Record.create(third, replace(CREATED, campaign_source="third")).close()
+        refused(("finish", "store:empty"), "empty", ("sync", third, "--name", "empty"))
+    what = "a name that is taken, an entry set aside, a campaign without events: refused in a sentence, then mended"
+    return Trial(what, len(found), found.count(False))
+
+
+def fleet(machines: int) -> Trial:
+    """List a store of machines of sixteen readings each, for the first time."""
+    readings = read_on(0)
+    with scratch() as top, _store() as server, patch.dict(os.environ, {VARIABLE: server.address()}):
+        keeper = _opened(server, "keeper")
+        for number in range(machines):
+            path = write_record(top / f"{number}.axiscal", slide(serial=str(number)), readings)
+            with Record.open(path) as record:
+                synced(keeper, record, f"machine {number}")
+            path.unlink()
+        keeper.close()
+        begin = time.process_time()
+        listed = given("fleet", "store:")
+        spent = time.process_time() - begin
+    missed = machines - len(set(re.findall(r"machine \d+", listed.out)))
+    detail = f"first look {spent:.1f} s of processor time, at most {FIRST_LOOK}"
+    return Trial("machines of a store that `fleet store:` lists", machines, missed + (spent > FIRST_LOOK), detail)
 
 
 def _appended_by_sql(campaign: str) -> str:

@@ -52,6 +52,9 @@ LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "clients of a store": (lambda: store_clients.clients(2, 6), 10),
     "statements to a store": (lambda: store_clients.statements(40), 39),
     "names of a store": (store_clients.names, 20),
+    "what one command mends in a store": (store_clients.mended, 8),
+    "a list of a store": (lambda: store_clients.fleet(3), 2),
+    "forged records on each surface": (forged.surfaces, 17),
     "right records that are called stuck": (lambda: stuck_instruments.named(6), 23),
     "readings none of which is used": (lambda: bounds.unused(12), 11),
 }
