@@ -17,6 +17,7 @@ readings without noise would leave at these places. With rows G, the criterion V
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -307,13 +308,18 @@ def _turned(task: Task, limits: Limits, order: Places, where: NDArray[np.intp]) 
     others = seconds_along(task, order) - way.seconds(turns)
     most = np.inf if limits.budget is None else max(limits.budget, others + way.seconds(turns))
     least = way.loss(turns) * (others + way.seconds(turns))
-    rng = np.random.default_rng(_SEED)
+    rng, tried = np.random.default_rng(_SEED), set[tuple[int, ...]]()
     for _ in range(int(min(_PAIRS, _WORK / (2 * len(way.owner) ** 3)))):
+        if len(tried) == math.comb(count, 2):
+            break
         changed, pair = turns.copy(), rng.choice(count, 2, replace=False)
+        if (swapped := tuple(sorted(pair.tolist()))) in tried:
+            continue
+        tried.add(swapped)
         changed[pair] = turns[pair[::-1]]
         seconds = others + way.seconds(changed)
         if seconds <= most and (cost := way.loss(changed) * seconds) < least:
-            turns, least = changed, cost
+            turns, least, tried = changed, cost, {swapped}
     return np.argsort(turns)
 
 
