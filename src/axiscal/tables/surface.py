@@ -25,6 +25,7 @@ from axiscal.machine.kinematics import frames, solved, turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
 from axiscal.tables.sampling import cross_tables, hats_along, knots_of
 from axiscal.tables.table import Hats
 from axiscal.units import format_quantity
@@ -254,6 +255,7 @@ def height_seen(estimate: Estimate) -> bool:
     return estimate.sees(rows)
 
 
+@remembered
 def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
     """Return the mesh that is nearest to minus the mean deviation along z, over the volume.
 
@@ -261,10 +263,7 @@ def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
     """
     x, y, z = plane_axes(estimate.machine)
     sides = [hats_along(estimate, axis, at) for axis, at in zip((x, y), _places(estimate, (x, y), count), strict=True)]
-    deviation = np.zeros((len(sides[1].nodes), len(sides[0].nodes)))
-    for height, weight in zip(*_heights(estimate.box[z]), strict=True):
-        deviation += weight * _deviation(estimate, (x, y, z), sides, height)
-    found = sides[0].best(sides[1].best(deviation).T).T
+    found = sides[0].best(sides[1].best(_deviation(estimate, (x, y, z), sides)).T).T
     return Mesh(sides[0].points, sides[1].points, -found)
 
 
@@ -302,15 +301,16 @@ def _heights(bounds: tuple[float, float]) -> tuple[Array, Array]:
     return nodes.ravel(), weights.ravel() / (bounds[1] - bounds[0])
 
 
-def _deviation(estimate: Estimate, axes: tuple[int, int, int], sides: list[Hats], height: float) -> Array:
-    """Return the deviation along z at the nodes, (y nodes, x nodes), one row of them at a time."""
-    x, y, z = axes
+def _deviation(estimate: Estimate, axes: tuple[int, int, int], sides: list[Hats]) -> Array:
+    """Return the mean deviation along z over the heights, at the nodes, (y nodes, x nodes), one row at a time."""
+    (x, y, z), (heights, weights) = axes, _heights(estimate.box[axes[2]])
     result = np.empty((len(sides[1].nodes), len(sides[0].nodes)))
+    poses = np.empty((len(heights), len(sides[0].nodes), 3))
     for row, place in zip(result, sides[1].nodes, strict=True):
-        poses = np.empty((len(row), 3))
-        poses[:, x], poses[:, y], poses[:, z] = sides[0].nodes, place, height
-        levers = estimate.model.levers(poses)[:, :, 2]
-        row[:] = estimate.model.along(levers, poses, np.zeros_like(poses)) @ estimate.mean
+        poses[..., x], poses[..., y], poses[..., z] = sides[0].nodes, place, heights[:, None]
+        at = poses.reshape(-1, 3)
+        seen = estimate.model.along(estimate.model.levers(at)[:, :, 2], at, np.zeros_like(at)) @ estimate.mean
+        row[:] = weights @ seen.reshape(len(heights), -1)
     return result
 
 
