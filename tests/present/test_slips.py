@@ -21,7 +21,7 @@ from axiscal.machine import machine_from_text
 from axiscal.planning.helping import rows_shown
 from axiscal.present.guide import slips
 from axiscal.present.guide.progress import last_step
-from axiscal.present.guide.question import ExpectedNumber, Question
+from axiscal.present.guide.question import ExpectedNumber, Question, mount_sentence, mount_steps
 from axiscal.present.guide.slips import CAUSES, Cause, causes, jog, keep_as, surprise_text, try_jog
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS
@@ -152,6 +152,14 @@ def test_a_switched_axis_moves_next_to_the_bed_and_sizes_follow() -> None:
     sizes = {entry.name: entry.std for entry in other.errors}
     assert sizes["EXX"] == pytest.approx(30e-6)
     assert sizes["C0Y"] == pytest.approx(3 * of_squareness())
+
+
+def test_what_is_mounted_is_named_as_the_picture_names_it_and_only_a_display_is_zeroed() -> None:
+    described = first_described(of_builtin("router"), ["square", "dial", "probe"], Purpose())
+    mounted = {setup.name: (mount_sentence(setup, ()), dict(mount_steps(setup, (), ""))) for setup in described.setups}
+    sentence, steps = mounted["dial on the leg of square XY along Y"]
+    assert (sentence, steps) == ("mount: square XY; it reads along x", {"then": "zero its display, roughly"})
+    assert mounted["probe"] == ("mount: probe; it reads along z", {})
 
 
 def of_squareness() -> float:

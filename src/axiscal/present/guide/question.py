@@ -22,7 +22,8 @@ from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
 from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instrument import model_of, values_of
+from axiscal.measurement.instrument import instrument_of, model_of, values_of
+from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.reading import (
     asked_values,
     place_text,
@@ -355,16 +356,17 @@ def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:
     """Return what to mount and what it will read."""
     reads, moving = sense(setup).reads, [place.axis for place in places if place.moves]
     words, stands = "mount: {instrument}; it reads {reads}", ""
+    square = next((unknown.owner for unknown in setup.unknowns if unknown.name in SQUARE), "")
     if setup.artefact is not None:
         words = "set up {artefact}, and mount: {instrument}; it reads {reads}"
         stands = setup.artefact.standing
-    mounted = said(words, artefact=stands, instrument=said(setup.title), reads=reads)
+    mounted = said(words, artefact=stands, instrument=square or said(setup.title), reads=reads)
     return said("{mounted}, while {axis} moves", mounted=mounted, axis=moving[0]) if len(moving) == 1 else mounted
 
 
 def mount_steps(setup: Setup, places: Sequence[AxisPlace], touch: str) -> tuple[tuple[str, str], ...]:
     """Return the steps, each as a short name and what to do."""
-    zeroed = any(unknown.name.startswith("zero") for unknown in setup.unknowns)
+    zeroed = instrument_of(setup).display and any(unknown.name.startswith("zero") for unknown in setup.unknowns)
     steps = (
         (said("park"), coordinates_text(places, moves=False)),
         (said("go to"), coordinates_text(places, moves=True)),
