@@ -39,7 +39,7 @@ from axiscal.measurement.reading import Place
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import Answer
-from axiscal.present.guide.slips import Cause, display_text
+from axiscal.present.guide.slips import Cause, Meant, display_text
 from axiscal.record.events import Asked
 from axiscal.web.desk import Desk
 from axiscal_core.threads import one_thread
@@ -147,9 +147,14 @@ SLIPS = (
 )
 
 
+def looked(desk: Desk, typed: str) -> Meant:
+    """Return what the page makes of a reading as it is typed."""
+    return Meant.of_text(desk.campaign, desk.state.question, typed)
+
+
 def said(desk: Desk, typed: str) -> str:
     """Return what the page says before a reading is kept."""
-    look = desk.read(typed)
+    look = looked(desk, typed)
     return " ".join([look.sentence, *look.causes.values()])
 
 
@@ -206,11 +211,11 @@ def measured(slip: Slip, desk: Desk, person: Person) -> None:
         slips = slip.button is not None or not right  # a zero stays where it is
         typed = display_text((person.reads(asked, slip, number) if slips else person.right(asked)).tolist(), setup)
         cause: Cause | None = None
-        if desk.read(typed).surprising and slip.button is not None:
+        if looked(desk, typed).surprising and slip.button is not None:
             cause, right = ("keep" if right else slip.button), True
-        elif desk.read(typed).surprising:
+        elif looked(desk, typed).surprising:
             typed, right = display_text(person.right(asked).tolist(), setup), True
-            cause = "really" if desk.read(typed).surprising else None
+            cause = "really" if looked(desk, typed).surprising else None
         desk.keep(typed, cause=cause)
         desk.think()
         number += 1

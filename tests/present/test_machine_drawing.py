@@ -12,6 +12,7 @@ import pytest
 
 from axiscal.machine import Machine
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import (
     EYE,
@@ -26,7 +27,7 @@ from axiscal.present.drawing.scene import (
 )
 from axiscal.present.machine_drawing.instruments import DRAWN
 from axiscal.present.machine_drawing.machine_scene import machine_parts, reach_edges
-from axiscal.present.machine_drawing.setup_picture import plan_picture, setup_scene
+from axiscal.present.machine_drawing.setup_picture import frame_seen, plan_picture, setup_scene
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from tests.generators.kinematics import shifted, tip, turned
 from tests.present.drawn_words import Box, boxes_of, held_inside
@@ -98,6 +99,19 @@ def test_an_axis_is_drawn_along_the_way_on_which_its_part_moves(machine: Machine
                 way = room.upright @ step[:3, 3] / 1e-6
                 drawn = arrow.points[-1] - arrow.points[0]
                 np.testing.assert_allclose(drawn / np.linalg.norm(drawn), way, atol=1e-5)
+
+
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
+def test_the_frame_beside_a_question_is_turned_as_the_picture_is(machine: Machine) -> None:
+    pose = tuple(0.0 if axis.rotary else sum(axis.travel) / 2 for axis in machine.axes)
+    seen = np.array(frame_seen(machine, Place("any", pose, (0,) * len(pose))))
+    parts = machine_parts(StandingMachine(machine, np.array(pose)))
+    arrows = {part.name: part for part in parts if isinstance(part, Arrow)}
+    for axis in (axis for axis in machine.axes if not axis.rotary):
+        arrow = arrows[axis.name + ("′" if axis.workpiece_side else "")]
+        way = (arrow.points[-1] - arrow.points[0]) / np.linalg.norm(arrow.points[-1] - arrow.points[0])
+        moved = (-1 if axis.workpiece_side else 1) * np.array(axis.direction) @ seen
+        np.testing.assert_allclose([way @ RIGHT, -(way @ UP)], moved, atol=1e-9)
 
 
 def _turns_with(room: StandingMachine, arrow: Arrow, step: Array) -> None:

@@ -12,7 +12,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.check import Check
 from axiscal.exceptions import TableError, TargetError
 from axiscal.language.spoken import said
-from axiscal.present.guide.checking import CheckJudged, CheckToTake
+from axiscal.present.guide.checking import CheckJudged
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.web.desk import Desk
@@ -65,11 +65,6 @@ def measure_again(record: Path, files: Iterable[Path]) -> str:
         return said("Measure again: the campaign has no target of U or RMS that would say when.")
     days = (each.day_text for each in shop.machines if each.record.resolve() == record.resolve())
     return said("Measure again: {day}.", day=next(days, said("another campaign of this machine says when")))
-
-
-def check(desk: Desk, control: str) -> CheckToTake:
-    """Return where the tables of a control are to be checked, and by which tolerance."""
-    return CheckToTake.of(Check.from_campaign(desk.campaign, control), desk.virtual)
 
 
 def judge(desk: Desk, asked: CheckedRequest) -> CheckJudged:

@@ -90,9 +90,10 @@ class Counter:
         """What is being computed, in words, "" for nothing."""
         return stage_text(self._stages[-1], monotonic() - self._stages[-1].since) if self._stages else ""
 
-    async def begin(self, found: Callable[[], Path]) -> str:
+    async def begin(self, found: Callable[[], Path], *, breaks: bool) -> str:
         """Open the record that a function finds or makes, and return a sentence of it.
 
+        breaks : whether what is made of the draft is broken off; one that begins waits for its plan
         Raises OvertakenError where one is open already, and what the function raises.
         """
 
@@ -104,7 +105,8 @@ class Counter:
             self._open(record)
             return said("{record} is open.", record=record.name)
 
-        self._break_off()
+        if breaks:
+            self._break_off()
         sentence = await asyncio.wrap_future(self._submitted(opened))
         self._think()
         return sentence

@@ -20,7 +20,7 @@ from axiscal.exceptions import AxiscalError, OvertakenError, RecordError
 from axiscal.language.spoken import said, spoken_now
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import Question, asked_text, measured, stands
-from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
+from axiscal.present.machine_drawing.setup_picture import frame_seen, setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
@@ -37,9 +37,6 @@ class Desk:
 
     def __init__(self, campaign: Campaign, publish: Callable[[], None]) -> None:
         self.campaign, self.publish, self.virtual = campaign, publish, virtual_in(campaign.state.notes)
-        self._question: Question | None = None
-        self._ended: str | None = None
-        self._trouble = ""
         self._minds = list[str]()
         self._answer: ResultAnswer | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
@@ -60,11 +57,9 @@ class Desk:
         try:
             moved = self._moved_on()
         except AxiscalError as failure:  # such as a record that has been moved away
-            if self._trouble != str(failure):
-                self._trouble = str(failure)
+            if self.state.trouble != str(failure):
                 self._version += 1
-                told = {"trouble": self._trouble, "version": self._version}
-                self.state = self.state.model_copy(update=told)
+                self.state = self.state.model_copy(update={"trouble": str(failure), "version": self._version})
                 self.publish()
             return
         if moved:
@@ -72,12 +67,11 @@ class Desk:
 
     def think(self) -> None:
         """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
-        minds = [
-            *self._minds,
-            *([] if self._before is None else progress.others_doubted(self.campaign, self._before, command=False)),
-        ]
-        if self._before is not None and (named := progress.named_now(self.campaign)) != self._named:
-            self._asks = named
+        minds = list(self._minds)
+        if self._before is not None:
+            minds += progress.others_doubted(self.campaign, self._before, command=False)
+            if (named := progress.named_now(self.campaign)) != self._named:
+                self._asks = named
         new_question, self._before = self._asks is not None and not self.state.asks, None
         self.campaign.estimate()  # the next reading is compared with it
         new = self._answers != self._stands  # what a report says stands
@@ -91,10 +85,6 @@ class Desk:
         """What an answer is about."""
         state = self.campaign.state
         return state.readings, state.plan, state.finished, state.warmed
-
-    def read(self, text: str) -> slips.Meant:
-        """Return what a typed text would mean for the question that is open."""
-        return slips.Meant.of_text(self.campaign, self._question, text)
 
     def once(self, step: Callable[[Desk], str], after: int | None = None) -> str:
         """Do a step, unless the record has it: where its answer got lost on the way it is sent again.
@@ -113,7 +103,7 @@ class Desk:
     def keep(self, text: str, cause: slips.Cause | None = None) -> str:
         """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
         asked = self.campaign.open_question()
-        question = self._question or Question.from_campaign(self.campaign, asked)
+        question = self.state.question or Question.from_campaign(self.campaign, asked)
         typed = measured(text, self.campaign.description.setup(question.setup), stands(self.campaign))
         if cause is None:
             slips.refuse_surprising(self.campaign, question, typed)
@@ -143,8 +133,7 @@ class Desk:
         if rest:
             left = 'Left "{setup}": the plan is made anew without it; undo goes back to it.'
             return said(left, setup=skipped.place.setup)
-        around = "Skipped {reading}; the plan is made anew around it."
-        return said(around, reading=asked_text(self.campaign, skipped))
+        return said("Skipped {reading}; the plan is made anew around it.", reading=asked_text(self.campaign, skipped))
 
     def note(self, text: str) -> str:
         """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
@@ -233,10 +222,10 @@ class Desk:
 
     def _renewed(self) -> StateShape:
         self._version += 1
-        self._question, self._ended, self._trouble = self._asked()
+        question, ended, trouble = self._asked()
         campaign, state, results, answer = self.campaign, self.campaign.state, self.results, self._answer
         written = state.finished is not None and (results / "report.html").is_file()
-        overtaken = self._ended is not None and self._answers != self._stands  # it would contradict what ended it
+        overtaken = ended is not None and self._answers != self._stands  # it would contradict what ended it
         return StateShape(
             version=self._version,
             last=state.last,
@@ -244,12 +233,13 @@ class Desk:
             machine=campaign.description.machine.name,
             record=campaign.path.name,
             progress=progress.Progress.of(campaign),
-            question=self._question,
-            ended=None if self._ended is None else spelt(because_text(self._ended)),
+            question=question,
+            ended=None if ended is None else spelt(because_text(ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
             jog=slips.jog(campaign),
-            shows="" if self._question is None else slips.shown_on(campaign, self.virtual),
-            trouble=self._trouble,
+            seen=() if state.pending is None else frame_seen(campaign.description.machine, state.pending.place),
+            shows="" if question is None else slips.shown_on(campaign, self.virtual),
+            trouble=trouble,
             readings=list(progress.latest(campaign)),
             notes=state.notes,
             due=progress.due(campaign),

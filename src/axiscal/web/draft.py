@@ -11,12 +11,12 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from axiscal.answers.answer_of_campaign import results_beside
 from axiscal.answers.row_words import said_row
-from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import virtual_note
 from axiscal.description import first_files
@@ -24,9 +24,11 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
 from axiscal.description.target import RowName, rows_of
 from axiscal.document.durable import write_whole
+from axiscal.estimation.case import Case
 from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanError, RecordError
 from axiscal.language.spoken import WORDS, said, spoken_now
 from axiscal.machine import machine_from_text
+from axiscal.measurement.reading import Place
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.helping import rows_shown
 from axiscal.planning.next_readings import next_places
@@ -41,8 +43,8 @@ from axiscal.web import shapes
 
 FOLDER, _CHOSEN = "axiscal-draft", "draft.json"
 """Of a draft, and of its choices."""
-_ROUGH = Memo(1)
-"""The campaign of the last choices with a rough plan: what minutes buy is asked of it after the plan."""
+_ROUGH, _FULL = Memo(1), Memo(1)
+"""The campaign of the last choices with a rough plan, of which minutes are asked afterwards; the plan that begins."""
 _ALONE, _SHOWN = Memo(16), Memo(32)
 """Campaigns with one instrument, and the rows that it shows, by the machine: picture, choice and plan ask for them."""
 MACHINES = WORDS["machines"]
@@ -114,7 +116,8 @@ def _begun(here: Path) -> Path:
     if draft.file and draft.machine:
         _evaluate(record, described, draft)
     else:
-        with begun_campaign(record, described) as campaign:
+        with Campaign.create(record, described, _in_full) as campaign:
+            campaign.prepared()
             if draft.virtual:
                 campaign.note(virtual_note(secrets.randbelow(_MACHINES)))
     number, named = 1, here / record.stem
@@ -165,6 +168,17 @@ def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:
     except InputError as failure:
         return shapes.RowsShape(fault=str(failure))
     return shapes.RowsShape(rows={row.name: said_row(row.name) for row in shown})
+
+
+def plan_in_full(here: Path) -> None:
+    """Make the plan by which the draft begins while its figures are looked at; raises InputError as `plan`."""
+    known = _planned(here).estimate()
+    _in_full(known.case, known.to_plan_by, ())
+
+
+def _in_full(case: Case, *known: Any) -> tuple[Place, ...]:
+    """Return the readings to come, as `next_places`, found once for what a campaign describes."""
+    return _FULL.answer(repr(case.description), lambda: next_places(case, *known))
 
 
 def curve(here: Path) -> shapes.CurveShape:
@@ -303,13 +317,8 @@ def _records(here: Path) -> tuple[list[shapes.BegunShape], list[str]]:
             left_out.append(str(failure))
             continue
         assert state.created is not None
-        shape = shapes.BegunShape(
-            record=str(file.relative_to(here)),
-            machine=machine_from_text(state.created.machine_text).name,
-            taken=len(state.readings),
-            coming=len(state.coming),
-            at=last.at,
-            finished=state.finished is not None,
-        )
-        begun.append(shape)
+        machine = machine_from_text(state.created.machine_text).name
+        counts, finished = {"taken": len(state.readings), "coming": len(state.coming)}, state.finished is not None
+        record = str(file.relative_to(here))
+        begun.append(shapes.BegunShape(record=record, machine=machine, at=last.at, finished=finished, **counts))
     return begun, left_out

@@ -24,6 +24,7 @@ from axiscal.exceptions import InputError, OvertakenError
 from axiscal.language.spoken import said
 from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
+from axiscal.present.sentences import spelt
 from axiscal.record.signing import writing
 from axiscal.web import after_end, draft, shapes
 from axiscal.web.counter import Counter, lost_interruptions
@@ -66,7 +67,9 @@ def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None =
     )
     for file in ("report.html", "report.pdf", "tables.zip", "setup.svg", "volume.svg", "machine.svg"):
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
-    for name in ("start", "stage", "plan", "curve", "rows", "state", "typed", "cost", "texts", "check", "again"):
+    for name in ("start", "stage", "plan", "curve", "planned", "rows"):
+        app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
+    for name in ("state", "typed", "cost", "texts", "check", "again"):
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
     for name in ("addresses", "draft", "open", "leave", "codes", "devices"):
         app.post(f"{ROOT}/{name}")(_documented(getattr(api, name)))
@@ -81,7 +84,7 @@ _Answering = Callable[..., Awaitable[AnswerDocument | None]]
 """Makes the document that answers a request."""
 _Sent = Annotated[shapes.Short, Body(embed=True)]
 """The only field of what is sent."""
-_Document = TypeVar("_Document", bound=AnswerDocument)
+_Made = TypeVar("_Made")
 
 
 class _Api:
@@ -98,7 +101,7 @@ class _Api:
             own, after = fields.pop("step", ""), fields.pop("after", None)
             with writing(step=own):
                 sentence = await self._counter.do(lambda desk: desk.once(partial(step, **fields), after))
-            return await self._opened(sentence)
+            return await self._opened(spelt(sentence))
 
         done.__name__, done.__doc__ = step.__name__, step.__doc__
         done.__annotations__["asked"] = request
@@ -127,7 +130,8 @@ class _Api:
 
     async def typed(self, text: shapes.Short) -> Meant:
         """What a typed text would mean for the question that is open."""
-        return self._counter.desk.read(text)
+        desk = self._counter.desk
+        return Meant.of_text(desk.campaign, desk.state.question, text)
 
     async def cost(self, rest: bool = False) -> shapes.SentenceShape:
         """What skipping the reading costs, or leaving its set-up."""
@@ -139,7 +143,7 @@ class _Api:
 
     async def check(self, query: Annotated[shapes.TablesQuery, Query()]) -> CheckToTake:
         """Where the tables of a control are to be checked."""
-        return await self._counter.ask(lambda desk: after_end.check(desk, query.control))
+        return await self._counter.ask(lambda desk: CheckToTake.of(desk.campaign, query.control, desk.virtual))
 
     async def judge(self, asked: shapes.CheckedRequest) -> CheckJudged:
         """What readings without the tables and with them say."""
@@ -177,10 +181,9 @@ class _Api:
         sentence = await asyncio.to_thread(after_end.measure_again, record, draft.record_files(self._here))
         return shapes.SentenceShape(sentence=sentence)
 
-    async def leave(self) -> shapes.SentenceShape:
+    async def leave(self) -> None:
         """Close the record, and show the start again."""
         await self._counter.leave()
-        return shapes.SentenceShape(sentence="")
 
     def _result(self, name: str, headers: Mapping[str, str]) -> Response:
         desk = self._counter.desk
@@ -216,11 +219,15 @@ class _Api:
         except InputError:  # a newer choice stands already that nothing can be planned for
             return None
 
+    async def planned(self) -> None:
+        """Make the plan of the draft in full, before it begins, unless a newer choice breaks it off."""
+        await self._drawn_up(draft.plan_in_full)
+
     async def rows(self, instrument: shapes.Short) -> shapes.RowsShape:
         """The rows that an instrument can show on the machine of the draft."""
         return await asyncio.to_thread(draft.shown_rows, self._here, instrument)
 
-    async def _drawn_up(self, made: Callable[[Path], _Document]) -> _Document | None:
+    async def _drawn_up(self, made: Callable[[Path], _Made]) -> _Made | None:
         """Return what is made of the draft, None where a newer choice has broken it off."""
         try:
             return await self._counter.draw_up(lambda: made(self._here))
@@ -229,7 +236,8 @@ class _Api:
 
     async def open(self, record: _Sent) -> shapes.DoneShape:
         """Open a campaign of the start, or begin that of the draft and open it, for ""."""
-        return await self._opened(await self._counter.begin(lambda: draft.record_of(self._here, record)))
+        begun = self._counter.begin(partial(draft.record_of, self._here, record), breaks=record != "")
+        return await self._opened(await begun)
 
     async def _opened(self, sentence: str) -> shapes.DoneShape:
         return shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0))

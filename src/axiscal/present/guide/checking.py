@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Self
 
 from axiscal.answers.answer import AnswerDocument
+from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.document.durable import write_whole
-from axiscal.evaluation.check import Check, FoundAndLeft, Taken
+from axiscal.evaluation.check import Check, Taken
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import listed, said
 from axiscal.measurement.readers.csv_readings import filled_sheet
-from axiscal.measurement.reading import Places, Reading, place_text, reading_units
+from axiscal.measurement.reading import Reading, place_text, reading_units
 from axiscal.present.check_answer import check_answer, check_plan, check_sentences
 from axiscal.present.guide.question import measured
 from axiscal.present.guide.slips import display_text
@@ -39,9 +40,10 @@ class CheckToTake(AnswerDocument):
     places: Sequence[CheckPlace]
 
     @classmethod
-    def of(cls, check: Check, virtual: str) -> Self:
-        """Return where tables are to be checked.  virtual : the source of a virtual machine, "" of a real one"""
-        places, found = check.planned(tolerance=check.allowed(None)), list[CheckPlace]()
+    def of(cls, campaign: Campaign, control: str, virtual: str) -> Self:
+        """Return where tables of a control are to be checked.  virtual : the source of a machine, "" of a real one"""
+        check, found = Check.from_campaign(campaign, control), list[CheckPlace]()
+        places = check.planned(tolerance=check.allowed(None))
         sides = check.asked(virtual, places) if virtual else ()
         axes, sides_of = check.description.machine.axes, {1: said("from below"), -1: said("from above")}
         for n, place in enumerate(places.listed(check.description.setups)):
@@ -52,7 +54,7 @@ class CheckToTake(AnswerDocument):
             found.append(CheckPlace(setup=place.setup, place=where, unit=reading_units(setup), shows=shows))
         return cls(
             sentences=[spelt(line) for line in check_plan(check, places)[1]],
-            tolerance=f"{digits(to_unit(check.allowed(None) or check.tables.certain, 'um'))} um",
+            tolerance=spelt(f"{digits(to_unit(check.allowed(None) or check.tables.certain, 'um'))} um"),
             places=found,
         )
 
@@ -66,41 +68,30 @@ class CheckJudged(AnswerDocument):
 
     @classmethod
     def of(cls, check: Check, found: Sequence[str], left: Sequence[str], tolerance: str, folder: Path) -> Self:
-        """Return what readings say that were typed, or what is wrong with each.  folder : takes them as two files"""
-        places = check.planned(tolerance=check.allowed(None))
-        readings, faults = typed_readings(check, places, found, left, tolerance)
+        """Return what readings say that were typed, or what is wrong with each; raises ReadingError.
+
+        found, left : in the order of the places; folder : takes them as two files, as `axiscal verify` takes them
+        """
+        places, faults = check.planned(tolerance=check.allowed(None)), dict[str, str]()
+        sides = [list[Reading](), list[Reading]()]
+        for side, texts, readings in zip(("found", "left"), (found, left), sides, strict=True):
+            for n, place in enumerate(places.listed(check.description.setups)):
+                text = texts[n] if n < len(texts) else ""
+                try:
+                    value, *others = measured(text, check.description.setup(place.setup)).tolist()
+                except InputError as failure:
+                    faults[f"{side}.{n}"] = str(failure) if text.strip() else said("missing")
+                else:
+                    readings.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others)))
+        try:
+            check.allowed(tolerance)
+        except InputError as failure:
+            faults["tolerance"] = str(failure)
         if faults:
             return cls(faults=faults)
-        for name, each in zip(("found.csv", "left.csv"), readings, strict=True):  # as `axiscal verify` takes them
+        refuse_implausible(sides[0], check.description, said("without the tables"))
+        for name, each in zip(("found.csv", "left.csv"), sides, strict=True):
             write_whole(folder / name, filled_sheet(check.description.machine.axes, each).encode())
-        judged, taken = check.judged(readings, tolerance), Taken(hand_now().person, "page")
+        judged, taken = check.judged((tuple(sides[0]), tuple(sides[1])), tolerance), Taken(hand_now().person, "page")
         answer = check_answer(judged, len(places), check.tables.certain, taken)
         return cls(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
-
-
-def typed_readings(
-    check: Check, places: Places, found: Sequence[str], left: Sequence[str], tolerance: str
-) -> tuple[FoundAndLeft, dict[str, str]]:
-    """Return the readings of both sides that a person typed, and what is wrong by its field; raises ReadingError.
-
-    found, left : in the order of places.  Fields are "found.0", "left.3", "tolerance"
-    """
-    faults, sides = dict[str, str](), dict[str, tuple[Reading, ...]]()
-    for side, texts in (("found", found), ("left", left)):
-        readings = list[Reading]()
-        for n, place in enumerate(places.listed(check.description.setups)):
-            try:
-                typed = measured(texts[n] if n < len(texts) else "", check.description.setup(place.setup))
-            except InputError as failure:
-                faults[f"{side}.{n}"] = str(failure)
-            else:
-                value, *others = typed.tolist()
-                readings.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others)))
-        sides[side] = tuple(readings)
-    try:
-        check.allowed(tolerance)
-    except InputError as failure:
-        faults["tolerance"] = str(failure)
-    if not faults:
-        refuse_implausible(sides["found"], check.description, said("without the tables"))
-    return (sides["found"], sides["left"]), faults

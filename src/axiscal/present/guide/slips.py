@@ -76,13 +76,12 @@ class SurprisingError(ReadingError):
 
 
 class Meant(AnswerDocument):
-    """What a typed text means: its values in the unit of the question, how surprising; what there is to say of it.
+    """What a typed text means: its values in the unit of the question, and what there is to say of it.
 
     causes : what may be behind a surprise, in words
     """
 
     values: Sequence[float] = ()
-    surprise: float = 0.0
     surprising: bool = False
     sentence: str = ""
     causes: Mapping[Cause, str] = {}
@@ -101,9 +100,8 @@ class Meant(AnswerDocument):
             refuse_surprising(campaign, question, values)
         except SurprisingError as strange:
             words = {cause: said(CAUSES[cause]) for cause in strange.causes}
-            sentence = spelt(str(strange))
-            return cls(values=shown, surprise=strange.surprise, surprising=True, sentence=sentence, causes=words)
-        return cls(values=shown, surprise=question.surprise(values))
+            return cls(values=shown, surprising=True, sentence=spelt(str(strange)), causes=words)
+        return cls(values=shown)
 
 
 def refuse_surprising(campaign: Campaign, question: Question, values: Array) -> None:

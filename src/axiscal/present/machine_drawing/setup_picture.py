@@ -14,7 +14,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import RIGHT, Arrow, Part, Stroke, Viewport, drawn
+from axiscal.present.drawing.scene import RIGHT, Arrow, Part, Stroke, Viewport, drawn, flat
 from axiscal.present.drawing.strokes import text, wrapped
 from axiscal.present.drawing.svg_picture import SCREENS, Drawing, picture_file
 from axiscal.present.machine_drawing.instruments import DRAWN, MountedSetup, own_drawing, owner_of, reading_parts
@@ -87,6 +87,12 @@ def setup_scene(
     legend = " · ".join(part for part in (read, coming_words) if part)
     notes = _reach_note(room), said("tail: the side it comes from") if tails else ""
     return SetupScene(parts, setup.name, legend, " · ".join(note for note in notes if note))
+
+
+def frame_seen(machine: Machine, place: Place) -> list[tuple[float, float]]:
+    """Return unit vectors along x, y, z of the workpiece as a picture of the machine has them, right and down."""
+    room = StandingMachine(machine, np.array(place.pose))
+    return [(right, down) for right, down in flat(np.array([*map(room.direction_on_table, np.eye(3))])).tolist()]
 
 
 def machine_scene(machine: Machine, *, lengths: bool = True) -> SetupScene:

@@ -29,9 +29,10 @@ export function show(id, visible) {
   find(id).hidden = !visible;
 }
 
-export function alarm(words) {
-  text("trouble", words);
-  show("trouble", words !== "");
+// A line that is there where it says something.
+export function tell(id, words) {
+  text(id, words);
+  show(id, words !== "");
 }
 
 export function on(id, kind, act) {

@@ -1,9 +1,9 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
-import { alarm, button, call, draw, element, find, hear, on, renderWords, show, text, waiting } from "/elements.js";
+import { button, call, draw, element, find, hear, on, renderWords, show, tell, text, waiting } from "/elements.js";
 import { renderControls } from "/after.js";
 import { deliver, enter, unanswered } from "/outbox.js";
 import "/shop.js";
-import { drawDirection, shown, strip, unitText } from "/pictures.js";
+import { drawDirection, rounded, shown, strip, unitText } from "/pictures.js";
 import { said, translate } from "/words.js";
 
 let state = null;
@@ -30,9 +30,8 @@ async function sent(own) {
 
 // What an earlier look at this campaign left without an answer.
 function resume() {
-  for (const own of unanswered(state.begun)) {
+  for (const own of unanswered(state.begun))
     turn = turn.then(async () => { const { ok, document: done } = await sent(own); hear(done.sentence, !ok); });
-  }
 }
 
 function number(value) {
@@ -61,12 +60,11 @@ function renderPlaces(question) {
   }
   const parked = question.places.filter((c) => !c.moves).map((c) => `${c.axis} ${number(c.value)} ${c.unit}`);
   text("parked", parked.length ? `${said("parked")}: ${parked.join(" · ")}` : "");
-  text("touch", question.touch);
-  show("touch", question.touch !== "");
+  tell("touch", question.touch);
 }
 
 function expectWords(question) {
-  const ranges = question.expected.map((e) => `${shown(e.mean)} ± ${shown(e.half)}`);
+  const ranges = question.expected.map((e) => `${rounded(e.mean, e.half)} ± ${rounded(e.half, e.half)}`);
   if (new Set(question.units).size === 1) return `${said("expected")}: ${ranges.join(", ")} ${unitText(question.unit)}`;
   return `${said("expected")}: ${ranges.map((range, n) => `${range} ${unitText(question.units[n])}`).join(", ")}`;
 }
@@ -93,8 +91,8 @@ function renderQuestion() {
   text("mount-sign", state.jog === null ? question.sign : "");
   renderPlaces(question);
   text("sign", question.sign);
-  text("again", question.again);
-  drawDirection(find("drawing"), question);
+  tell("again", question.again);
+  drawDirection(find("drawing"), question, state.seen);
   text("unit", question.names.map((name, n) => `${name} ${unitText(question.units[n])}`.trim()).join(", "));
   find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));
@@ -161,9 +159,9 @@ function renderAsking() {
 
 function renderDue() {
   const { temperature_degc: warm, minutes_ago: ago, ask, marker_minutes: marker } = state.due, parts = [];
-  if (warm !== null) parts.push(said("temperature {value} °C, {minutes} min ago", { value: warm, minutes: shown(ago, 0) }));
+  if (warm !== null) parts.push(said("temperature {value} °C, {minutes} min ago", { value: shown(warm, 1), minutes: shown(ago, 0) }));
   if (state.finished === null && ask && state.progress.taken) parts.push(said("note the temperature"));
-  if (marker !== null) parts.push(marker < 1 ? said("a drift marker is due: the same place once more") : said("a drift marker is due in about {minutes} min", { minutes: shown(marker, 0) }));
+  if (state.finished === null && marker !== null) parts.push(marker < 1 ? said("a drift marker is due: the same place once more") : said("a drift marker is due in about {minutes} min", { minutes: shown(marker, 0) }));
   text("due", parts.join(" · "));
 }
 
@@ -178,7 +176,7 @@ function renderAnswer() {
   show("answer", found !== undefined && (!unread || ahead)); // a plan stood beside the button that began it
   if (found === undefined) return;
   find("first").className = `box ${found.verdict}`;
-  find("answer").className = ahead ? "ahead" : "";
+  find("answer").className = state.finished !== null ? "result" : ahead ? "ahead" : "";
   renderWords(first, rows);
   find("known").replaceChildren(...sentences.map((words) => element("p", words)));
 }
@@ -202,7 +200,7 @@ function renderEnd() {
 function render(newer) {
   if (state !== null && newer.version <= state.version) return;
   state = newer;
-  alarm(state.trouble);
+  tell("trouble", state.trouble);
   renderLine();
   renderQuestion();
   renderKept();
@@ -238,7 +236,7 @@ async function follow() {
       else throw new Error(newest.document.sentence);
       if (first) resume();
     } catch (failure) {
-      alarm(failure instanceof TypeError ? said("axiscal does not answer. Start axiscal serve again and open the address it prints.") : failure.message);
+      tell("trouble", failure instanceof TypeError ? said("axiscal does not answer. Start axiscal serve again and open the address it prints.") : failure.message);
       await new Promise((resolve) => setTimeout(resolve, 1000));
     }
   }
@@ -258,7 +256,7 @@ async function record(how = {}) {
 async function recorded({ last, typed }, how) {
   const meant = how.cause ? null : await understood(typed);
   if (meant?.sentence) {
-    find("causes").replaceChildren(...Object.entries(meant.causes).map(([cause, words]) => causeButton(cause, words)));
+    find("causes").replaceChildren(...Object.entries(meant.causes).map(([cause, words]) => button(words, () => record({ cause }).then(home))));
     refuse({ problem: meant.surprising ? "surprising" : "refused", sentence: meant.sentence });
     return;
   }
@@ -266,10 +264,6 @@ async function recorded({ last, typed }, how) {
   const lost = done.document.problem === "overtaken" ? `${said("“{text}” was not kept.", { text: typed })} ` : "";
   if (done.ok) hear(done.document.sentence);
   else refuse({ ...done.document, sentence: lost + done.document.sentence });
-}
-
-function causeButton(cause, words) {
-  return button(words, async () => { await record({ cause }); home(); });
 }
 
 let refused = null; // the text that was refused: a look at it that comes later says nothing more
@@ -286,7 +280,7 @@ async function plain(path, body = {}) {
   const pressed = document.activeElement;
   const done = await step(path, body);
   hear(done.document.sentence, !done.ok);
-  if (find("task").hidden) alarm(done.ok ? "" : done.document.sentence);
+  if (find("task").hidden) tell("trouble", done.ok ? "" : done.document.sentence);
   if ([pressed, document.body].includes(document.activeElement)) home(); // unless the person has gone elsewhere
   return done;
 }

@@ -11,9 +11,15 @@ export function put(parent, name, attributes, text) {
   return element;
 }
 
-export function shown(value, digits = 1) {
-  const text = value.toFixed(Math.abs(value) < 100 ? digits : 0);
+export function shown(value, digits = Math.abs(value) < 100 ? 1 : 0) {
+  const text = value.toFixed(digits);
   return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−").replace(".", DECIMAL);
+}
+
+// A value of a band as exactly as two digits of its half.
+export function rounded(value, half) {
+  const digits = 1 - Math.floor(Math.log10(half)), step = 10 ** -digits;
+  return shown(Math.round(value / step) * step, Math.min(Math.max(digits, 0), 9));
 }
 
 export function unitText(unit) {
@@ -28,8 +34,8 @@ export function strip(place, expected, value, far, unit, name = "") {
   const x = (v) => width / 2 + (Math.max(-1, Math.min(1, (v - expected.mean) / span)) * (width - 60)) / 2;
   put(svg, "rect", { class: "band", x: x(expected.mean - half), y: middle - 11, width: x(expected.mean + half) - x(expected.mean - half), height: 22, rx: 3 });
   put(svg, "line", { class: "frame", x1: 20, x2: width - 20, y1: middle, y2: middle });
-  for (const at of [expected.mean - half, expected.mean, expected.mean + half])
-    put(svg, "text", { x: x(at), y: 42, "text-anchor": "middle" }, shown(at) + (at === expected.mean ? ` ${unitText(unit)}` : ""));
+  for (const [n, at] of [expected.mean - half, expected.mean, expected.mean + half].entries())
+    put(svg, "text", { x: x(at) + 12 * (1 - n), y: 42, "text-anchor": ["end", "middle", "start"][n] }, rounded(at, half) + (at === expected.mean ? ` ${unitText(unit)}` : ""));
   put(svg, "text", { x: 2, y: middle + 5 }, name);
   if (value === undefined) return;
   const beyond = Math.abs(value - expected.mean) > span;
@@ -41,11 +47,11 @@ export function strip(place, expected, value, far, unit, name = "") {
   }
 }
 
-// The workpiece's x, y, z as seen from the front right, and the way in which a reading is positive.
-export function drawDirection(place, question) {
+// The workpiece's x, y, z as the picture of the machine has them, and the way in which a reading is positive.
+export function drawDirection(place, question, axes) {
   place.replaceChildren();
   const svg = put(place, "svg", { viewBox: "0 0 92 76", role: "img", "aria-label": question.sign });
-  const seen = ([x, y, z]) => [38 + 26 * x + 15 * y, 50 + 9 * x - 13 * y - 34 * z];
+  const seen = (way) => [0, 1].map((side) => [46, 38][side] + 28 * way.reduce((sum, c, n) => sum + c * axes[n][side], 0));
   const [ox, oy] = seen([0, 0, 0]);
   [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis, n) => {
     const [x, y] = seen(axis), [tx, ty] = seen(axis.map((c) => 1.28 * c));

@@ -1,5 +1,5 @@
 // From nothing to the first reading: one question a screen; every touch is kept on the disk.
-import { alarm, button, call, draw, element, find, on, renderFirst, show, text, waiting } from "/elements.js";
+import { button, call, draw, element, find, on, renderFirst, show, tell, text, waiting } from "/elements.js";
 import { language, said, translate } from "/words.js";
 
 const SCREENS = ["start", "machine", "with", "plan"];
@@ -24,10 +24,10 @@ translate(document.body);
 async function asked(path, body) {
   try {
     const { ok, document: answer } = await call(path, body);
-    alarm(ok ? "" : answer.sentence);
+    tell("trouble", ok ? "" : answer.sentence);
     return ok ? answer : null;
   } catch {
-    alarm(said("axiscal does not answer. Start axiscal serve again and open the address it prints."));
+    tell("trouble", said("axiscal does not answer. Start axiscal serve again and open the address it prints."));
     return null;
   }
 }
@@ -216,7 +216,7 @@ function tick(name, words, short) {
   return label;
 }
 
-// Rows of the instruments that were touched, then the plan; what others would show, and what minutes buy, at leisure.
+// Rows of the instruments that were touched, then the plan; at leisure what others would show, what minutes buy, and what begins.
 let later = 0;
 function renew() {
   clearTimeout(later);
@@ -224,7 +224,7 @@ function renew() {
   later = setTimeout(async () => {
     const of = version, around = () => [...machine.offered].map((name) => () => look(name));
     const steps = [...draft.instruments.map((name) => () => look(name)), makePlan];
-    steps.push(...(draft.screen === "plan" ? [makeCurve, ...around()] : [...around(), makeCurve]));
+    steps.push(...(draft.screen === "plan" ? [makeCurve, () => planned.of === planOf() && call("/planned"), ...around()] : [...around(), makeCurve]));
     for (const step of steps) if (of === version && !leaving) await step();
   }, 250);
 }
@@ -275,7 +275,7 @@ async function makePlan() {
     outdate();
     const { ok, document: plan } = await waiting(call("/plan"));
     if (plan === null) return;
-    alarm(ok ? "" : plan.sentence);
+    tell("trouble", ok ? "" : plan.sentence);
     if (!ok) return;
     planned = { of, plan };
   }
@@ -297,6 +297,7 @@ async function makeCurve() {
 function renderPlan(plan) {
   find("beside").className = "";
   show("first", true);
+  find("first").className = `box ${plan.answer.document.verdict}`;
   renderFirst(plan.answer.first.map((words, n) => n ? words : `≈ ${words}`));
   renderRows();
   find("strip").replaceChildren(...plan.answer.document.setups.map(mounted));
@@ -323,13 +324,14 @@ function sayBought() {
   text("buys", said("≈ {minutes} min: U ≈ {u} µm", { minutes, u: Number(u.toPrecision(2)) }));
 }
 
-// A set-up of the plan, as wide as it has readings; its minutes are those of the end.
-function mounted({ setup, instrument, moves, readings, minutes }) {
+// A set-up of the plan, as wide as it has readings.
+function mounted({ setup, instrument, moves, readings, minutes }, n, setups) {
   const part = element("li", moves.join(""));
   part.title = setup;
   part.dataset.instrument = instrument;
   part.style.flexGrow = readings;
-  part.append(element("strong", String(readings)), element("small", said("{minutes} min", { minutes: Math.max(Math.round(minutes), 1) })));
+  const own = Math.max(Math.round(minutes - (setups[n - 1]?.minutes ?? 0)), 1);
+  part.append(element("strong", String(readings)), element("small", said("{minutes} min", { minutes: own })));
   return part;
 }
 
