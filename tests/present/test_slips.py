@@ -22,7 +22,7 @@ from axiscal.planning.helping import rows_shown
 from axiscal.present.guide import slips
 from axiscal.present.guide.progress import last_step
 from axiscal.present.guide.question import ExpectedNumber, Question, mount_sentence, mount_steps
-from axiscal.present.guide.slips import CAUSES, Cause, causes, jog, keep_as, surprise_text, try_jog
+from axiscal.present.guide.slips import CAUSES, Cause, Meant, causes, jog, keep_as, surprise_text, try_jog
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS
 from tests.web.served import started
@@ -159,7 +159,21 @@ def test_what_is_mounted_is_named_as_the_picture_names_it_and_only_a_display_is_
     mounted = {setup.name: (mount_sentence(setup, ()), dict(mount_steps(setup, (), ""))) for setup in described.setups}
     sentence, steps = mounted["dial on the leg of square XY along Y"]
     assert (sentence, steps) == ("mount: square XY; it reads along x", {"then": "zero its display, roughly"})
-    assert mounted["probe"] == ("mount: probe; it reads along z", {})
+    then = {"then": "touch; type minus the coordinate there: 0.042 mm is -0.042 mm"}
+    assert mounted["probe"] == ("mount: probe; it reads along z", then)
+
+
+def test_a_height_in_mm_is_asked_about_where_no_jog_has_shown_the_unit(tmp_path: Path) -> None:
+    described = first_described(of_builtin("printer-gantry"), ["probe"], Purpose())
+    with Campaign.create(tmp_path / "printer.axiscal", described) as campaign:
+        question = Question.from_campaign(campaign, Asked(1, campaign.prepared()[0]))
+        campaign.next()
+        asked = {text: Meant.of_text(campaign, question, text) for text in ("-0.042", "-42", "-0.042 mm", "0")}
+        assert {text: meant.surprising for text, meant in asked.items()} == {
+            "-0.042": True, "-42": False, "-0.042 mm": False, "0": False
+        }  # fmt: skip
+        assert {"mm", "really"} <= set(asked["-0.042"].causes)
+        assert keep_as(campaign, question, np.array([-0.042e-6]), "mm")[0].value == pytest.approx(-42e-6, rel=1e-9)
 
 
 def of_squareness() -> float:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
+from axiscal.answers.answer_of_campaign import results_beside, standing_answer
 from axiscal.campaign.agreement_words import change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
@@ -26,7 +26,7 @@ from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.record.signing import step_now
 from axiscal.tables import registry
-from axiscal.web.shapes import AnswerShape, SentenceShape, StateShape
+from axiscal.web.shapes import AnswerShape, StateShape
 
 
 class Desk:
@@ -157,10 +157,6 @@ class Desk:
         taken = [reading.place for reading in state.readings]
         setup = description.setup(asked.place.setup)
         return setup_picture(setup_scene(description, setup, taken, asked.place, state.coming), width)
-
-    def cost(self, *, rest: bool) -> SentenceShape:
-        """Return what skipping the reading costs, or leaving its set-up."""
-        return SentenceShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
 
     def set_anew(self, answer: progress.Answer | None) -> str:
         """Keep that a zero was set anew before the next reading, or the answer to what the page asks."""

@@ -94,9 +94,9 @@ def document(shape: AnswerDocument | None, status: int = 200) -> Response:
     return Response(text.encode("utf-8", "replace"), status, media_type="application/json")
 
 
-def problem(status: int, code: str, sentence: str, surprise: float | None = None) -> Response:
+def problem(status: int, code: str, sentence: str) -> Response:
     """Return an answer that says what is wrong: by a code for programs and a sentence for people."""
-    return document(ProblemShape(problem=code, sentence=sentence, surprise=surprise), status)
+    return document(ProblemShape(problem=code, sentence=sentence), status)
 
 
 async def _words(request: Request) -> Response:
@@ -120,7 +120,7 @@ async def _malformed(request: Request, failure: Exception) -> Response:
 
 async def _refused(request: Request, failure: Exception) -> Response:
     if isinstance(failure, SurprisingError):
-        return problem(409, "surprising", spelt(str(failure)), failure.surprise)
+        return problem(409, "surprising", spelt(str(failure)))
     if isinstance(failure, OvertakenError):
         return problem(409, "overtaken", str(failure))
     return problem(422, "refused", str(failure))

@@ -20,6 +20,7 @@ from fastapi.responses import FileResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.answers.answer import AnswerDocument
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.exceptions import InputError, OvertakenError
 from axiscal.language.spoken import said
 from axiscal.present.guide.checking import CheckJudged, CheckToTake
@@ -135,7 +136,8 @@ class _Api:
 
     async def cost(self, rest: bool = False) -> shapes.SentenceShape:
         """What skipping the reading costs, or leaving its set-up."""
-        return await self._counter.ask(lambda desk: desk.cost(rest=rest))
+        words = await self._counter.ask(lambda desk: cost_words(desk.campaign, rest=rest))
+        return shapes.SentenceShape(sentence=spelt(cost_sentence(words)))
 
     async def texts(self, query: Annotated[shapes.TablesQuery, Query()]) -> shapes.TextsShape:
         """The tables of a control as texts to copy."""

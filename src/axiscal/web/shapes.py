@@ -324,4 +324,3 @@ class ProblemShape(AnswerDocument):
 
     problem: str
     sentence: str
-    surprise: float | None = None

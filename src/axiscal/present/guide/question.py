@@ -366,11 +366,14 @@ def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:
 
 def mount_steps(setup: Setup, places: Sequence[AxisPlace], touch: str) -> tuple[tuple[str, str], ...]:
     """Return the steps, each as a short name and what to do."""
-    zeroed = instrument_of(setup).display and any(unknown.name.startswith("zero") for unknown in setup.unknowns)
+    zeroed = any(unknown.name.startswith("zero") for unknown in setup.unknowns)
+    first = said("zero its display, roughly") if zeroed else ""
+    if zeroed and instrument_of(setup).contact == "retracted":  # as printers and controls say where a probe touches
+        first = said("touch; type minus the coordinate there: 0.042 mm is -0.042 mm")
     steps = (
         (said("park"), coordinates_text(places, moves=False)),
         (said("go to"), coordinates_text(places, moves=True)),
         (said("at"), touch),
-        (said("then"), said("zero its display, roughly") if zeroed else ""),
+        (said("then"), first),
     )
     return tuple(step for step in steps if step[1])

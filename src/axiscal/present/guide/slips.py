@@ -37,6 +37,8 @@ _PER_UM = {"mm": 1e-3, "in": 1e-3 / 25.4, "thou": 1 / 25.4}
 """What a display shows for a micrometre in other units."""
 _STILL = 0.01
 """Of what it should show: a display that moves by less stands still, in whatever unit."""
+_FINEST = 0.2
+"""Of the noise of one reading: where no jog has shown the unit, a value below it is likelier one in mm."""
 _PASSED = re.compile(r'test of sign "(.*)": .* \((?:right|taken all the same)\)')
 
 Cause = Literal["sign", "mm", "inch", "anew", "bumped", "really", "keep"]
@@ -65,13 +67,10 @@ def display_text(values: Sequence[float], setup: Setup) -> str:
 
 
 class SurprisingError(ReadingError):
-    """A reading that is asked about before it is kept.
+    """A reading that is asked about before it is kept.  causes : what may be behind it"""
 
-    surprise : how far it is from what is expected, in standard deviations; causes : what may be behind it
-    """
-
-    def __init__(self, what: str, surprise: float, causes: Sequence[Cause]) -> None:
-        self.surprise, self.causes = surprise, causes
+    def __init__(self, what: str, causes: Sequence[Cause]) -> None:
+        self.causes = causes
         super().__init__(what, said("Read again, or say what it was"))
 
 
@@ -109,12 +108,15 @@ def refuse_surprising(campaign: Campaign, question: Question, values: Array) -> 
 
     values : (k,) m or rad
     """
-    surprise = question.surprise(values)
-    if surprise >= SURPRISING:
-        raise SurprisingError(surprise_text(question, values), surprise, causes(question, values))
+    if question.surprise(values) >= SURPRISING:
+        raise SurprisingError(surprise_text(question, values), causes(question, values))
+    setup = campaign.description.setup(question.setup)
+    tiny = question.unit == "um" and 0 < np.max(np.abs(values)) < _FINEST * setup.noise
+    if tiny and not instrument_of(setup).display and question.surprise(_FACTORS["mm"] * values) < SURPRISING:
+        raise SurprisingError(said("It is less than the instrument can tell"), causes(question, values))
     if (before := _repeated(campaign, question, values)) is not None:
         what = "Reading {number} showed exactly this, which is rare by chance"
-        raise SurprisingError(said(what, number=before), surprise, ("really", "keep"))
+        raise SurprisingError(said(what, number=before), ("really", "keep"))
 
 
 def shown_on(campaign: Campaign, virtual: str) -> str:
@@ -163,11 +165,8 @@ def _repeated(campaign: Campaign, question: Question, values: Array) -> int | No
 
 def causes(question: Question, values: Array) -> list[Cause]:
     """Return what may be behind a surprise; another sign or unit only where the value is none with it."""
-    return [
-        cause
-        for cause in CAUSES
-        if question.surprise(_FACTORS.get(cause, 0.0) * values) < SURPRISING or cause not in _FACTORS
-    ]
+    away = {cause: question.surprise(factor * values) for cause, factor in _FACTORS.items()}
+    return [cause for cause in CAUSES if away.get(cause, 0.0) < SURPRISING]
 
 
 def keep_as(campaign: Campaign, question: Question, values: Array, cause: Cause | None) -> tuple[Reading, str]:
@@ -251,16 +250,15 @@ def _wrong(ratio: float) -> tuple[str, str, str] | None:
     size = abs(ratio)
     unit = next((unit for unit, per in _PER_UM.items() if per / _ABOUT <= size <= per * _ABOUT), None)
     if unit is not None:
-        what = said(
-            "The display is in {unit}, not in µm", unit=said("thousandths of an inch") if unit == "thou" else unit
-        )
+        named = said("thousandths of an inch") if unit == "thou" else unit
+        what = said("The display is in {unit}, not in µm", unit=named)
         example = "0.012 mm" if unit == "mm" else "0.0005 in"
         return f"in {unit}", what, said("Type the unit behind each number, as in {example}", example=example)
     if size < _STILL:
-        what = said("The display does not follow the axis")
-        return "still", what, said("Look whether it touches, and which way it looks")
+        remedy = said("Look whether it touches, and which way it looks")
+        return "still", said("The display does not follow the axis"), remedy
     if not 1 / _ABOUT <= size <= _ABOUT:
-        what = said("The display shows {times} times what the axis moved", times=digits(size))
-        return "scale", what, said("Look at its range and unit")
+        what = "The display shows {times} times what the axis moved"
+        return "scale", said(what, times=digits(size)), said("Look at its range and unit")
     remedy = said("Turn it round, or change its sign; set it to zero and type it anew")
     return ("wrong sign", said("The display counts the other way"), remedy) if ratio < 0 else None
