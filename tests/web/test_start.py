@@ -51,6 +51,16 @@ ORDER = """(() => {
   window.open = (...words) => { order.push("opened"); return open(...words); };
 })()"""
 """Notes in which order a window opens and something is asked."""
+HELD = """(() => {
+  const ask = window.fetch;
+  const held = new Promise((release) => { window.release = release; });
+  window.fetch = async (...words) => {
+    const answer = await ask(...words);
+    if (words[0].endsWith("/plan") && !window.here) { window.here = true; await held; }
+    return answer;
+  };
+})()"""
+"""Holds the first plan back until it is released."""
 PAINTED_IN = 300
 """ms in which the page shows its first words."""
 MOVED_IN = 0.3
@@ -354,6 +364,22 @@ def test_back_of_the_page_and_of_the_browser_go_one_screen_back(browser: Browser
         person.press("Next")
         person.press("Plan")
         person.page.until(f"{screen} === 'plan'")
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_a_plan_that_comes_too_late_is_not_shown(browser: Browser, start: Served) -> None:
+    """It stood there with Begin beside it, and another one began."""
+    person = arrived(browser, start)
+    for words in ("Calibrate a machine", "one axis", "Next"):
+        person.press(words)
+    person.page.value(HELD)
+    person.press("laser")
+    person.page.until("window.here")
+    person.write("target", "1")
+    person.sees("CANNOT BE REACHED")
+    person.page.value("release(); new Promise(done => setTimeout(done, 300))")
+    assert "CANNOT BE REACHED" in person.page.value("document.getElementById('first').textContent")
 
 
 def test_requests_of_a_campaign_are_refused_until_there_is_one(start: Served) -> None:

@@ -255,7 +255,7 @@ def _wrong(ratio: float) -> tuple[str, str, str] | None:
         example = "0.012 mm" if unit == "mm" else "0.0005 in"
         return f"in {unit}", what, said("Type the unit behind each number, as in {example}", example=example)
     if size < _STILL:
-        remedy = said("Look whether it touches, and which way it looks")
+        remedy = said("Look whether it touches, which way it looks, and at which leg of a square")
         return "still", said("The display does not follow the axis"), remedy
     if not 1 / _ABOUT <= size <= _ABOUT:
         what = "The display shows {times} times what the axis moved"

@@ -274,7 +274,7 @@ async function makePlan() {
   if (planned.of !== of) {
     outdate();
     const { ok, document: plan } = await waiting(call("/plan"));
-    if (plan === null) return;
+    if (plan === null || of !== planOf()) return; // it comes too late for the choices of now
     tell("trouble", ok ? "" : plan.sentence);
     if (!ok) return;
     planned = { of, plan };
