@@ -285,9 +285,9 @@ async function plain(path, body = {}) {
   return done;
 }
 
-// The place where the hands of the person are.
-function home() {
-  const first = ["field", "stands", "jogged", "finish"].map(find).find((e) => e.offsetParent !== null);
+// The place where the hands of the person are.  asked : a field that comes before the others while it is shown
+function home(...asked) {
+  const first = [...asked, "field", "stands", "jogged", "finish"].map(find).find((e) => e.offsetParent !== null);
   first?.focus();
 }
 
@@ -317,8 +317,7 @@ function asksForReason(visible, why = "skip") {
   document.querySelector("label[for=reason]").textContent = why === "skip" ? said("why can it not be taken?") : said("why can nothing more be read with this set-up?");
   show("note-form", false);
   show("skip-form", visible);
-  if (visible) find("reason").focus();
-  else home();
+  home("reason");
   if (visible) askCost(why === "leave");
 }
 
@@ -336,16 +335,14 @@ function asksForNote(visible, warm = false) {
   document.querySelector("label[for=sentence]").textContent = warm ? said("temperature of the scale, °C; may stay empty") : said("what is to be kept in the record? (the temperature: 21.4 °C)");
   show("skip-form", false);
   show("note-form", visible);
-  if (visible) find("sentence").focus();
-  else home();
+  home("sentence");
 }
 
 function asksToStop(visible) {
   const p = state.progress, figures = { now: shown(p.now_um), figure: said(p.figure), count: p.coming, minutes: shown(Math.max(p.left_minutes, 1), 0), promised: shown(p.promised_um) };
   text("stop-words", said("Now {figure} = {now} µm; with the readings to come ({count}), in about {minutes} minutes, {promised} µm.", figures));
   show("stopping", visible);
-  if (visible) find("not-stop").focus();
-  else home();
+  home("not-stop");
 }
 
 on("form", "submit", () => record());
