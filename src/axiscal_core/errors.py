@@ -274,12 +274,7 @@ class Plane:
     """
 
     def __init__(
-        self,
-        name: str,
-        std: Quantity,
-        axes: Sequence[Axis],
-        lengths: Sequence[Quantity],
-        knots: Sequence[int] = (5, 5),
+        self, name: str, std: Quantity, axes: Sequence[Axis], lengths: Sequence[Quantity], knots: Sequence[int] = (5, 5)
     ) -> None:
         counts = listed("Plane", "knots", knots)
         if [len(listed("Plane", "axes", axes)), len(counts)] != [2, 2] or not all(isinstance(a, Axis) for a in axes):

@@ -27,7 +27,7 @@ from axiscal_core import rigid
 from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
 from axiscal_core.refusals import Array, InputError, computed, each_once, listed, named, one, one_of, within
-from axiscal_core.units import SECONDS, WANDER, Quantity, quantities, si
+from axiscal_core.units import SECONDS, WANDER, Quantity, like, quantities, si
 
 Unknowns = Mapping[str, float]
 """Values of an instrument's own unknowns, by name."""
@@ -36,6 +36,7 @@ TOOL = ("tool_x", "tool_y", "tool_z")
 """By how much the tool in the spindle is another than the machine states, m."""
 _H = 2.0**-100  # a complex step: its square is below rounding, and a power of two rounds nothing itself
 _STEP = 1e-6  # of the real difference: errors are microns, and rounding of a metre is 1e-16
+_KINK = 0.1  # by so much of it slopes on both sides of a kink differ, and nowhere else those of microns
 _ANALYTIC = 1e-4  # by so much of the largest slope both may differ: a second derivative times the step is less
 
 
@@ -125,14 +126,17 @@ class Instrument:
             one_of(where, "units", unit, ("m", "rad"))
         for argument in ("unknowns", "type_b", "park"):
             one(where, argument, getattr(self, argument), Mapping, '{"name": "1 mm"}')
+        for known in (*self.names, *self.unknowns, *self.type_b):
+            named(where, "names", known)
         if shared := {*self.unknowns} & {*self.type_b}:
             raise InputError(where, "type_b", f"names the unknown {min(shared)}", "Readings show it, or they do not")
         alone = isinstance(self.noise, str) or np.ndim(self.noise) == 0
         each, count = [self.noise] * len(self.names) if alone else self.noise, (len(self.names),)
         self.sigma = quantities(each, where, "noise", count, [(unit,) for unit in self.units])
         within(where, "noise", float(self.sigma.min()), 0.0, open_end=True)
+        usual = {**type(self).unknowns, **type(self).type_b}
         self.own, self.considered = (
-            {name: within(where, name, si(std, where, name), 0.0) for name, std in given.items()}
+            {name: within(where, name, si(std, where, name, like(usual.get(name))), 0.0) for name, std in given.items()}
             for given in (self.unknowns, self.type_b)
         )
         self.wander = within(where, "drift", si(self.drift, where, "drift", WANDER), 0.0)
@@ -283,6 +287,10 @@ def refuse_what_is_not_analytic(instrument: Instrument, at: At) -> None:
         pose = int(np.argwhere(~np.isfinite(shown))[0, 0])
         raise InputError(f"{where}.sees", "result", f"is no number at {poses[pose]}", "Repair the function", pose)
     exact, own = slopes(instrument, at, u), own_slopes(instrument, at, u, [*u])
+    there = slopes(instrument, at._replace(moved=-off, turned=off), dict.fromkeys(u, -3e-6))
+    for part, here, mirrored in zip(Slopes._fields, exact, there, strict=True):
+        if np.abs(here - mirrored).max() > _KINK * max(1.0, float(np.abs(here).max())):
+            raise InputError(f"{where}.sees", "result", f"has a kink in at.{part}", "No maximum, where, clip of errors")
     changes = [(f"at.moved[:, {i}]", exact.moved[:, :, i], "moved", way) for i, way in enumerate(np.eye(3))]
     changes += [(f"at.turned[:, {i}]", exact.turned[:, :, i], "turned", way) for i, way in enumerate(np.eye(3))]
     changes += [(f"u[{name!r}]", own[:, :, i], name, np.zeros(3)) for i, name in enumerate(u)]

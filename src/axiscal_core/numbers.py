@@ -13,14 +13,7 @@ from axiscal_core.draws import Slope
 from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 from axiscal_core.problem import Problem
 from axiscal_core.refusals import Array
-from axiscal_core.spaces import (
-    Answered,
-    Given,
-    factors_of,
-    raw_cells,
-    turned,
-    variances_of,
-)
+from axiscal_core.spaces import Answered, Given, factors_of, raw_cells, turned, variances_of
 
 
 class Numbers:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 """Numbers in m, rad and s. What `Instrument.sees` is given is complex while rows are found."""
 Given = TypeVar("Given")
+LARGEST = 1e100  # its square still is a number
 _DEFECTS = ArithmeticError, AssertionError, AttributeError, LookupError, NameError, RuntimeError, TypeError, ValueError
 
 
@@ -101,16 +102,17 @@ def finite(function: str, argument: str, values: object, shape: tuple[int | None
     wanted = str(sides).replace("'", "")
     try:
         given = np.asarray(values)
-        result = np.array(given if given.dtype.kind != "c" else "complex", dtype=np.float64)
+        numeric = given.dtype.kind in "iufOU" and not np.ma.is_masked(values)
+        result = np.array(given if numeric else "none", dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError(function, argument, "is no array of numbers", f"Give numbers of shape {wanted}") from None
     fits = result.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, result.shape, strict=True))
     if not fits:
         raise InputError(function, argument, f"has the shape {result.shape}", f"Give {wanted}")
-    if not np.isfinite(result).all():
-        where = np.argwhere(~np.isfinite(result))[0].tolist()
+    if len(wrong := np.argwhere(~(np.abs(result) < LARGEST))):
+        where = wrong[0].tolist()
         what = f"holds {result[tuple(where)]} at {where}"
-        raise InputError(function, argument, what, "Give finite numbers", where[0] if posed else None)
+        raise InputError(function, argument, what, f"Give numbers below {LARGEST:g}", where[0] if posed else None)
     return result
 
 

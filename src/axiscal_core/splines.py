@@ -316,12 +316,7 @@ def _checked_knots(knots: ArrayLike, fewest: int) -> Array:
 
 def _checked_positions(t: ArrayLike, derivative: int) -> Array:
     """Return the positions as a vector. Raises InputError."""
-    try:
-        position = np.atleast_1d(np.asarray(t, dtype=np.float64))
-    except (TypeError, ValueError):
-        position = finite(_WHERE, "t", t, (None,))
-    if position.ndim != 1 or not np.isfinite(position).all():
-        raise InputError(_WHERE, "t", f"has the shape {position.shape}, or no number", "Give finite ones in a row")
+    position = finite(_WHERE, "t", [t] if np.isscalar(t) else t, (None,))
     if derivative not in (0, 1, 2, 3):
         raise InputError(_WHERE, "derivative", f"= {derivative!r} is none of a cubic", "Give 0 to 3")
     return position

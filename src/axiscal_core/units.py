@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal_core.refusals import Array, InputError, finite, within
+from axiscal_core.refusals import LARGEST, Array, InputError, finite, within
 
 Quantity = float | str
 """A number in m, rad, s or 1/s of them, or a text such as "12 um"."""
@@ -40,9 +40,15 @@ def si(value: object, function: str, argument: str, of: Of = EITHER, pose: int |
         remedy = 'Give a number in SI units, or "12 um"'
         raise InputError(function, argument, f"= {value!r} is no quantity", remedy, pose)
     number = float(value)
-    if not np.isfinite(number):
-        raise InputError(function, argument, f"= {value!r} is no number", "Give a finite one", pose)
+    if not abs(number) < LARGEST:
+        raise InputError(function, argument, f"= {value!r} is no number", f"Give one below {LARGEST:g}", pose)
     return number
+
+
+def like(usual: object) -> Of:
+    """Return what a text may be where another is usual: a length, an angle; either where that one is a bare number."""
+    unit = usual.split()[-1] if isinstance(usual, str) else ""
+    return next(((of,) for of in EITHER if unit in _UNITS[of]), EITHER)
 
 
 def in_minutes(value: object, function: str, argument: str) -> float:
@@ -56,7 +62,7 @@ def _read(text: str, function: str, argument: str, of: Of, pose: int | None) -> 
     found = _TEXT.fullmatch(text.translate({ord("µ"): "u", ord("μ"): "u"}))
     number = float(found[1]) if found else float("nan")
     times, by = units.get(found[2] if found else "", (0.0, 1.0))
-    if not times or not np.isfinite(number):
+    if not times or not abs(number) < LARGEST:
         what = f"= {text!r} is no {' or '.join(_WORDS[each] for each in of)}"
         raise InputError(function, argument, what, f"Units are {', '.join(units)}", pose)
     return number * times / by

@@ -41,6 +41,14 @@ def _hole(at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
     return [at.moved[:, 0] + np.where(at.poses[:, 0] > 0.3, np.nan, 0.0)]
 
 
+def _clipped(at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+    return [np.maximum(at.moved[:, 0], 0.0)]
+
+
+def _read(values: Any, **how: Any) -> ac.Readings:
+    return ac.Readings(_places(0.1, 0.2), values, **how)
+
+
 def _undeclared(at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
     return [at.moved[:, 0] + u["zero"]]
 
@@ -76,6 +84,16 @@ _WITHOUT: dict[str, list[object]] = {"instrument": ["laser"], "X": [0.1]}
 MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "noise below zero": (lambda: ac.Laser("laser", "X", noise=-1e-6), "Laser", "noise"),
     "noise of zero": (lambda: ac.Laser("laser", "X", noise=0.0), "Laser", "noise"),
+    "noise that is true": (lambda: ac.Laser("laser", "X", noise=True), "Laser", "noise"),
+    "noise of 1e300": (lambda: ac.Laser("laser", "X", noise=1e300), "Laser", "noise"),
+    "an angle for a zero": (lambda: ac.Laser("laser", "X", unknowns={"zero": "1 rad"}), "Laser", "zero"),
+    "an unknown that is a number": (lambda: anything.Laser("laser", "X", unknowns={1: 1e-3}), "Laser", "names"),
+    "values that are hidden": (lambda: _read(np.ma.masked_equal([1e-6, 0.0], 0.0)), "Readings", "values"),
+    "values that are true": (lambda: _read([True, False]), "Readings", "values"),
+    "values that are dates": (lambda: _read(np.zeros(2, "datetime64[ns]")), "Readings", "values"),
+    "times that are dates": (lambda: _read([0, 0], time=np.zeros(2, "datetime64[ns]")), "Readings", "time"),
+    "a value of 1e300": (lambda: _read([1e300, 0.0]), "Readings", "values"),
+    "a clipped number": (lambda: _mounted(_seeing("Clip", _clipped)), "Clip.sees", "result"),
     "noise of two numbers": (lambda: ac.Laser("laser", "X", noise=[1e-6, 1e-6]), "Laser", "noise"),
     "std below zero": (lambda: ac.Error("EXX", -1e-6), "Error", "std"),
     "std of an unknown below zero": (lambda: ac.Laser("laser", "X", unknowns={"zero": -1.0}), "Laser", "zero"),
