@@ -13,6 +13,7 @@ from axiscal.python.estimated import Curve as Curve
 from axiscal.python.given import setup as setup
 from axiscal.python.measured_case import Case as Case
 from axiscal.python.measured_case import estimate as estimate
+from axiscal_core import Array as Array
 from axiscal_core import At as At
 from axiscal_core import Axis as Axis
 from axiscal_core import BallBar as BallBar

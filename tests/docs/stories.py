@@ -19,10 +19,9 @@ PAGE, NOTEBOOK = ROOT / "docs" / "python.md", ROOT / "docs" / "python.ipynb"
 _HEAD = """\
 # axiscal from Python
 
-Three stories with public names only. They are files in [examples/](../examples), and cells of
-[python.ipynb](python.ipynb). Numbers are metres, radians and seconds; set-ups take text with units.
-Every public name is on [api.md](api.md); the fields of `result.json` on [result.md](result.md). Instruments, errors and
-machines of your own are on [core.md](core.md).
+Three stories of [examples/](../examples), also in [python.ipynb](python.ipynb). Numbers are metres, radians, seconds;
+set-ups take text with units. `sure` is `"well"` here, `"roughly"` in campaign.toml. All names: [api.md](api.md);
+`result.json`: [result.md](result.md); instruments, errors and machines of your own: [core.md](core.md).
 """
 
 

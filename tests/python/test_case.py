@@ -59,7 +59,8 @@ def test_a_class_of_ones_own_is_an_instrument(tmp_path: Path) -> None:
     assert {place.setup for place in plan.places} == {"grid"}
     readings = [Reading(place.setup, place.pose, place.approach, 0.0, others=(0.0,)) for place in plan.places]
     known = ac.estimate(grid, readings)
-    assert known.report(tmp_path).read_bytes().startswith(b"%PDF")
+    assert known.report(tmp_path, language="de").read_bytes().startswith(b"%PDF")
+    assert '<html lang="de"' in (tmp_path / "report.html").read_text(encoding="utf-8")
     with pytest.raises(DescriptionError, match="is no class that is derived from"):
         ac.Case(ac.load_machine("three-axis-mill"), [ac.setup(Path)])  # type: ignore[arg-type]
 
@@ -173,7 +174,8 @@ def test_curves_are_a_dataset(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "xarray", ModuleType("xarray"))
     monkeypatch.setattr(sys.modules["xarray"], "Dataset", dict, raising=False)
     data = known.to_xarray()
-    along, mean = data["EXX_mean"]
+    along, mean, unit = data["EXX_mean"]
+    assert (unit, data[along][2], data["ECX_std"][2]) == ({"units": "m"}, {"units": "m"}, {"units": "rad"})
     assert np.array_equal(mean, known["EXX"](data[along][1]).mean)
 
 

@@ -12,19 +12,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from axiscal.description.fields import (
-    Cone,
-    Direction,
-    Ends,
-    Name,
-    Placed,
-    Printable,
-    Scale,
-    Span,
-    Spot,
-    Table,
-    Turned,
-)
+from axiscal.description.fields import Cone, Direction, Ends, Name, Placed, Printable, Scale, Span, Spot, Table, Turned
 from axiscal.document import Document, Length, shown
 from axiscal.document.validation import Beside, EachAs, ReadAs
 from axiscal.exceptions import DescriptionError

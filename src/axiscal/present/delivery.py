@@ -92,7 +92,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     The report is in the language of the campaign, else of the person who ends it, all other files are in English.
     """
     described, spoken = campaign.description, extras.spoken
-    language = language_of_report(described.particulars, None, spoken)
+    language = language_of_report(described.particulars, extras.language, spoken)
     with speaking("en"):
         with stage("tables", 1, 3):
             made = {name: _made(estimation, name, extras.anyway) for name in (*described.controls, _ALWAYS)}

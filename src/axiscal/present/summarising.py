@@ -148,14 +148,13 @@ _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangul
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Extras:
-    """What a campaign itself does not know: tables that were written, a known truth, a finished standard
-    test.
+    """What a campaign itself does not know: tables that were written, a known truth, a finished standard test.
 
     warnings : about what was given, besides those of the estimate
     anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
     checked : what a check of the tables on the machine found; best : the files that leave least
     answer : with what tables leave; None where none are made
-    spoken : language of whoever ends the campaign, for a report that states none
+    spoken : language of whoever ends the campaign, for a report that states none; language : that is wanted
     """
 
     tables: Sequence[TableOffer] = ()
@@ -167,6 +166,7 @@ class Extras:
     best: Export | None = None
     answer: ResultAnswer | None = None
     spoken: str = "en"
+    language: str | None = None
 
 
 @stage("the summary")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from html import escape
 from importlib import import_module
 from pathlib import Path
@@ -22,6 +22,7 @@ from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.promise.agreement import Agreement
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import deliver, evaluated, write_files
 from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, line_trace, picture
@@ -57,7 +58,7 @@ class NotebookPicture:
     figures : side by side, each a dict of `data` and `layout` as plotly's schema names them
     """
 
-    figures: tuple[Figure, ...]
+    figures: tuple[Figure, ...] = field(repr=False)
 
     @property
     def svg(self) -> tuple[str, ...]:
@@ -152,6 +153,16 @@ Poses: TypeAlias = Mapping[str, Quantity] | Sequence[Sequence[Quantity]] | Array
 """Coordinates of one pose by axis, or an array (m, q) in the order of the axes."""
 
 
+def names_of(observation: Observation) -> tuple[str, ...]:
+    """Return the name of every unknown: "EXX[3]", "laser.zero"; what several set-ups share has that of the first."""
+    own = dict[int, str]()
+    counted = ((term.name, range(term.columns.stop - term.columns.start)) for term in observation.errors.terms)
+    for index, setup in enumerate(observation.setups):
+        for column, unknown in zip(observation.unknowns_of(index).tolist(), setup.unknowns, strict=True):
+            own.setdefault(column, f"{setup.name}.{unknown.name}")
+    return (*(f"{name}[{i}]" for name, each in counted for i in each), *(own[column] for column in sorted(own)))
+
+
 class UnknownError(refusals.InputError, KeyError):
     """An error that a machine has not: a mapping has no such key."""
 
@@ -173,12 +184,7 @@ class Estimated(Mapping[str, Curve]):
     @property
     def names(self) -> tuple[str, ...]:
         """The name of every unknown: "EXX[3]", "laser.zero"."""
-        observation, own = self.estimation.case.observation, dict[int, str]()
-        counted = ((term.name, range(term.columns.stop - term.columns.start)) for term in observation.errors.terms)
-        for index, setup in enumerate(observation.setups):  # what several set-ups share has the name of the first
-            for column, unknown in zip(observation.unknowns_of(index).tolist(), setup.unknowns, strict=True):
-                own.setdefault(column, f"{setup.name}.{unknown.name}")
-        return (*(f"{name}[{i}]" for name, each in counted for i in each), *(own[column] for column in sorted(own)))
+        return names_of(self.estimation.case.observation)
 
     @property
     def mean(self) -> Array:
@@ -213,11 +219,13 @@ class Estimated(Mapping[str, Curve]):
 
     def to_xarray(self) -> Any:
         """Return an `xarray.Dataset`: mean and std of each error over its axis, m and rad."""
-        data = dict[str, tuple[str, Array]]()
+        data = dict[str, tuple[str, Array, dict[str, str]]]()
         for name, curve in self.items():
             at, along = curve.drawn_at, f"{name}_at"
             mean, std = curve(at)
-            data |= {along: (along, at), f"{name}_mean": (along, mean), f"{name}_std": (along, std)}
+            of = {"units": "rad" if self._function(name).angular else "m"}
+            axis = {"units": "rad" if curve.position_unit == "deg" else "m"}
+            data |= {along: (along, at, axis), f"{name}_mean": (along, mean, of), f"{name}_std": (along, std, of)}
         try:
             return import_module("xarray").Dataset(data)
         except ModuleNotFoundError as missing:
@@ -295,16 +303,17 @@ class Estimated(Mapping[str, Curve]):
         write_files(offered, Path(folder))
         return [Path(folder) / name for name in (*offered.files, "README.txt")]
 
-    def report(self, folder: str | Path) -> Path:
+    def report(self, folder: str | Path, language: str | None = None) -> Path:
         """Write report.pdf with result.json, tables and the record into a folder; return the report.
 
+        language : of the report, "en" or "de"; that of AXISCAL_LANGUAGE, or of the campaign, where it is not said
         Raises InputError, OSError; axiscal_core.InputError where nothing was read.
         """
         one("Estimated.report", "folder", folder, (str, Path), 'such as "report"')
         if not self._given[1]:
             raise refusals.InputError("Estimated.report", "readings", "are none", "Estimate a machine from readings")
         with evaluated(self._given[0].description, self._given[1]) as campaign:
-            deliver(campaign, campaign.estimate(ended=True), Path(folder), Extras())
+            deliver(campaign, campaign.estimate(ended=True), Path(folder), Extras(language=language))
         return Path(folder) / "report.pdf"
 
     def plot(self) -> NotebookPicture:

@@ -50,7 +50,8 @@ def setup(
     """Return a set-up with the instrument's usual noise, unknowns and times.
 
     instrument : its name, or a class derived from `axiscal_core.Instrument`
-    direction : "x", "-y" or a vector, for instruments that read along or about one; moves : axes, default all
+    direction : "x", "-y" or a vector, for instruments that read along or about one
+    moves : axes that move while it is read; one of your own, and most of those that read along a line, need them
     keys : of campaign.toml, quantities as text: noise="0.3 um", approach="both", park={"Y": "250 mm"}
     """
     one("setup", "instrument", instrument, (str, type), '"interferometer", or a class of your own')

@@ -38,7 +38,7 @@ from axiscal.present.drawing.svg_picture import axis_style, layout, line_trace
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
 from axiscal.python import given
-from axiscal.python.estimated import HEIGHT, LINE, Estimated, NotebookPicture, html_table
+from axiscal.python.estimated import HEIGHT, LINE, Estimated, NotebookPicture, html_table, names_of
 from axiscal.python.given import GivenPlaces, GivenReadings, PlannedPlaces, SetupKeys, places_of, readings_of
 from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core import refusals
@@ -94,7 +94,10 @@ class PlanResult:
 
     @property
     def bound(self) -> float | None:
-        """The RMS that no plan of as many readings from the same candidates can beat, m; None where it is not known."""
+        """The RMS that no plan of as many readings from the same candidates can beat, m; None where it is not known.
+
+        `Evaluation.bound` is a J instead.
+        """
         found = self.answer.bound_rms_um
         return None if found is None else from_unit(found, "um")
 
@@ -150,7 +153,8 @@ class Case:
     machine : of `load_machine`; setups : of `setup`, or instruments
     target : keys of [target] in campaign.toml, such as {"rms": "2 um", "criterion": "joint"}
     learn : sizes, smoothness and noise are learnt from the readings
-    usual : "on" adds what usually goes wrong and nobody stated; sure : how well stated sizes are known
+    usual : "on" adds what usually goes wrong and nobody stated
+    sure : how well stated sizes are known; "well" if not said, "roughly" with `learn` and in campaign.toml
     raises DescriptionError, UnitError or axiscal_core.InputError for what makes no sense on this machine
     Of a machine that is made in Python it is the case of the core, which takes the same instruments.
     """
@@ -212,7 +216,7 @@ class Case:
 
         At least one of the first three ends it: so many readings, so many minutes, an RMS over the volume reached.
         criterion : what is made small, the target's if not said: "volume", "joint", or V (w, n) of the unknowns in the
-            order of `Estimated.names`; a function of their covariance judges places alone, see `evaluate`
+            order of `Case.names`; a function of their covariance judges places alone, see `evaluate`
         candidates : how many even places are tried, or the places where readings may be taken
         after : readings that are there already, or places of such; keep : places that are among those of the plan
         raises PlanError, TargetError, axiscal_core.InputError
@@ -285,6 +289,11 @@ class Case:
         where, size = "Case.known", self.inner.errors.size
         belief = Inherited(finite(where, "mean", mean, (size,)), spread(where, "covariance", covariance, size))
         return Estimated(replace(self.inner, inherited=belief), ())
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The name of every unknown: "EXX[3]", "laser.zero"."""
+        return names_of(self.inner.observation)
 
     @property
     def prior(self) -> Normal:

@@ -220,12 +220,7 @@ class Proof:
 
 @one_thread()
 @stage("the proof")
-def prove(
-    state: Covariance,
-    lattice: Places,
-    places: Places,
-    gap: float = GAP,
-) -> Proof:
+def prove(state: Covariance, lattice: Places, places: Places, gap: float = GAP) -> Proof:
     """Return the bound for as many readings as a plan has of all set-ups of a lattice, wherever they are taken.
 
     Along one coordinate boxes close what weights leave open between the bound and the plan.
