@@ -87,6 +87,17 @@ def test_a_plan_makes_a_criterion_of_ones_own_small(kind: Callable[[], Made]) ->
     assert case.evaluate(case.next(criterion=v), criterion=v).J < case.evaluate(case.next(), criterion=v).J
 
 
+@pytest.mark.parametrize("weighed", ["EXX[3]", "edge.slope"])
+def test_a_criterion_of_ones_own_counts_unknowns_of_set_ups_that_a_plan_leaves_out(weighed: str) -> None:
+    edge = ac.setup("straightedge", "y", moves=["X"], name="edge", reach={"X": ["50 mm", "550 mm"]})
+    case = ac.Case(ac.load_machine("three-axis-mill"), [LASER, edge], usual="off")
+    v = np.array([[name in (weighed, "laser.zero") for name in case.names]], dtype=float)
+    plan = case.plan(4, criterion=v, candidates=60)
+    left = float(np.sum(v @ dense(case, plan.places) * v))
+    assert pytest.approx(left, rel=1e-7, abs=0) == plan.J
+    assert pytest.approx(left, rel=1e-7, abs=0) == case.evaluate(plan.places, criterion=v).J
+
+
 @pytest.mark.parametrize("kind", BOTH)
 def test_the_criterion_of_the_paper_has_its_own_plan(kind: Callable[[], Made]) -> None:
     case = kind()

@@ -61,11 +61,16 @@ class Task:
         return replace(self, lattice=self.lattice.within(kept))
 
     def among(self, setups: Collection[int]) -> Task:
-        """Return the task of some set-ups, without the unknowns that only others have: no reading of it feels them."""
+        """Return the task of some set-ups, without unknowns that only others have: neither read here nor weighed."""
         beside = [] if self.beside is None else self.beside.setups.tolist()
-        observation, kept = self.observation.among({*setups, *beside})
+        whole, root, more = self.observation, self.root, list[int]()
+        if root.unknowns > whole.errors.size:
+            weighed = np.asarray(root.matrix.any(axis=0))
+            more = [setup for setup in range(len(whole.setups)) if weighed[whole.unknowns_of(setup)].any()]
+        observation, kept = whole.among({*setups, *beside, *more})
+        root = root if root.unknowns <= whole.errors.size else Root(root.matrix[:, kept[kept < root.unknowns]])
         lattice = self.lattice.within(np.isin(self.lattice.setups, list(setups)))
-        return replace(self, observation=observation, belief=self.belief.among(kept), lattice=lattice)
+        return replace(self, observation=observation, belief=self.belief.among(kept), lattice=lattice, root=root)
 
     @property
     @remembered
