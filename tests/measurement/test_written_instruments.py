@@ -172,6 +172,15 @@ def test_one_of_ours_written_again_gives_what_ours_gives(tmp_path: Path, name: s
     assert files == same
 
 
+def test_an_unknown_of_ones_own_may_be_called_slope(tmp_path: Path) -> None:
+    """That of our straightedges belongs to the one axis that moves."""
+    (tmp_path / "plate.py").write_text(GRID.replace('"turn"', '"slope"').replace("Grid", "Plate"))
+    text = f'{HEAD}name = "plate"\ninstrument = "plate.py:Plate"\nmoves = ["X", "Y"]\n'
+    (tmp_path / "campaign.toml").write_text(text)
+    (setup,) = read_campaign(tmp_path / "campaign.toml").setups
+    assert [unknown.name for unknown in setup.unknowns] == ["zero_x", "zero_y", "slope"]
+
+
 def test_what_fails_later_names_the_same_line(tmp_path: Path) -> None:
     """A class may fail at a pose that nobody tried when it was mounted."""
     file = "import axiscal_core as ac\nclass Rare(ac.Instrument):\n    def sees(self, at, u):\n"

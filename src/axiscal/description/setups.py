@@ -208,7 +208,7 @@ class _Reader(SiteReader):
             unknowns = tuple(unknown for unknown in usual.unknowns if turns or unknown.name not in TOOL)
         else:
             unknowns = tuple(self._unknown(name, std) for name, std in given.items())
-        if "slope" in (unknown.name for unknown in unknowns):
+        if usual.model.directed and "slope" in (unknown.name for unknown in unknowns):
             with self.at_key(*(["moves"] if given is None else ["unknowns", "slope"])):
                 self._refuse_slope(moves, given is None)
         return unknowns
