@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 
 from numpy.typing import ArrayLike
 
@@ -23,6 +24,9 @@ from axiscal_core.refusals import InputError
 from axiscal_core.step import best_step
 from axiscal_core.units import Quantity
 
+After = Readings | Places | Known | None
+"""What there is before a plan: readings, or places of such, at sizes as stated; what is known counts as it is."""
+
 
 class Case(Model):
     """A machine and the instruments on it.
@@ -33,7 +37,7 @@ class Case(Model):
 
     def plan(
         self, readings: int | None = None, *, minutes: Quantity | None = None, rms: Quantity | None = None,
-        criterion: Criterion = "volume", candidates: Places | int = CANDIDATES, after: Readings | Places | None = None,
+        criterion: Criterion = "volume", candidates: Places | int = CANDIDATES, after: After = None,
         keep: Places | None = None,
     ) -> Plan:  # fmt: skip
         """Return the readings that serve best together; at least one of the first three says when it ends.
@@ -42,17 +46,18 @@ class Case(Model):
         criterion : what is made small; candidates : where readings may be taken, or how many even places are tried
         after : readings that are there already; keep : places that are among those of the plan
         """
-        return planned(self, readings, minutes, rms, criterion, candidates, after, keep)
+        case, before = self._begun(after, "Case.plan")
+        return planned(case, readings, minutes, rms, criterion, candidates, before, keep)
 
-    def evaluate(
-        self, places: Places | Readings, after: Readings | Places | None = None, criterion: Criterion = "volume"
-    ) -> Evaluation:
+    def evaluate(self, places: Places | Readings, after: After = None, criterion: Criterion = "volume") -> Evaluation:
         """Return what readings at places would make known, and what no others can beat."""
-        return evaluated(self, places, after, criterion)
+        case, before = self._begun(after, "Case.evaluate")
+        return evaluated(case, places, before, criterion)
 
-    def next(self, after: Readings | Places | None = None, criterion: Criterion = "volume") -> Places:
+    def next(self, after: After = None, criterion: Criterion = "volume") -> Places:
         """Return the one reading that serves most (eq. 37): exactly, where one axis moves along a line."""
-        return best_step(self, after, criterion)
+        case, before = self._begun(after, "Case.next")
+        return best_step(case, before, criterion)
 
     def estimate(self, readings: Readings | Mapping[str, Sequence[object]]) -> Known:
         """Return what readings make known, sizes averaged over, without readings that the others contradict.
@@ -68,6 +73,16 @@ class Case(Model):
     def known(self, mean: ArrayLike, covariance: ArrayLike) -> Known:
         """Return what is known already.  mean : (size,); covariance : (size, size)"""
         return Known.of(self, mean, covariance)
+
+    def _begun(self, after: After, function: str) -> tuple[Model, Readings | Places | None]:
+        """Return the case and what was read; what is known takes the place of its prior."""
+        if not isinstance(after, Known):
+            return self, after
+        if after.names != self.names:
+            raise InputError(function, "after", "is known of another case", "Estimate readings of this one")
+        begun = copy(self)
+        vars(begun)["prior"] = after.normal
+        return begun, None
 
     def __repr__(self) -> str:
         return f"<Case of {self.machine!r} with {', '.join(self.setups)}>"

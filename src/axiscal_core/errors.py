@@ -285,10 +285,8 @@ class Plane:
         self.component = COMPONENTS.index(name[1])
         size = si(std, "Plane", "std", RADIANS if self.component >= 3 else METRES)
         self.std = within("Plane", "std", size, 0.0)
-        each = zip(axes, counts, strict=True)
-        self.splines = [
-            NaturalSpline(even_knots(*axis.travel, whole("Plane", "knots", count, 2))) for axis, count in each
-        ]
+        every = [even_knots(*axis.travel, whole("Plane", "knots", n, 2)) for axis, n in zip(axes, counts, strict=True)]
+        self.splines = [NaturalSpline(each) for each in every]
         self.lengths = quantities(lengths, "Plane", "lengths", (2,), [axis.of for axis in axes])
         within("Plane", "lengths", float(self.lengths.min()), 0.0, open_end=True)
         self.axes = tuple(axes)

@@ -205,10 +205,8 @@ def slopes(instrument: Seeing, at: At, u: Unknowns) -> Slopes:
     every = At(*(np.concatenate([part] * 6) for part in at))
     steps = 1j * _H * np.repeat(np.eye(6), len(at.poses), axis=0)
     stepped = every._replace(moved=every.moved + steps[:, :3], turned=every.turned + steps[:, 3:])
-    ways = (
-        np.imag(numbers(instrument, stepped, u)).reshape(6, len(at.poses), len(instrument.names)).transpose(1, 2, 0)
-        / _H
-    )
+    each = np.imag(numbers(instrument, stepped, u)) / _H
+    ways = each.reshape(6, len(at.poses), len(instrument.names)).transpose(1, 2, 0)
     return Slopes(ways[:, :, :3], ways[:, :, 3:])
 
 
@@ -254,9 +252,8 @@ def sight(
     found = slopes(instrument, at, u)
     own, type_b = (own_slopes(instrument, at, u, [*names]) for names in (instrument.own, instrument.considered))
     # a reversal enters with one half of its value or the other, where nobody knows with either
-    by_moved, by_turned = (
-        each.transpose(1, 2, 0) for each in machine.levers(poses, np.where(sides == 0, 1, sides), frames)
-    )
+    levers = machine.levers(poses, np.where(sides == 0, 1, sides), frames)
+    by_moved, by_turned = (each.transpose(1, 2, 0) for each in levers)
     reach = found.moved @ by_moved + found.turned @ by_turned
     blind = np.zeros(reach.shape[:2])
     for i, (_, term) in enumerate(machine.curves):

@@ -55,11 +55,9 @@ def left_out(problem: Problem, found: Weighed[Given]) -> dict[int, LeftOut]:
     The heaviest draw goes first if numbers are many; all draws then judge only the readings that it suspects.
     """
     result = dict[int, LeftOut]()
+    judged = _of_draws if len(problem.values) <= MOST_NUMBERS else _of_many
     for part in parts_of(problem.reading):
-        each = (
-            _of_draws(problem, found, part) if len(problem.values) <= MOST_NUMBERS else _of_many(problem, found, part)
-        )
-        result.update(zip(problem.reading[part[:, 0]].tolist(), each, strict=True))
+        result.update(zip(problem.reading[part[:, 0]].tolist(), judged(problem, found, part), strict=True))
     return dict(sorted(result.items()))
 
 

@@ -55,17 +55,13 @@ class Machine:
         self.axes = tuple(one("Machine", "axes", axis, Axis, made) for axis in listed("Machine", "axes", axes))
         self.errors = tuple(listed("Machine", "errors", errors))
         self.held = None if held is None else _held(held)
-        scalar = isinstance(tool, str | int | float)
-        self.tool = (
-            np.array([0, 0, -si(tool, "Machine", "tool", METRES)])
-            if scalar
-            else quantities(tool, "Machine", "tool", (3,), [METRES])
-        )
+        long = isinstance(tool, str | int | float)
+        point = [0.0, 0.0, -si(tool, "Machine", "tool", METRES)] if long else tool
+        self.tool = quantities(point, "Machine", "tool", (3,), [METRES])
         self.names = [axis.name for axis in self.axes]
         each_once("Machine", "axes", self.names)
-        self.terms: list[Curved | Own] = [
-            curved(e, self.axes) if isinstance(e, Error) else self._own(e) for e in self.errors
-        ]
+        found = (curved(e, self.axes) if isinstance(e, Error) else self._own(e) for e in self.errors)
+        self.terms: list[Curved | Own] = [*found]
         each_once("Machine", "errors", [error.name for error in self.errors])
         self.curves = [(i, term) for i, term in enumerate(self.terms) if isinstance(term, Curved)]
         sizes = [term.covariance().shape[0] for term in self.terms]
@@ -92,9 +88,8 @@ class Machine:
 
     def poses(self, values: object, function: str = "Machine.poses") -> Array:
         """Return poses as an array, (m, q); refuses those outside the travel."""
-        poses = quantities(
-            values, function, "poses", (None, len(self.axes)), [axis.of for axis in self.axes], posed=True
-        )
+        of = [axis.of for axis in self.axes]
+        poses = quantities(values, function, "poses", (None, len(of)), of, posed=True)
         for k, axis in enumerate(self.axes):
             low, high = axis.travel
             slack = 1e-9 * axis.length  # rounding of a place at the end
@@ -128,9 +123,7 @@ class Machine:
                 out[:, :, columns] = part
         return result
 
-    def levers(
-        self, poses: Array, sides: Array | None = None, nominal: Frames | None = None
-    ) -> tuple[Array, Array]:  # fmt: skip
+    def levers(self, poses: Array, sides: Array | None = None, nominal: Frames | None = None) -> tuple[Array, Array]:
         """Return what a unit of each curve's value does to displacement and rotation of the tool, (curves, m, 3)."""
         frames = nominal or self.frames(poses)
         moved, turned = np.zeros((2, len(self.curves), len(poses), 3))

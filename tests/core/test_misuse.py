@@ -111,6 +111,7 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "a number named twice": (lambda: _seeing("Twin", _undeclared, names=("a", "a"), units=("m", "m")), "Twin", "names"),
     "a criterion that fails": (lambda: _case().plan(2, criterion=lambda c: 1 / 0), "criterion", "result"),
     "a criterion of arrays": (lambda: _case().plan(2, criterion=lambda c: anything.Array), "criterion", "result"),
+    "what is known of another case": (lambda: _mounted(ac.Level("a", "X")).next(after=_known()), "Case.next", "after"),
     "places that come after a list": (lambda: anything.Case.next(_case(), after=[[0.1]]), "Case.next", "after"),
     "a table with a short column": (lambda: _case().estimate({**_WITHOUT, "length": []}), "Case.readings", "length"),
     "a side of two elsewhere": (lambda: _known().deviation([[0.1]], sides=[[2.0]]), "Known.deviation", "sides"),

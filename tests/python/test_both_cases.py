@@ -122,6 +122,18 @@ def test_kept_places_are_among_those_of_a_plan(kind: Callable[[], Made]) -> None
     assert case.plan(2, keep=kept).places.poses[:, 0] == pytest.approx(kept.poses[:, 0], abs=0)
 
 
+def test_a_case_goes_on_from_what_is_known() -> None:
+    """Where sizes are exact and no cell of a rest is visited twice, as from the readings themselves."""
+    case = made("off", "exactly")
+    there, more = line(case, [0.1, 0.5]), line(case, [0.3, 0.9])
+    known = case.estimate(ac.Readings.simulated(case, there, seed=1))
+    assert pytest.approx(case.evaluate(there + more).J, rel=1e-7, abs=0) == case.evaluate(more, after=known).J
+    assert case.next(after=known).poses == pytest.approx(case.next(after=there).poses, rel=1e-6)
+    plan = case.plan(2, after=known, candidates=60)
+    assert pytest.approx(case.evaluate(there + plan.places).J, rel=1e-7, abs=0) == plan.J
+    assert case.prior.covariance[0, 0] > known.covariance[0, 0]
+
+
 @pytest.mark.parametrize("kind", BOTH)
 def test_a_plan_with_kept_places_keeps_its_minutes(kind: Callable[[], Made]) -> None:
     case = kind()
