@@ -239,7 +239,7 @@ class Estimated(Mapping[str, Curve]):
 
     @property
     def U(self) -> float:  # noqa: N802 (the field's letter)
-        """Expanded uncertainty over the volume, m: the RMS deviation after correction exceeds it in 5 % of machines."""
+        """Expanded uncertainty over the volume, m: of all machines and places 5 % are left with a larger deviation."""
         return expanded_uncertainty(self.estimation).space
 
     @property

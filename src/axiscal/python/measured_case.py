@@ -264,7 +264,10 @@ class Case:
         after: GivenReadings | Places | Estimated | None = None,
         criterion: Criterion | None = None,
     ) -> Evaluation:
-        """Return what readings at places, in this order, would make known, and the J that no others can beat."""
+        """Return what readings at places, in this order, would make known, and the J that no others can beat.
+
+        U is that of `Estimated`; the core's is of the RMS over the volume.
+        """
         where = "Case.evaluate"
         case, so_far = self._after(after, where)
         coming, function = places_of(places, self.description, where, "places"), callable(criterion)
