@@ -126,7 +126,7 @@ class Known:
         return found
 
     def __getitem__(self, name: str) -> Curve:
-        """Return one error as a curve: `known["EXX"](positions)` is a normal over positions."""
+        """Return one error as a curve: `known["EXX"](positions)` is a normal; bases of one's own: `table`."""
         terms = {term.name: i for i, term in self.case.machine.curves}
         i = terms[one_of("Known", "name", name, [*terms])]
         term, columns, every = self.case.machine.terms[i], self.case.machine.columns[i], self.covariance
