@@ -157,23 +157,46 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "a Marlin map (M420 V)": _bilinear,
     "a Marlin map (M421, M503)": lambda found: _nodes(found, "echo:  G29 W"),
     "a Marlin map (M421, M503), as G-code": lambda found: _nodes(found, "N7 M421", " ; from a slicer"),
-    "probed points of Marlin (G29 V4)": lambda found: _points(found, "Recv: Bed X: {x:.3f} Y: {y:.3f} Z: {z:.3f}\n"),
+    "touches as a firmware printed them, of Marlin": lambda found: _points(
+        found, "Recv: Bed X: {x:.3f} Y: {y:.3f} Z: {z:.3f}\n"
+    ),
     "a linear map of Marlin (G29 T)": _linear,
-    "probed points of the Klipper console": lambda found: _points(found, "// probe at {x:.3f},{y:.3f} is z={z:.6f}\n"),
-    "probed points of the Klipper console, since 2025": lambda found: _points(
+    "touches as a firmware printed them, of Klipper": lambda found: _points(
+        found, "// probe at {x:.3f},{y:.3f} is z={z:.6f}\n"
+    ),
+    "touches as a firmware printed them, of Klipper since 2025": lambda found: _points(
         found, "14:02:11  // probe: at {x:.3f},{y:.3f} bed will contact at z={z:.6f}\n"
     ),
-    "probed points of Marlin (G29 V4), in a log with dates": lambda found: _points(
+    "touches as a firmware printed them, of Marlin in a log with dates": lambda found: _points(
         found, "[2026-11-20 10:11:12.345] Recv: Bed X: {x:.3f} Y: {y:.3f} Z: {z:.3f}\n"
     ),
-    "probed points of Marlin (G29 V4), in a log of Repetier-Host": lambda found: _points(
+    "touches as a firmware printed them, of Marlin in a log of Repetier-Host": lambda found: _points(
         found, "12:33:44.123 : Bed X: {x:.3f} Y: {y:.3f} Z: {z:.3f}\n"
     ),
-    "touches of grbl": lambda found: (
+    "touches as a firmware printed them, of grbl": lambda found: (
         "[PRB:0.000,0.000,-9.000:0]\nALARM:5\n"
         + _points(found, ">>> G38.2 Z-5 F50\n[PRB:{x:.3f},{y:.3f},{z:.3f}:1]\nok\n")
     ),
-    "touches of grbl, of four axes": lambda found: _points(found, "[PRB:{x:.3f},{y:.3f},{z:.3f},0.000:1]\n"),
+    "touches as a firmware printed them, of grbl of four axes": lambda found: _points(
+        found, "[PRB:{x:.3f},{y:.3f},{z:.3f},0.000:1]\n"
+    ),
+    "touches as a firmware printed them, of TinyG": lambda found: _points(
+        found, '{{"r":{{"prb":{{"e":1,"x":{x:.3f},"y":{y:.3f},"z":{z:.3f},"a":0.000}}}},"f":[1,0,23]}}\n'
+    ),
+    "touches as a firmware printed them, of Smoothieware": lambda found: _points(
+        found, "Recv: DEBUG: X{x:.4f}, Y{y:.4f}, Z{z:.4f}\n"
+    ),
+    "touches as a firmware printed them, of Repetier": lambda found: _points(
+        found, "15:33:28.605 : G33 X{x:.2f} Y{y:.2f} Z{z:.3f}\n"
+    ),
+    "touches as a firmware printed them, of Klipper on a page": lambda found: _points(
+        found, "1/12/2026, 12:50:51 PM | probe at {x:.3f},{y:.3f} is z={z:.6f}\n"
+    ),
+    "a Marlin map (M420 V), for OpenSCAD": lambda found: (
+        "Recv: Echo:Bilinear Leveling Grid:\nRecv: measured_z = [\n"
+        + "".join(f"Recv:  [ {row} ],\n" for row in _rows(found, "nan", ", ", "{:+.3f}"))
+        + "Recv: ];\n"
+    ),
     "a bCNC probe file": _bcnc,
     "a Candle height map": _candle,
     "an OpenCNCPilot height map": _xml,
@@ -182,11 +205,17 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "a Marlin map (M420 V), of 2015": lambda found: _unlabelled(found, "4\nZ offset: 0.00000", 1),
     "a Marlin map (M420 V), of a Prusa": lambda found: _unlabelled(found, "5.00", -1),
     "a UBL map, as CSV with commas": lambda found: _csv_topography(found).replace("\t", ","),
-    "probed points of the Klipper console, screws": lambda found: _points(
+    "touches as a firmware printed them, of screws of Klipper": lambda found: _points(
         found, "// rear left : x={x:.1f}, y={y:.1f}, z={z:.5f} : adjust CCW 00:50\n"
     ),
     "a list of points X Y Z": lambda found: "# UGS\n" + _points(found, "{x} {y} {z}\n"),
     "a list of points X Y Z, with commas": lambda found: "X,Y,Z\n" + _points(found, "{x},{y},{z}\n"),
+    "a list of points X Y Z, behind their names": lambda found: (
+        "// Group Target X Y Z\n"
+        + "".join(
+            f"Main p{number}, {line}" for number, line in enumerate(_points(found, "{x}, {y}, {z}\n").splitlines(True))
+        )
+    ),
     "a list of points X Y Z, of nine axes": lambda found: _points(found, "{x:.6f} {y:.6f} {z:.6f}" + 6 * " 0.0" + "\n"),
     "a list of points X Y Z, with decimal commas": lambda found: _points(found, "{x};{y};{z}\n").replace(".", ","),
     "a Klipper mesh": _mesh,

@@ -256,8 +256,9 @@ TRADES = tomllib.loads((Path(__file__).parent / "trade_files.toml").read_text(en
 @pytest.mark.parametrize(("unit", "says", "text"), [row[1:] for row in TRADES], ids=[row[0] for row in TRADES])
 def test_a_file_of_a_trade_is_read_as_it_is_meant(tmp_path: Path, unit: str, says: list[object], text: str) -> None:
     last = read(tmp_path, text, unit=unit).found.readings[-1]
-    assert [*last.position.values(), last.value] == pytest.approx(says[:2])
-    assert [*last.approach.values(), last.run, last.axis] == says[2:]
+    numbers = [*last.position.values(), last.value]
+    assert numbers == pytest.approx(says[: len(numbers)])
+    assert [*last.approach.values(), last.run, last.axis] == says[len(numbers) :]
 
 
 @pytest.mark.parametrize(

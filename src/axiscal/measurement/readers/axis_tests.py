@@ -18,17 +18,16 @@ from typing import Literal
 
 from axiscal.language.spoken import later, said
 from axiscal.machine.entry import AXIS_NAME
-from axiscal.measurement.readers.columns import ANGLES, LENGTHS, STEMS, TEXT, Column, run_of, sign_of, unread, whole
+from axiscal.measurement.readers.columns import ANGLES, READ_IN, STEMS, TEXT, Column, run_of, sign_of, unread, whole
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, header_of, table_of
 from axiscal.measurement.readers.table_cells import Cell
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import said_quantity
 
-_BOTH = LENGTHS + ANGLES
 _READ = ("deviation", "actual")
 """Of a reading: how far off the axis stood, or where."""
-_BESIDE = {"direction": TEXT, "run": TEXT, **dict.fromkeys(_READ, _BOTH), "setup": TEXT, "axis": TEXT, "time": TEXT}
+_BESIDE = {"direction": TEXT, "run": TEXT, **dict.fromkeys(_READ, READ_IN), "setup": TEXT, "axis": TEXT, "time": TEXT}
 _RADII = later("these are radii, and no deviations"), later("take the radius off them")
 _NUMBERED = later("number the runs 1, 2, 3, ...")
 _UNKNOWN = later("direction {text!r} is not known")
@@ -73,7 +72,7 @@ def axis_test(file: TextFile, around: Around) -> Found:
     if not table.all_of("direction") and test_of(file) != "long":
         return _in_columns(file, table)
     place = "angle" if table.all_of("angle") else "target"
-    layout = {place: ANGLES if place == "angle" else _BOTH} | _BESIDE
+    layout = {place: ANGLES if place == "angle" else READ_IN} | _BESIDE
     what = next((stem for stem in _READ if table.all_of(stem)), "deviation")
     at, read = table.needed(layout, "angle_deg" if place == "angle" else "target_mm", f"{what}_um")
     if place == "angle" and table.all_of("actual"):
@@ -139,7 +138,7 @@ def _lines(table: CsvTable, place: str, ways: Sequence[int], read: Column, kind:
 def _in_columns(file: TextFile, table: CsvTable) -> Found:
     """Return the readings of a table with a column for each run, there and back; raises ReadingError."""
     if file.unit:
-        table.allow(dict.fromkeys((column.stem for column in table.columns), _BOTH))
+        table.allow(dict.fromkeys((column.stem for column in table.columns), READ_IN))
     silent = not (file.unit or any(column.unit or column.stem == "angle" for column in table.columns))
     if silent and any(map(_UNIT_IN_WORDS.search, file.lines[: table.line - 1])):
         raise table.fail("a title names a unit, and no column does", "write Pos_mm and 1+_um in the header, or such")

@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import compress
 from math import hypot
 from pathlib import Path
@@ -18,34 +17,19 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from axiscal.language.spoken import joined
+from axiscal.language.spoken import joined, said
 from axiscal.measurement.readers.columns import unread
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
-from axiscal.measurement.readers.text_file import TextFile, begins, objects_in, read_text, telling
-from axiscal.measurement.setup import Vector
+from axiscal.measurement.readers.text_file import TextFile, lines_of_kind, newest_first, objects_in, read_text, telling
 from axiscal.units import from_unit
 
 Side = tuple[float, float, float]
 """Of a map: first and last node, m, and how many."""
 Rows = list[tuple[int, list[str]]]
 """Of a map, along y: line and cells."""
-_BLOCK = re.compile(r"(?:#\*#\s*)?\[bed_mesh\s+([^\]]+?)\s*\]")
-_RECTANGLE, _ROUND = re.compile(r"\[bed_mesh\]"), re.compile(r"\s*mesh_radius\s*[:=]")
-_OPTION = re.compile(r"([a-z_]+)\s*[=:]\s*(.*)")
-_OF_MESH = re.compile(r"version|points|[xy]_count|mesh_[xy]_pps|algo|tension|(min|max)_[xy]")
 _OF_MAPS = {"probed_matrix", "profiles"}
 _OF_STATUS = ("bed_mesh", *_OF_MAPS)
-_CONSOLE = re.compile("Mesh Leveling Probed Z positions:")
-_AT_NOZZLE = re.compile(r"probe at ([^\s,]+),([^\s,]+) is z=(\S+)(.*)")
-_AT_BED = re.compile(r"probe: at ([^\s,]+),([^\s,]+) bed will contact at z=(\S+)(.*)")
-"""What Klipper prints of each touch, until 2025 and since."""
-_AT_SCREW = re.compile(r"\S.*? : x=([^\s,]+), y=([^\s,]+), z=([^\s,]+)(?: : adjust C?CW \d+:\d+)?(.*)")
-"""What SCREWS_TILT_CALCULATE prints of each screw, where the nozzle stood."""
-_NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?|=+|nan", re.IGNORECASE)
-_TRAMMED = re.compile("Making the following Z adjustments")
-"""Behind it the gantry lies anew: what was probed before is no part of a map."""
-_MAPPED = re.compile("Mesh Bed Leveling Complete|G29 Auto Bed Leveling")
-"""Ends the map of a Klipper, and begins one of a Marlin."""
+LINES, _TOUCHES = lines_of_kind("maps"), lines_of_kind("touches")
 _PRINTED_TO = {"X": 1e-4, "Y": 1e-4}
 """m: places are printed in fewer digits than they have, some in whole millimetres."""
 _SLACK = 1e-4
@@ -110,7 +94,7 @@ def is_moonraker(file: TextFile) -> bool:
 
 def _profiles(file: TextFile) -> dict[int, str]:
     """Return the names of the meshes by their lines."""
-    return {number: begin[1] for number, line in enumerate(file.lines, 1) if (begin := _BLOCK.match(line))}
+    return {number: begin[1] for number, line in enumerate(file.lines, 1) if (begin := LINES["block"].match(line))}
 
 
 def height_map(file: TextFile, around: Around) -> Found:
@@ -145,8 +129,8 @@ def mesh(file: TextFile, around: Around, whole: bool = False) -> Found:
         text = line.removeprefix("#*#").partition("#")[0].strip()
         if text.startswith("["):
             break
-        if option := _OPTION.fullmatch(text):
-            if not _OF_MESH.fullmatch(option[1]):
+        if option := LINES["option"].fullmatch(text):
+            if not LINES["of_mesh"].fullmatch(option[1]):
                 raise file.fail("{key} is not known of a mesh", "take it out", number, key=option[1][:40])
             inside, keys[option[1]] = option[1] == "points", option[2]
             text = option[2] if inside else ""
@@ -188,7 +172,7 @@ def _as(kind: type, value: object) -> Any:
 
 def console(file: TextFile, around: Around) -> Found:
     """Return the readings of what BED_MESH_OUTPUT printed, rows along y; raises ReadingError."""
-    return unfilled(file, grid(file, around, *rows_below(file, _CONSOLE)))
+    return unfilled(file, grid(file, around, *rows_below(file, LINES["console"])))
 
 
 def rows_below(file: TextFile, title: re.Pattern[str]) -> tuple[Rows, int]:
@@ -196,29 +180,27 @@ def rows_below(file: TextFile, title: re.Pattern[str]) -> tuple[Rows, int]:
     begin, below = below_title(file, title)
     rows = Rows()
     for number, text in below:
-        if text and all(map(_NUMBER.fullmatch, text.split())):
-            rows.append((number, text.split()))
+        cells = re.sub(r"[\[\],]", " ", text).split()  # as Marlin writes for OpenSCAD, too
+        if cells and all(map(LINES["number"].fullmatch, cells)):
+            rows.append((number, cells))
         elif rows:
             break
     return rows, begin
 
 
-def klipper_probed(file: TextFile, around: Around) -> Found:
-    """Return the readings of points that Klipper printed; raises ReadingError.
+def touched(file: TextFile, around: Around) -> Found:
+    """Return the readings of touches that a firmware printed, in inches where grbl has $13=1; raises ReadingError.
 
-    Older versions print where the nozzle stood: the probe stands beside it as the set-up says.
+    Where it prints the place of the nozzle, the probe stands beside it as the set-up says.
     """
-    aside = next((setup.offset for setup in around.setups if setup.offset is not None), None) or (0.0, 0.0, 0.0)
-    pattern = next(each for each in _PROBED if telling(each)(file))
-    return points_of(file, pattern, aside if pattern is _AT_NOZZLE else (0.0, 0.0, 0.0))
-
-
-def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.0, 0.0)) -> Found:
-    """Return the readings of lines with X, Y, Z and nothing behind; raises ReadingError.  aside : of each place, m"""
+    name, pattern = next((name, each) for name, each in _TOUCHES.items() if telling(each)(file))
+    stated = (setup.offset for setup in around.setups if setup.offset is not None and name == "nozzle")
+    aside = next(stated, (0.0, 0.0, 0.0))
+    file = replace(file, unit=file.unit or "in" * any(line.strip() == "$13=1" for line in file.lines))
     found, count, line, whole = list[RawReading](), 0, 1, False
-    for line, text in file.told:
-        whole |= bool(found and _MAPPED.match(text))
-        if _TRAMMED.match(text):
+    for line, text in file.told[:: -1 if newest_first(file) else 1]:
+        whole |= bool(found and LINES["mapped"].match(text))
+        if LINES["trammed"].match(text):
             found, count = [], 0
         elif point := pattern.match(text):
             if whole:
@@ -228,7 +210,18 @@ def points_of(file: TextFile, pattern: re.Pattern[str], aside: Vector = (0.0, 0.
             x, y = (file.length(point[1 + k], "place", line) + aside[k] for k in (0, 1))
             found += height(file, x, y, point[3], line)
             count += 1
-    return probed_of(file, found, count, line)
+    return noted(file, probed_of(file, found, count, line))
+
+
+def noted(file: TextFile, found: Found) -> Found:
+    """Return readings with the unit that was taken; raises ReadingError where a remark names another.
+
+    Their numbers name none.
+    """
+    named = (number for number, line in enumerate(file.lines, 1) if LINES["inches"].match(line))
+    if not file.unit and (line := next(named, 0)):
+        raise file.fail("this line names inches, and the numbers name no unit", "say it: --unit inch or mm", line)
+    return replace(found, note=said("in {unit}", unit=file.unit or "mm"))
 
 
 def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, Sequence[tuple[int, str]]]:
@@ -240,10 +233,9 @@ def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, Sequence[t
     return begins[0], file.told[begins[0] :]
 
 
-_PROBED = (_AT_BED, _AT_NOZZLE, _AT_SCREW)
-is_height_map = partial(begins, ("RepRapFirmware height map file.*",))
-is_console, is_klipper_probed = telling(_CONSOLE), telling(*_PROBED)
-"""Whether a line is that by which BED_MESH_OUTPUT begins, or a point that Klipper probed."""
+is_height_map, is_console = telling(LINES["height_map"]), telling(LINES["console"])
+is_touched = telling(*_TOUCHES.values())
+"""Whether a line is that by which a map of RepRapFirmware or BED_MESH_OUTPUT begins, or a touch."""
 
 
 def _stated(file: TextFile, wide: int, high: int, line: int, around: Around) -> list[Side]:
@@ -281,7 +273,7 @@ def unfilled(file: TextFile, found: Found) -> Found:
 
     A [bed_mesh] without mesh_radius in the same file says that the bed is no circle.
     """
-    rectangle = any(map(_RECTANGLE.match, file.lines)) and not any(map(_ROUND.match, file.lines))
+    rectangle = any(map(LINES["rectangle"].match, file.lines)) and not any(map(LINES["round"].match, file.lines))
     places = np.array([(each.position["X"], each.position["Y"]) for each in found.readings])
     middle, (wide, high) = (places.min(0) + places.max(0)) / 2, np.ptp(places, axis=0)
     if rectangle or abs(high - wide) > _SLACK:

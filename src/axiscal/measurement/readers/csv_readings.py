@@ -31,6 +31,7 @@ from axiscal.units import parse_quantity, to_unit
 _DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
 _NO_YEAR = 1900
 """That of a time without a date, by Python."""
+_SECONDS = re.compile(r"[_\[(]s[\])]?$")
 _REMEDY = "write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time"
 
 _THREE = ("value_x", "value_y", "value_z")
@@ -238,7 +239,9 @@ def read_times(table: CsvTable) -> list[float | None]:
     """
     if not table.all_of("time"):
         return [None] * len(table.rows)
-    cells = [row.of("time") for row in table.rows]
+    at = [place for place, column in enumerate(table.columns) if column.stem == "time"]  # a date, and a time of day
+    texts = (" ".join(filter(None, (row.texts[place] for place in at))) for row in table.rows)
+    cells = [replace(row.cell(at[0]), text=text) for row, text in zip(table.rows, texts, strict=True)]
     times = [*map(_time, cells)]
     for cell, (kind, seconds), (_, last) in zip(cells, times, (times[0], *times), strict=False):
         if kind != times[0][0]:
@@ -257,11 +260,12 @@ def _time(cell: Cell) -> tuple[str, float]:
         kind = "date with zone" if moment.tzinfo else "date"
         return kind, (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
     with suppress(UnitError):
-        return "since", parse_quantity(cell.text, "time")
+        return "since", parse_quantity(cell.text + " s" * bool(_SECONDS.search(cell.column.name)), "time")
     for form in TIMES:
         with suppress(ValueError):
             moment = datetime.strptime(cell.text, form).replace(tzinfo=UTC)
-            return ("clock" if moment.year == _NO_YEAR else "date"), moment.timestamp()
+            day = cell.text.split()[0] if form.startswith(("%d/", "%m/")) else "date"  # 1/2 and 2/2: a day or a month
+            return ("clock" if moment.year == _NO_YEAR else day), moment.timestamp()
     raise cell.fail("time {text!r} is no time", _REMEDY, text=cell.text[:40])
 
 

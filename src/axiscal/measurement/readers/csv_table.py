@@ -53,7 +53,7 @@ _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 _SEPARATORS, _QUOTED = ",;\t", re.compile(r'"[^"]*"|\([^()]*\)')
 _SEPARATED, _GAP = re.compile(r"[;\t]|,(?!\d)|(?<!\d),"), re.compile(" {2,}")
 """What separates cells, no decimal comma, and what does where nothing else does."""
-_NOTHING = re.compile(r"\s*#|[\s;,]*$")
+_NOTHING = re.compile(r"\s*#(?![;\t,])|[\s;,]*$")
 _TITLES = 60
 """Lines with more titles above the header than any program writes are no table."""
 _COLUMNS = 1000

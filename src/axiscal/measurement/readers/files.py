@@ -14,9 +14,7 @@ from axiscal.language.spoken import counted, joined, later, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.readers import bed_map, level_survey, marlin_map, point_lists
 from axiscal.measurement.readers.axis_tests import axis_named, axis_test, test_of
-from axiscal.measurement.readers.bed_map import points_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
-from axiscal.measurement.readers.marlin_map import POINT
 from axiscal.measurement.readers.probe_offset import offset_in
 from axiscal.measurement.readers.renishaw import file_type, laser_test
 from axiscal.measurement.readers.text_file import TextFile
@@ -59,16 +57,14 @@ FORMATS = (
     Format(later("a Klipper mesh"), bed_map.is_mesh, bed_map.mesh),
     Format(later("a Moonraker mesh"), bed_map.is_moonraker, bed_map.moonraker),
     Format(later("a mesh of the Klipper console"), bed_map.is_console, bed_map.console),
-    Format(later("probed points of the Klipper console"), bed_map.is_klipper_probed, bed_map.klipper_probed),
     Format(later("a UBL map"), marlin_map.is_topography, marlin_map.topography),
-    Format(later("probed points of Marlin (G29 V4)"), marlin_map.is_probed, lambda file, _: points_of(file, POINT)),
+    Format(later("touches as a firmware printed them"), bed_map.is_touched, bed_map.touched, True),
     Format(later("a linear map of Marlin (G29 T)"), marlin_map.is_linear, marlin_map.printed),
     Format(later("a Marlin map (M420 V)"), marlin_map.is_printed, marlin_map.printed),
     Format(later("a Marlin map (M421, M503)"), marlin_map.is_nodes, marlin_map.nodes),
     Format(later("an OpenCNCPilot height map"), point_lists.is_xml, point_lists.xml, True),
     Format(later("a Candle height map"), point_lists.is_candle, point_lists.candle, True),
     Format(later("a bCNC probe file"), point_lists.is_bcnc, point_lists.bcnc, True),
-    Format(later("touches of grbl"), point_lists.is_grbl, point_lists.grbl, True),
     Format(later("a list of points X Y Z"), point_lists.is_list, point_lists.listed, True),
     Format(later("a circular test (ISO 230-4)"), lambda file: test_of(file) == "circle", axis_test, True),
     Format(later("a test of one axis, a column a run"), lambda file: test_of(file) == "wide", axis_test, True),

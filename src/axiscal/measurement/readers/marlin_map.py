@@ -10,32 +10,19 @@ import re
 from dataclasses import replace
 
 from axiscal.language.spoken import said
-from axiscal.measurement.readers.bed_map import Rows, below_title, grid, rows_below
+from axiscal.measurement.readers.bed_map import LINES, Rows, below_title, grid, rows_below
 from axiscal.measurement.readers.csv_readings import Around, Found
-from axiscal.measurement.readers.text_file import TextFile, telling
+from axiscal.measurement.readers.text_file import TextFile, lines_of_kind, telling
 from axiscal.units import from_unit
 
-_TOPOGRAPHY = re.compile("Bed Topography Report")
-_LINEAR = re.compile("Bed Height Topography:")
-_PRINTED = re.compile(r"(?:raw |compensated )?Bilinear Leveling Grid:|Measured points:", re.IGNORECASE)
-_LABELLED = re.compile(r"(\d{1,3}) ?\|(.*)")
-_CORNER = re.compile(r"\(\s*(-?[\d.]+),\s*(-?[\d.]+)\)")
-_CELL = re.compile(r"[-+]?[\d.]+|=+|nan", re.IGNORECASE)
-_NODE = re.compile(r"(?:N\d{1,9}\s+)?(M421|G29 [WS]3?)(?![\d.])([^;*]*)")
-_OF_NODE = re.compile(r"\s*I ?(\d{1,3})\s*J ?(\d{1,3})\s*(?:Z ?([-+.\w]+)|N)\s*")
-POINT = re.compile(r"Bed X: ?(\S+) Y: ?(\S+) Z: ?(\S+)(.*)")
-_INCHES = re.compile(r"G20\b")
-_BUILT = re.compile(r"; mesh from X (\S+) to (\S+) and Y (\S+) to (\S+)")
+_LINES = lines_of_kind("marlin")
 _WHOLE = "copy the whole map as Marlin printed it"
-
-
-_titled, is_linear, is_printed = telling(_TOPOGRAPHY), telling(_LINEAR), telling(_PRINTED)
-"""Whether a line begins the topography of UBL (M420 V, G29 T), that of a level plane, or a grid of M420 V."""
-_cornered, _labelled = telling(_CORNER), telling(_LABELLED)
-_unlabelled = telling(re.compile("Num X,Y:"))  # Marlin 1 of 2015 and a Prusa's G81, which begins with the last row
-_of_prusa = telling(re.compile(r"Z search height: \d\.\d\d$"))  # that of Marlin is a whole number
-is_probed, is_nodes = telling(POINT), telling(_NODE)
-"""Whether there are lines of G29 V4, or that set a node: M421, or G29 W and G29 S3 of a report of M503."""
+_titled, is_linear, is_printed, is_nodes = (
+    telling(_LINES[each]) for each in ("topography", "linear", "printed", "node")
+)
+_cornered, _labelled, _unlabelled, _of_prusa = (
+    telling(_LINES[each]) for each in ("corner", "row", "unlabelled", "prusa")
+)
 
 
 def is_topography(file: TextFile) -> bool:
@@ -45,20 +32,20 @@ def is_topography(file: TextFile) -> bool:
 
 def topography(file: TextFile, around: Around) -> Found:
     """Return the readings of a topography: its corners are printed, or the set-up states them; raises ReadingError."""
-    begin, below = below_title(file, _TOPOGRAPHY) if _titled(file) else (1, file.told)
+    begin, below = below_title(file, _LINES["topography"]) if _titled(file) else (1, file.told)
     if "CSV" in file.lines[begin - 1]:
         lines = [(number, re.split("[\t,]", text)) for number, text in below if re.search("[\t,]", text)]
         return grid(file, around, lines[::-1], begin)
     rows, unlabelled, corners = dict[int, tuple[int, list[str]]](), Rows(), list[tuple[str, str]]()
     for number, text in below:
         cells = re.sub(r"[\[\]]", " ", text)
-        if row := _LABELLED.match(cells):
+        if row := _LINES["row"].match(cells):
             if int(row[1]) in rows:
                 raise file.fail("row {row} stands here twice", _WHOLE, number, row=row[1])
             rows[int(row[1])] = number, row[2].split()
-        elif cells.strip() and all(map(_CELL.fullmatch, cells.split())):
+        elif cells.strip() and all(map(LINES["number"].fullmatch, cells.split())):
             unlabelled.append((number, cells.split()))
-        corners += _CORNER.findall(text)
+        corners += _LINES["corner"].findall(text)
     if not rows:
         rows = dict(enumerate(reversed(unlabelled)))  # of Marlin 1, which prints nodes around the corners in mm
         right, top = str(len(rows[0][1]) - 1) if rows else "", str(len(rows) - 1)
@@ -77,7 +64,7 @@ def topography(file: TextFile, around: Around) -> Found:
 
 def printed(file: TextFile, around: Around) -> Found:
     """Return the readings of a grid, rows along y, those of a Prusa and a linear map backwards; raises ReadingError."""
-    rows, begin = rows_below(file, _LINEAR if is_linear(file) else _PRINTED)
+    rows, begin = rows_below(file, _LINES["linear"] if is_linear(file) else _LINES["printed"])
     numbered = [(line, cells[1:]) for j, (line, cells) in enumerate(rows[1:]) if cells[0] == str(j)]
     if len(numbered) < len(rows) - 1 and (_unlabelled(file) or is_linear(file)):
         note = said("as if all were probed") if (prusa := _of_prusa(file)) else ""
@@ -91,7 +78,7 @@ def printed(file: TextFile, around: Around) -> Found:
 
 def in_unit(file: TextFile) -> TextFile:
     """Return an answer to M503 with the unit that its lengths are in: inches behind G20."""
-    return replace(file, unit="in" if any(_INCHES.match(text) for _, text in file.told) else "mm")
+    return replace(file, unit="in" if any(_LINES["inches"].match(text) for _, text in file.told) else "mm")
 
 
 def nodes(file: TextFile, around: Around) -> Found:
@@ -102,8 +89,8 @@ def nodes(file: TextFile, around: Around) -> Found:
     file = in_unit(file)
     found = dict[tuple[int, int], tuple[int, str]]()
     for number, text in file.told:
-        if command := _NODE.match(text):
-            if not (whole := _OF_NODE.fullmatch(command[2])):
+        if command := _LINES["node"].match(text):
+            if not (whole := _LINES["of_node"].fullmatch(command[2])):
                 remedy = "write it as in M421 I0 J0 Z0.05"
                 raise file.fail("{text!r} says no height of a point", remedy, number, text=text[:40])
             i, j, node = whole[1], whole[2], (int(whole[1]), int(whole[2]))
@@ -120,7 +107,7 @@ def nodes(file: TextFile, around: Around) -> Found:
         what = "the mesh of {wide} x {high} points has {count} values"
         remedy = "give the whole answer to M503, or state in the set-up how many were probed: map"
         raise file.fail(what, remedy, line, wide=wide, high=high, count=len(found))
-    built = next((ends for text in file.lines if (ends := _BUILT.match(text))), None)
+    built = next((ends for text in file.lines if (ends := _LINES["built"].match(text))), None)
     if built and stated is None:
         low_x, top_x, low_y, top_y = (from_unit(file.number(end, "end", 1), "mm") for end in built.groups())
         around = replace(around, ends=((low_x, top_x), (low_y, top_y)))

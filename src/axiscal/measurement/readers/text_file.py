@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import resources
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +23,9 @@ MOST = 20_000_000
 MOST_LINES = 200_000
 """Lines; estimating takes 10,000 readings in a minute, and a file that is wrong is to be refused in a second."""
 
-_TIME = r"(?:[\d-]{10} )?\d\d?:\d\d(?::\d\d)?(?:[.,]\d+)?\s*(?:[AP]M\s*)?(?:- )?"
-_LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:Recv:|<<<|>>>|[<>])?\s*(?:echo:|//)?\s*")
+_LINES = tomllib.loads(resources.files(__package__).joinpath("lines.toml").read_text(encoding="utf-8"))
+_TIME = r"(?:[\d./-]{8,10},? )?(\d\d?):(\d\d)(?::(\d\d))?(?:[.,]\d+)?\s*(?:([AP])M\s*)?(?:[-|] )?"
+_LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:Recv:|<<<|>>>|[<>])?\s*(?:[Ee]cho:|//)?\s*")
 _LARGEST = 1e9
 """In whatever unit the file has: a kilometre in micrometres, which no machine has."""
 
@@ -64,6 +68,11 @@ class TextFile:
         raise self.fail(what, remedy, line, name=name, shown=text if len(text) <= 40 else text[:37] + "...")
 
 
+def lines_of_kind(kind: str) -> dict[str, re.Pattern[str]]:
+    """Return how lines of a kind of files look, by what they are."""
+    return {name: re.compile(pattern) for name, pattern in _LINES[kind].items()}
+
+
 def begins(patterns: tuple[str, ...], file: TextFile) -> bool:
     """Return whether the first lines are as patterns have them."""
     return len(file.lines) >= len(patterns) and all(map(re.fullmatch, patterns, file.lines))
@@ -72,6 +81,13 @@ def begins(patterns: tuple[str, ...], file: TextFile) -> bool:
 def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:
     """Return what tells whether a line of a file begins with one of some patterns."""
     return lambda file: any(pattern.match(text) for _, text in file.told for pattern in patterns)
+
+
+def newest_first(file: TextFile) -> bool:
+    """Return whether the times in front of its lines go down, as on the page of a printer."""
+    found = [each for each in map(_LOG.match, file.lines) if each and each[1]]
+    clocks = [(each[4] or "", int(each[1]) % (12 if each[4] else 24), each[2], each[3] or "") for each in found]
+    return sum((after > before) - (after < before) for before, after in pairwise(clocks)) < 0
 
 
 def content(path: str | Path) -> bytes:
