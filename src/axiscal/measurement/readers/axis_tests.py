@@ -18,16 +18,17 @@ from typing import Literal
 
 from axiscal.language.spoken import later, said
 from axiscal.machine.entry import AXIS_NAME
-from axiscal.measurement.readers.columns import ANGLES, READ_IN, STEMS, TEXT, Column, run_of, sign_of, unread, whole
+from axiscal.measurement.readers.columns import LENGTHS, STEMS, TEXT, TILTS, Column, run_of, sign_of, unread, whole
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, header_of, table_of
 from axiscal.measurement.readers.table_cells import Cell
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import said_quantity
 
+_BOTH = LENGTHS + TILTS
 _READ = ("deviation", "actual")
 """Of a reading: how far off the axis stood, or where."""
-_BESIDE = {"direction": TEXT, "run": TEXT, **dict.fromkeys(_READ, READ_IN), "setup": TEXT, "axis": TEXT, "time": TEXT}
+_BESIDE = {"direction": TEXT, "run": TEXT, **dict.fromkeys(_READ, _BOTH), "setup": TEXT, "axis": TEXT, "time": TEXT}
 _RADII = later("these are radii, and no deviations"), later("take the radius off them")
 _NUMBERED = later("number the runs 1, 2, 3, ...")
 _UNKNOWN = later("direction {text!r} is not known")
@@ -43,21 +44,30 @@ _UNIT_IN_WORDS = re.compile(r"\b(inch(es)?|in|thou|zoll|pouces?|mm|[uµμ]m|micr
 
 def test_of(file: TextFile) -> Literal["circle", "wide", "long"] | None:
     """Return which test the columns are of: wide has a column a run, long a line a reading; None of no test."""
-    first, *others = header_of(file, STEMS) or (Column("", "", None),)
-    stems, turning = {column.stem for column in (first, *others)}, any(column.unit in ANGLES for column in others)
+    first, *others = header_of(file, STEMS | {_lettered(file).lower(): "target"}) or (Column("", "", None),)
+    stems, turning = {column.stem for column in (first, *others)}, any(column.unit in TILTS for column in others)
     if first.stem == "angle" and any(run_of(column.stem) for column in others):
         return "wide" if turning else "circle"
     if first.stem == "target" and others and not stems & {"direction", "deviation", "actual", "setup"}:
         return "wide"
-    if {"angle", "direction"} <= stems and not any(each.stem == "deviation" and each.unit in ANGLES for each in others):
+    if {"angle", "direction"} <= stems and not any(each.stem == "deviation" and each.unit in TILTS for each in others):
         return "circle"
     return "long" if stems & {"target", "direction", "run", *_READ} and "setup" not in stems else None
 
 
 def axis_named(file: TextFile) -> str:
-    """Return the axis that a line such as `Axis: X` names, "" where none does."""
+    """Return the axis that a line such as `Axis: X` names, or the column of targets; "" where none does."""
     found = filter(None, map(_NAMED.fullmatch, file.lines))
-    return next((each[1].upper() for each in found), "")
+    return next((each[1].upper() for each in found), "") or _lettered(file)
+
+
+def _lettered(file: TextFile) -> str:
+    """Return the axis that the column of targets is called, "" where it is called otherwise."""
+    stems = {column.stem for column in header_of(file, STEMS)}
+    letters = [stem for stem in stems if re.fullmatch(AXIS_NAME, stem)]
+    others = stems.difference(letters)
+    test = others & {*_READ} or (others and all(map(run_of, others)))
+    return letters[0] if len(letters) == 1 and test and not others & {"target", "angle"} else ""
 
 
 def axis_test(file: TextFile, around: Around) -> Found:
@@ -65,14 +75,14 @@ def axis_test(file: TextFile, around: Around) -> Found:
 
     The order of the lines numbers the runs where no column does.
     """
-    table = table_of(file, words=STEMS)
+    table = table_of(file, words=STEMS | {_lettered(file).lower(): "target"})
     silent = any(column.stem == "angle" and not column.unit for column in table.columns)
     if silent and any(abs(row.of("angle").number()) > 2 * math.pi for row in table.rows):  # above a turn in rad
         table = table.with_columns(replace(c, stated="deg" if c.stem == "angle" else c.stated) for c in table.columns)
     if not table.all_of("direction") and test_of(file) != "long":
         return _in_columns(file, table)
     place = "angle" if table.all_of("angle") else "target"
-    layout = {place: ANGLES if place == "angle" else READ_IN} | _BESIDE
+    layout = {place: TILTS if place == "angle" else _BOTH} | _BESIDE
     what = next((stem for stem in _READ if table.all_of(stem)), "deviation")
     at, read = table.needed(layout, "angle_deg" if place == "angle" else "target_mm", f"{what}_um")
     if place == "angle" and table.all_of("actual"):
@@ -138,7 +148,7 @@ def _lines(table: CsvTable, place: str, ways: Sequence[int], read: Column, kind:
 def _in_columns(file: TextFile, table: CsvTable) -> Found:
     """Return the readings of a table with a column for each run, there and back; raises ReadingError."""
     if file.unit:
-        table.allow(dict.fromkeys((column.stem for column in table.columns), READ_IN))
+        table.allow(dict.fromkeys((column.stem for column in table.columns), _BOTH))
     silent = not (file.unit or any(column.unit or column.stem == "angle" for column in table.columns))
     if silent and any(map(_UNIT_IN_WORDS.search, file.lines[: table.line - 1])):
         raise table.fail("a title names a unit, and no column does", "write Pos_mm and 1+_um in the header, or such")

@@ -14,7 +14,7 @@ LENGTHS = ("mm", "um", "nm", "m", "in", "inch", "thou", "uin")
 ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
 SLOPES = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "in/ft", "div")
 """Of a level: div are divisions, whose value is stated beside."""
-READ_IN = (*LENGTHS, *ANGLES, "arcmin", "um/m", "mm/m", "in/ft")
+TILTS = (*ANGLES, "arcmin", "um/m", "mm/m", "in/ft")
 """Of tests."""
 Units = tuple[str, ...]
 """In which a column may be."""

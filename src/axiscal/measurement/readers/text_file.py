@@ -113,7 +113,7 @@ def exact_text(path: str | Path) -> str:
 
 
 def read_text(path: str | Path, unit: str = "") -> TextFile:
-    """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
+    """Read a file in UTF-8, UTF-16 with its mark, or else Windows-1252; raises ReadingError."""
     text = _decoded(content(path))
     if text.startswith(("PK\3\4", "\xd0\xcf\x11\xe0")):
         raise ReadingError("the file is a workbook", "save its sheet as CSV", str(path))
@@ -137,7 +137,7 @@ def _decoded(data: bytes) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return data.decode("latin-1")  # only names and remarks go beyond ASCII
+        return data.decode("cp1252", errors="replace")  # names, remarks, and marks of thousands go beyond ASCII
 
 
 def objects_in(text: str) -> list[dict[str, Any]]:
