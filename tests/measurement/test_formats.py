@@ -141,6 +141,18 @@ def test_a_mesh_of_marlin_is_printed_with_more_decimals(tmp_path: Path) -> None:
     assert [*found][:4] == [(0.0, 5.0), (10.0, 5.0), (20.0, 5.0), (0.0, 6.0)]
 
 
+@pytest.mark.parametrize("form", ["a Marlin map (M420 V)", "a Marlin map (M421, M503)", "a Klipper mesh"])
+def test_rows_of_zeros_alone_are_those_that_nobody_probed(tmp_path: Path, form: str) -> None:
+    drawing = MAPS[1]
+    zeros = DrawnMap(drawing.x, drawing.y, np.where(np.arange(len(drawing.y))[:, None] < 2, drawing.z, 0.0))
+    found = read(tmp_path, zeros.text(form), drawing)
+    left = {at: z for at, z in drawing.probed().items() if at[1] < drawing.y[2]}
+    assert heights(found) == pytest.approx(left, abs=1e-9)
+    nothing = DrawnMap(drawing.x, drawing.y, np.zeros_like(drawing.z))
+    with pytest.raises(ReadingError, match=r"no node was probed\. Probe the bed and save the map again"):
+        read(tmp_path, nothing.text(form), drawing)
+
+
 def test_marlin_may_say_where_its_nodes_lie_and_that_it_counts_inches(tmp_path: Path) -> None:
     text, inches = MAPS[0].text("a Marlin map (M421, M503)"), {at: 25.4 * z for at, z in MAPS[0].probed().items()}
     placed = read(tmp_path, f"; mesh from X 20.0 to 280.0 and Y 20.0 to 280.0\n{text}")

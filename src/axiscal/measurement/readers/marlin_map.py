@@ -17,22 +17,18 @@ from axiscal.units import from_unit
 
 _LINES = lines_of_kind("marlin")
 _WHOLE = "copy the whole map as Marlin printed it"
-_titled, is_linear, is_printed, is_nodes = (
-    telling(_LINES[each]) for each in ("topography", "linear", "printed", "node")
-)
-_cornered, _labelled, _unlabelled, _of_prusa = (
-    telling(_LINES[each]) for each in ("corner", "row", "unlabelled", "prusa")
-)
+_HAS = {name: telling(pattern) for name, pattern in _LINES.items()}
+is_linear, is_printed, is_nodes = _HAS["linear"], _HAS["printed"], _HAS["node"]
 
 
 def is_topography(file: TextFile) -> bool:
     """Return whether this is a topography of UBL, with its title or copied without it."""
-    return _titled(file) or (_cornered(file) and _labelled(file))
+    return _HAS["topography"](file) or (_HAS["corner"](file) and _HAS["row"](file))
 
 
 def topography(file: TextFile, around: Around) -> Found:
     """Return the readings of a topography: its corners are printed, or the set-up states them; raises ReadingError."""
-    begin, below = below_title(file, _LINES["topography"]) if _titled(file) else (1, file.told)
+    begin, below = below_title(file, _LINES["topography"]) if _HAS["topography"](file) else (1, file.told)
     if "CSV" in file.lines[begin - 1]:
         lines = [(number, re.split("[\t,]", text)) for number, text in below if re.search("[\t,]", text)]
         return grid(file, around, lines[::-1], begin)
@@ -66,8 +62,8 @@ def printed(file: TextFile, around: Around) -> Found:
     """Return the readings of a grid, rows along y, those of a Prusa and a linear map backwards; raises ReadingError."""
     rows, begin = rows_below(file, _LINES["linear"] if is_linear(file) else _LINES["printed"])
     numbered = [(line, cells[1:]) for j, (line, cells) in enumerate(rows[1:]) if cells[0] == str(j)]
-    if len(numbered) < len(rows) - 1 and (_unlabelled(file) or is_linear(file)):
-        note = said("as if all were probed") if (prusa := _of_prusa(file)) else ""
+    if len(numbered) < len(rows) - 1 and (_HAS["unlabelled"](file) or is_linear(file)):
+        note = said("as if all were probed") if (prusa := _HAS["prusa"](file)) else ""
         return replace(grid(file, around, rows[:: -1 if prusa or is_linear(file) else 1], begin), note=note)
     if len(numbered) < len(rows) - 1:
         what = "these heights lie between the probed ones: they are those that the printer corrects by"

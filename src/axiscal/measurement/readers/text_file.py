@@ -25,7 +25,7 @@ MOST_LINES = 200_000
 
 _LINES = tomllib.loads(resources.files(__package__).joinpath("lines.toml").read_text(encoding="utf-8"))
 _TIME = r"(?:[\d./-]{8,10},? )?(\d\d?):(\d\d)(?::(\d\d))?(?:[.,]\d+)?\s*(?:([AP])M\s*)?(?:[-|] )?"
-_LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:Recv:|<<<|>>>|[<>])?\s*(?:[Ee]cho:|//)?\s*")
+_LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:(?:Recv:|READ:|->|[<>])\s*)*(?:[Ee]cho:|//)?\s*")
 _LARGEST = 1e9
 """In whatever unit the file has: a kilometre in micrometres, which no machine has."""
 
