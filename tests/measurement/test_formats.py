@@ -141,7 +141,7 @@ def test_a_mesh_of_marlin_is_printed_with_more_decimals(tmp_path: Path) -> None:
     assert [*found][:4] == [(0.0, 5.0), (10.0, 5.0), (20.0, 5.0), (0.0, 6.0)]
 
 
-@pytest.mark.parametrize("form", ["a Marlin map (M420 V)", "a Marlin map (M421, M503)", "a Klipper mesh"])
+@pytest.mark.parametrize("form", ["a Marlin map (M420 V)", "a Marlin map (M421, M503)"])
 def test_rows_of_zeros_alone_are_those_that_nobody_probed(tmp_path: Path, form: str) -> None:
     drawing = MAPS[1]
     zeros = DrawnMap(drawing.x, drawing.y, np.where(np.arange(len(drawing.y))[:, None] < 2, drawing.z, 0.0))

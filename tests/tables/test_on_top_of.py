@@ -63,6 +63,7 @@ MAP = (
 )
 SQUARE = "141.4,141.4,100"
 NODES = "".join(f"echo:  M421 I{i} J{j} Z{0.06 * i:.2f}\n" for i in (0, 1) for j in (0, 1))
+FLAT_IN_FRONT = "".join(f"M421 I{i} J{j} Z{0.08 * j:.2f}\n" for i in (0, 1, 2) for j in (0, 1))
 BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much coming up and coming down, um
     "linuxcnc, nominal and actual": ("linuxcnc", OldFile("X.comp", "0 0 0\n100 99.99 100.004\n"), "X", 10, -4),
     "linuxcnc, of the joint that its name says": (
@@ -93,6 +94,7 @@ BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much com
     "reprapfirmware: a bed": ("reprapfirmware", OldFile("heightmap.csv", MAP), "Z", 20, 20),
     "reprapfirmware: a skew is added": ("reprapfirmware", OldFile("config.g", "M556 S100 X1\n"), "X", 1000, 1000),
     "marlin: a bed, as M503 answers": ("marlin", OldFile("m503", f"M852 I0 J0 K0\n{NODES}"), "Z", 20, 20),
+    "marlin: a bed with a row of zeros": ("marlin", OldFile("m503", FLAT_IN_FRONT), "Z", 20, 20),
     "marlin: a skew is taken away": ("marlin", OldFile("m503", "M852 I0.01 J0 K0\n"), "X", -1000, -1000),
     "marlin: a skew of the one plane that it knows": ("marlin", OldFile("m503", "M852 S0.01\n"), "X", -1000, -1000),
     "marlin: in inches": ("marlin", OldFile("m503", "echo:  G20 ;\necho:  M425 F1 S0 X0.01\n"), "X", 127, -127),

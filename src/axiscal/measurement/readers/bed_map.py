@@ -17,7 +17,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from axiscal.document.file import number_or_none
 from axiscal.language.spoken import joined, said
 from axiscal.measurement.readers.columns import unread
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
@@ -36,8 +35,8 @@ _PRINTED_TO = {"X": 1e-4, "Y": 1e-4}
 _SLACK = 1e-4
 """m, of a radius: Klipper cuts its distances to 0.01 mm."""
 _Saved = TypeVar("_Saved")
-_MOST, _FEW = 1000, 2
-"""Nodes along a side, and how many of a row may be zero."""
+_MOST = 1000
+"""Nodes along a side."""
 _KEYS = "{0}min min{1} min_{0}", "{0}max max{1} max_{0}", "{0}num num{1} {0}_count", "{0}spacing spacing{1} spacing"
 """Of a side: as RepRapFirmware writes them today, in its newest version, and Klipper, or its first version."""
 
@@ -311,8 +310,6 @@ def grid(file: TextFile, places: Sequence[Side] | Around, points: Rows, line: in
         if len(cells) != len(at_x):
             what = "the row has {count} heights, and {along} are announced"
             raise file.fail(what, "copy the whole file", number, count=len(cells), along=len(at_x))
-        if len(cells) > _FEW and all(number_or_none(cell) == 0 for cell in cells):
-            continue  # Marlin has zeros where it did not come
         for x, cell in zip(at_x, cells, strict=True):
             found += height(file, x, y, cell, number)
     return probed_of(file, found, len(at_x) * len(at_y), points[0][0])

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+from axiscal.document.file import number_or_none
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.bed_map import LINES, Rows, below_title, grid, rows_below
 from axiscal.measurement.readers.csv_readings import Around, Found
@@ -69,7 +70,13 @@ def printed(file: TextFile, around: Around) -> Found:
         what = "these heights lie between the probed ones: they are those that the printer corrects by"
         remedy = "give what was probed: the mesh of printer.cfg, or the answer to BED_MESH_OUTPUT or to M420 V"
         raise file.fail(what, remedy, begin)
-    return grid(file, around, numbered, begin)
+    return grid(file, around, _visited(numbered), begin)
+
+
+def _visited(rows: Rows) -> Rows:
+    """Return rows without numbers in those of zeros alone: three and more are where Marlin did not come."""
+    zeros = [len(cells) > 2 and all(number_or_none(cell) == 0 for cell in cells) for _, cells in rows]
+    return [(line, ["nan"] * len(cells) if zero else cells) for (line, cells), zero in zip(rows, zeros, strict=True)]
 
 
 def in_unit(file: TextFile) -> TextFile:
@@ -77,8 +84,8 @@ def in_unit(file: TextFile) -> TextFile:
     return replace(file, unit="in" if any(_LINES["inches"].match(text) for _, text in file.told) else "mm")
 
 
-def nodes(file: TextFile, around: Around) -> Found:
-    """Return the readings of commands that set nodes; raises ReadingError.
+def nodes(file: TextFile, around: Around, zeros: bool = False) -> Found:
+    """Return the readings of commands that set nodes; raises ReadingError.  zeros : with their rows, too
 
     A node that no command sets was not probed, where the set-up says how many there are; else it is refused.
     """
@@ -108,4 +115,4 @@ def nodes(file: TextFile, around: Around) -> Found:
         low_x, top_x, low_y, top_y = (from_unit(file.number(end, "end", 1), "mm") for end in built.groups())
         around = replace(around, ends=((low_x, top_x), (low_y, top_y)))
     rows = [(line, [found.get((i, j), (0, "nan"))[1] for i in range(wide)]) for j in range(high)]
-    return grid(file, around, rows, line)
+    return grid(file, around, rows if zeros else _visited(rows), line)

@@ -21,7 +21,7 @@ from axiscal.measurement.readers.columns import STEMS, column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, table_of
 from axiscal.measurement.readers.table_cells import NUMBER, plain
-from axiscal.measurement.readers.text_file import TextFile, begins, lines_of_kind
+from axiscal.measurement.readers.text_file import TextFile, begins, lines_of_kind, telling
 
 _SLACK = 1e-6
 """m, of rounding."""
@@ -41,6 +41,8 @@ _NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _SIDE = re.compile(rf"({_NUMBER})\s({_NUMBER})\s+(\d{{1,4}})\s*")
 is_candle = partial(begins, tuple(rf"{_NUMBER}\s*(?:;{_NUMBER}\s*){{{more}}}" for more in (3, 3, 2)))
 """Whether the first lines are four, four and three numbers."""
+is_xml = telling(_LINES["height_map"])
+"""Whether there is an element `heightmap`."""
 
 
 def _head(file: TextFile) -> list[tuple[int, str]]:
@@ -60,11 +62,6 @@ def is_list(file: TextFile) -> bool:
     first = next((_cells(line) for _, line in _told(file) if not _LINES["remark"].match(line)), [])
     head = {column_of(cell, words=_WORDS).stem for cell in first}
     return bool(_numbers(first)) or {*"XYZ"} <= head <= {*_AXES, *_NORMAL, "", "time"}
-
-
-def is_xml(file: TextFile) -> bool:
-    """Return whether there is an element `heightmap`."""
-    return any(map(_LINES["height_map"].search, file.lines[:10]))
 
 
 def bcnc(file: TextFile, around: Around) -> Found:

@@ -110,7 +110,7 @@ def read(text: str, machine: Machine, name: str = "") -> Loaded:
 def _mesh(file: TextFile, machine: Machine) -> Mesh:
     travel = {axis.name: axis.travel for axis in machine.axes}
     ends = (travel["X"], travel["Y"]) if {"X", "Y"} <= travel.keys() else None
-    return mesh_of_nodes(nodes(file, Around(ends=ends)).readings)
+    return mesh_of_nodes(nodes(file, Around(ends=ends), zeros=True).readings)
 
 
 def _mm(places: Array) -> str:
