@@ -64,6 +64,8 @@ MAP = (
 SQUARE = "141.4,141.4,100"
 NODES = "".join(f"echo:  M421 I{i} J{j} Z{0.06 * i:.2f}\n" for i in (0, 1) for j in (0, 1))
 FLAT_IN_FRONT = "".join(f"M421 I{i} J{j} Z{0.08 * j:.2f}\n" for i in (0, 1, 2) for j in (0, 1))
+ENABLED = ENC.replace("(1)\n", "(1)\n$MA_ENC_COMP_ENABLE[0,AX1]=0\nNEWCONF\n").replace("0.0042", "4.2EX-3")
+ARCHIVE = "".join(f"N10 {line} '3c0a\n" if line.startswith("$") else f"{line}\n" for line in ENABLED.splitlines())
 BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much coming up and coming down, um
     "linuxcnc, nominal and actual": ("linuxcnc", OldFile("X.comp", "0 0 0\n100 99.99 100.004\n"), "X", 10, -4),
     "linuxcnc, of the joint that its name says": (
@@ -75,6 +77,7 @@ BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much com
     "linuxcnc, trims": ("linuxcnc", OldFile("X.comp", "0 0 0\n100 0.01 -0.004\n", file_type=1), "X", 10, -4),
     "linuxcnc, BACKLASH": ("linuxcnc", OldFile("mill.ini", "", joint=1, backlash=0.03), "Y", 15, -15),
     "sinumerik: positive values move an axis down": ("sinumerik", OldFile("AX_EEC.INI", ENC), "X", -4.2, -4.2),
+    "sinumerik, an archive": ("sinumerik", OldFile("AX_EEC.INI", ARCHIVE), "X", -4.2, -4.2),
     "sinumerik, an axis under its own name that somebody gives": (
         "sinumerik", OldFile("s.ini", ENC.replace("AX1", "MX1").replace(EMPTY, ""), "X"), "X", -4.2, -4.2
     ),

@@ -214,10 +214,7 @@ def touched(file: TextFile, around: Around) -> Found:
 
 
 def noted(file: TextFile, found: Found) -> Found:
-    """Return readings with the unit that was taken; raises ReadingError where a remark names another.
-
-    Their numbers name none.
-    """
+    """Return readings whose numbers name no unit with that taken; raises ReadingError where a remark names another."""
     named = (number for number, line in enumerate(file.lines, 1) if LINES["inches"].match(line))
     if not file.unit and (line := next(named, 0)):
         raise file.fail("this line names inches, and the numbers name no unit", "say it: --unit inch or mm", line)

@@ -24,7 +24,8 @@ from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 
-_PLAIN = re.compile(r"^\s*N\d+\s+")
+_BESIDE = re.compile(r"^\s*N\d+\s+|'[\da-fA-F]{2,8}\s*$|;.*")  # numbers of blocks, sums of archives, remarks
+_PASSED = ("%_N_", "CHANDATA(", "$MA_ENC_COMP_ENABLE", "$MA_CEC_ENABLE", "$SN_CEC_TABLE_ENABLE", "NEWCONF", "STOPRE")
 _VALUE = re.compile(r"\$A([AN])_(ENC_COMP|CEC)(?:_([A-Z_]+))?\[(\d+)(?:,(\w+))?(?:,(\w+))?\]\s*=\s*\(?([^)\s;]+)\)?")
 
 _MOST_POINTS = 100_000
@@ -49,8 +50,8 @@ def read(
     own = {f"{name}1": name for name in names} | {name: name for name in names}
     axes = own | {identifier: name for name, identifier in names.items()}
     tables, begins = dict[tuple[str, ...], dict[str, str]](), dict[tuple[str, ...], tuple[int, str]]()
-    for number, line in enumerate((_PLAIN.sub("", each.split(";")[0]).strip() for each in text.splitlines()), 1):
-        if not line or line.startswith(("%_N_", "CHANDATA(")) or line in ("M17", "M30"):
+    for number, line in enumerate((_BESIDE.sub("", each).strip() for each in text.splitlines()), 1):
+        if not line or line.startswith(_PASSED) or line in ("M17", "M30"):
             continue
         found = _VALUE.fullmatch(line)
         if found is None:
@@ -110,7 +111,7 @@ def _understood(
 
 def _number(text: str) -> float:
     """Return a finite number; raises TableError."""
-    if (value := number_or_none(text)) is None:
+    if (value := number_or_none(text.replace("EX", "E"))) is None:
         raise TableError("{text!r} is no number", "write digits with a decimal point", text=text[:40])
     return value
 
