@@ -274,6 +274,22 @@ def test_a_file_of_a_trade_is_read_as_it_is_meant(tmp_path: Path, unit: str, say
 
 
 @pytest.mark.parametrize(
+    ("page", "header"),
+    [
+        ("cp1250", "Pozycja [mm];Kierunek;Odchyłka [um]"),
+        ("cp1251", "Позиция [мм];Направление;Отклонение [мкм]"),
+        ("cp1252", "Position visée [mm];Sens;Écart [µm]"),
+        ("gb18030", "目标位置(mm);方向;误差(um)"),
+        ("cp932", "目標位置[mm];方向;誤差[um]"),
+    ],
+)
+def test_a_page_of_codes_is_that_in_which_most_words_are_known(tmp_path: Path, page: str, header: str) -> None:
+    last = read(tmp_path, f"{header}\n0,0;+;0,5\n1'100,0;-;2,5\n".encode(page)).found.readings[-1]
+    assert [last.position[""], last.value] == pytest.approx([1.1, 2.5e-6], abs=0.0)
+    assert last.approach[""] == -1
+
+
+@pytest.mark.parametrize(
     "text",
     [
         '[{"x": 10, "y": 20, "z": 1e-1}, {"x": 30, "y": 20, "z": null}, {"x": 30, "y": 25, "z": -0.2}]',

@@ -28,7 +28,6 @@ Side = tuple[float, float, float]
 Rows = list[tuple[int, list[str]]]
 """Of a map, along y: line and cells."""
 _OF_MAPS = {"probed_matrix", "profiles"}
-_OF_STATUS = ("bed_mesh", *_OF_MAPS)
 LINES, _TOUCHES = lines_of_kind("maps"), lines_of_kind("touches")
 _PRINTED_TO = {"X": 1e-4, "Y": 1e-4}
 """m: places are printed in fewer digits than they have, some in whole millimetres."""
@@ -87,9 +86,7 @@ def is_mesh(file: TextFile) -> bool:
 def is_moonraker(file: TextFile) -> bool:
     """Return whether this is an answer of Moonraker with a mesh in it."""
     first = next((line for line in file.lines if line.strip()), "")
-    return first.lstrip().startswith(("{", "[")) and any(
-        f'"{key}"' in line for line in file.lines for key in _OF_STATUS
-    )
+    return first.lstrip().startswith(("{", "[")) and any(map(LINES["moonraker"].match, file.lines))
 
 
 def _profiles(file: TextFile) -> dict[int, str]:

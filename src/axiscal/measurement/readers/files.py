@@ -12,9 +12,10 @@ from axiscal.document.ports import all_of
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import counted, joined, later, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.readers import bed_map, level_survey, marlin_map, point_lists
+from axiscal.measurement.readers import bed_map, marlin_map, point_lists
 from axiscal.measurement.readers.axis_tests import axis_named, axis_test, test_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
+from axiscal.measurement.readers.level_survey import TITLE, survey_readings
 from axiscal.measurement.readers.probe_offset import offset_in
 from axiscal.measurement.readers.renishaw import file_type, laser_test
 from axiscal.measurement.readers.text_file import TextFile
@@ -52,7 +53,7 @@ FORMATS = (
     Format(later("an angular test (.rta)"), lambda file: file_type(file) == "rta", laser_test, True),
     Format(later("a straightness test (.rts)"), lambda file: file_type(file) == "rts", laser_test, True),
     Format(later("a file of laser software"), lambda file: file_type(file) is not None, laser_test, True),
-    Format(later("a level survey"), level_survey.is_survey, level_survey.survey_readings),
+    Format(later("a level survey"), lambda file: bool(TITLE.fullmatch(file.lines[0])), survey_readings),
     Format(later("a RepRapFirmware map"), bed_map.is_height_map, bed_map.height_map),
     Format(later("a Klipper mesh"), bed_map.is_mesh, bed_map.mesh),
     Format(later("a Moonraker mesh"), bed_map.is_moonraker, bed_map.moonraker),

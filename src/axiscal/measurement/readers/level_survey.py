@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from axiscal.exceptions import InputError
 from axiscal.measurement.readers.columns import LENGTHS, OF_READINGS, SIGNS, SLOPES, TEXT
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, table_of
-from axiscal.measurement.readers.text_file import TextFile, begins
+from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import within
 
 _KEYS = ("setup", "base", "division")
@@ -29,8 +28,8 @@ _WORDS = OF_READINGS | {word: _PASSES[sign < 0] for word, sign in SIGNS.items()}
 """Passes by what they may be called."""
 
 
-is_survey = partial(begins, (r"(?i)[ \t;,]*# level survey\b[^=]*",))
-"""Whether the first line says that this is a survey."""
+TITLE = re.compile(r"(?i)[ \t;,]*# level survey\b[^=]*")
+"""First line of a survey."""
 _Head = dict[str, Any]
 """What the lines before the table say: set-up, base, m, division, rad."""
 

@@ -10,7 +10,6 @@ import json
 import re
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from itertools import islice
 
 import numpy as np
@@ -21,7 +20,7 @@ from axiscal.measurement.readers.columns import STEMS, column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, table_of
 from axiscal.measurement.readers.table_cells import NUMBER, plain
-from axiscal.measurement.readers.text_file import TextFile, begins, lines_of_kind, telling
+from axiscal.measurement.readers.text_file import TextFile, lines_of_kind, telling
 
 _SLACK = 1e-6
 """m, of rounding."""
@@ -39,8 +38,8 @@ _WHOLE = "copy the whole file"
 
 _NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _SIDE = re.compile(rf"({_NUMBER})\s({_NUMBER})\s+(\d{{1,4}})\s*")
-is_candle = partial(begins, tuple(rf"{_NUMBER}\s*(?:;{_NUMBER}\s*){{{more}}}" for more in (3, 3, 2)))
-"""Whether the first lines are four, four and three numbers."""
+_CANDLE = [re.compile(rf"{_NUMBER}\s*(?:;{_NUMBER}\s*){{{more}}}") for more in (3, 3, 2)]
+"""Its first lines: four, four and three numbers."""
 is_xml = telling(_LINES["height_map"])
 """Whether there is an element `heightmap`."""
 
@@ -49,6 +48,11 @@ def _head(file: TextFile) -> list[tuple[int, str]]:
     """Return the first three lines that are no remarks, with their numbers."""
     told = ((number, line) for number, line in enumerate(file.lines, 1) if not _LINES["remark"].match(line))
     return [*islice(told, 3)]
+
+
+def is_candle(file: TextFile) -> bool:
+    """Return whether this is a map of Candle."""
+    return len(file.lines) >= len(_CANDLE) and all(map(re.Pattern.fullmatch, _CANDLE, file.lines))
 
 
 def is_bcnc(file: TextFile) -> bool:

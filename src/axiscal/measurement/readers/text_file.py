@@ -16,6 +16,7 @@ from typing import Any
 
 from axiscal.document.file import bounded_content, number_or_none
 from axiscal.exceptions import ReadingError
+from axiscal.measurement.readers.columns import STEMS
 from axiscal.units import from_unit
 
 MOST = 20_000_000
@@ -26,6 +27,9 @@ MOST_LINES = 200_000
 _LINES = tomllib.loads(resources.files(__package__).joinpath("lines.toml").read_text(encoding="utf-8"))
 _TIME = r"(?:[\d./-]{8,10},? )?(\d\d?):(\d\d)(?::(\d\d))?(?:[.,]\d+)?\s*(?:([AP])M\s*)?(?:[-|] )?"
 _LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:(?:Recv:|READ:|->|[<>])\s*)*(?:[Ee]cho:|//)?\s*")
+_PAGES, _HEAD = ("cp1252", "cp1250", "cp1251", "gb18030", "cp932"), 5000
+"""Pages of codes in which spreadsheets save, and letters that decide: the one in which most words are known."""
+_BEYOND = re.compile("|".join(re.escape(word) for word in STEMS if not word.isascii()))
 _LARGEST = 1e9
 """In whatever unit the file has: a kilometre in micrometres, which no machine has."""
 
@@ -73,11 +77,6 @@ def lines_of_kind(kind: str) -> dict[str, re.Pattern[str]]:
     return {name: re.compile(pattern) for name, pattern in _LINES[kind].items()}
 
 
-def begins(patterns: tuple[str, ...], file: TextFile) -> bool:
-    """Return whether the first lines are as patterns have them."""
-    return len(file.lines) >= len(patterns) and all(map(re.fullmatch, patterns, file.lines))
-
-
 def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:
     """Return what tells whether a line of a file begins with one of some patterns."""
     return lambda file: any(pattern.match(text) for _, text in file.told for pattern in patterns)
@@ -113,7 +112,7 @@ def exact_text(path: str | Path) -> str:
 
 
 def read_text(path: str | Path, unit: str = "") -> TextFile:
-    """Read a file in UTF-8, UTF-16 with its mark, or else Windows-1252; raises ReadingError."""
+    """Read a file in UTF-8, UTF-16 with its mark, or else a page of Windows; raises ReadingError."""
     text = _decoded(content(path))
     if text.startswith(("PK\3\4", "\xd0\xcf\x11\xe0")):
         raise ReadingError("the file is a workbook", "save its sheet as CSV", str(path))
@@ -137,7 +136,8 @@ def _decoded(data: bytes) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return data.decode("cp1252", errors="replace")  # names, remarks, and marks of thousands go beyond ASCII
+        texts = [data.decode(each, errors="replace") for each in _PAGES]
+        return max(texts, key=lambda text: len(_BEYOND.findall(text[:_HEAD].lower())))
 
 
 def objects_in(text: str) -> list[dict[str, Any]]:
