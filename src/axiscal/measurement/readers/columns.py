@@ -102,7 +102,7 @@ def whole(text: str) -> int | None:
 
 def run_of(stem: str) -> tuple[int, int] | None:
     """Return the run, 1 of one that a word alone names, and the direction of `1+` or `reverse`, None for another."""
-    words = _PARTS.findall(stem.lower().replace("\N{MINUS SIGN}", "-"))
+    words = _PARTS.findall(stem[:99].lower().replace("\N{MINUS SIGN}", "-"))  # no header is longer
     runs = [word for word in words if RUN.fullmatch(word)]
     ways = [sign for word in words if word not in runs and (sign := sign_of(word))]
     others = [word for word in words if not (sign_of(word) or word in runs or STEMS.get(word) in ("run", "deviation"))]

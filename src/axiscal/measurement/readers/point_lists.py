@@ -63,7 +63,8 @@ def is_bcnc(file: TextFile) -> bool:
 
 def is_list(file: TextFile) -> bool:
     """Return whether the first line is a point, behind its name or not, or names X, Y and Z and no more."""
-    first = next((_cells(line) for _, line in _told(file) if not _LINES["remark"].match(line)), [])
+    told = (line for _, line in _told(file) if not _LINES["remark"].match(line))
+    first = _cells(next(told, ""))[: 2 * len(_AXES)]  # no point has more
     head = {column_of(cell, words=_WORDS).stem for cell in first}
     return bool(_numbers(first)) or {*"XYZ"} <= head <= {*_AXES, *_NORMAL, "", "time"}
 
@@ -122,17 +123,17 @@ def _cells(line: str) -> list[str]:
     if lettered := _LINES["letters"].fullmatch(line):
         return [cell.strip(",") for cell in lettered.groups()]
     line = _LINES["before_unit"].sub("", _LINES["remark_behind"].sub("", line).strip().rstrip(";"))
-    blanks, commas = line.split(), line.split(",")
+    blanks = line.split()
     if re.search("[;\t]", line):
         blanks = re.split("[;\t]", line)
-    elif len(blanks) < 3 or (", " in line and len(blanks) != len(commas)):
-        blanks = commas
+    elif len(blanks) < 3 or (", " in line and not all(cell.endswith(",") for cell in blanks[:-1])):
+        blanks = line.split(",")
     return [cell.strip().removesuffix(",") for cell in blanks]
 
 
 def _numbers(cells: list[str]) -> list[str]:
     """Return the numbers of a point behind its name, none of another line."""
-    known = [bool(NUMBER.fullmatch(plain(cell.replace(",", "."), "."))) for cell in cells]
+    known = [bool(NUMBER.fullmatch(plain(cell.replace(",", "."), "."))) for cell in cells[: 2 * len(_AXES)]]
     count = known.index(True) if True in known else 0
     whole = all(known[count:]) and len(cells) - count in (3, 6, 9) and all(map(_LINES["name"].fullmatch, cells[:count]))
     return cells[count:] if whole else []

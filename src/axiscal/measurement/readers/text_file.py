@@ -27,8 +27,8 @@ MOST_LINES = 200_000
 _LINES = tomllib.loads(resources.files(__package__).joinpath("lines.toml").read_text(encoding="utf-8"))
 _TIME = r"(?:[\d./-]{8,10},? )?(\d\d?):(\d\d)(?::(\d\d))?(?:[.,]\d+)?\s*(?:([AP])M\s*)?(?:[-|] )?"
 _LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:(?:Recv:|READ:|->|[<>])\s*)*(?:[Ee]cho:|//)?\s*")
-_PAGES, _HEAD = ("cp1252", "cp1250", "cp1251", "gb18030", "cp932"), 5000
-"""Pages of codes in which spreadsheets save, and letters that decide: the one in which most words are known."""
+_PAGES, _HEAD = ("latin-1", "cp1250", "cp1251", "gb18030", "cp932"), 5000
+"""Pages of codes in which spreadsheets save, and bytes that decide: the one in which most words are known."""
 _BEYOND = re.compile("|".join(re.escape(word) for word in STEMS if not word.isascii()))
 _LARGEST = 1e9
 """In whatever unit the file has: a kilometre in micrometres, which no machine has."""
@@ -136,8 +136,8 @@ def _decoded(data: bytes) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        texts = [data.decode(each, errors="replace") for each in _PAGES]
-        return max(texts, key=lambda text: len(_BEYOND.findall(text[:_HEAD].lower())))
+        known = {page: len(_BEYOND.findall(data[:_HEAD].decode(page, "replace").lower())) for page in _PAGES}
+        return data.decode(max(_PAGES, key=known.__getitem__), "replace")
 
 
 def objects_in(text: str) -> list[dict[str, Any]]:
