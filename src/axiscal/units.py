@@ -42,22 +42,8 @@ _NOUNS: dict[Dimension, str] = WORDS["dimensions"]
 
 # The factor to SI is kept as a ratio (times, by) of exact numbers, so that "120 mm" is exactly 0.12.
 _Scale = tuple[float, float]
-_ANGLES: dict[str, _Scale] = {
-    "nrad": (1, 1e9),
-    "urad": (1, 1e6),
-    "mrad": (1, 1e3),
-    "rad": (1, 1),
-    "deg": (math.pi, 180),
-    "°": (math.pi, 180),
-    "arcmin": (math.pi, 180 * 60),
-    "arcsec": (math.pi, 180 * 3600),
-    "rev": (math.tau, 1),
-    "nm/m": (1, 1e9),
-    "um/m": (1, 1e6),
-    "mm/m": (1, 1e3),
-    "in/ft": (1, 12),
-}
-"""By definition."""
+_OF_PI = {name: (times * math.pi, by) for name, (times, by) in _TABLES["angle_of_pi"].items()}
+_ANGLES: dict[str, _Scale] = _TABLES["angle"] | _OF_PI
 
 
 @dataclass(frozen=True, slots=True)

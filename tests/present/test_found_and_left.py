@@ -17,7 +17,7 @@ from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.present import volume_error as bent_module
 from axiscal.present.drawing.scene import flat
-from axiscal.present.found_and_left import found_and_left, found_and_left_drawing, magnification
+from axiscal.present.found_and_left import found_and_left_drawing, magnification
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, bent_volume
 from axiscal.tables.surface import Control
@@ -165,7 +165,7 @@ def _edges(grid: Array) -> list[Array]:
 @pytest.mark.parametrize("width", [1400.0, 1110.0, 768.0, 360.0])
 def test_words_are_inside_and_none_lies_over_another(name: str, width: float) -> None:
     volume = replace(_volume(load_machine(name)), controller="linuxcnc-volumetric")
-    drawing = ElementTree.fromstring(found_and_left(volume, width, "27 µm", "5.0 µm"))
-    covered = boxes_of(drawing)
-    held_inside(covered, width, float(drawing.get("height", "0")))
+    drawing = found_and_left_drawing(volume, width, "27 µm", "5.0 µm")
+    covered = boxes_of(ElementTree.fromstring(f"<svg>{drawing.body}</svg>"))
+    held_inside(covered, width, drawing.height)
     assert {"27 µm", "5.0 µm", "found"} <= {words for words, _ in covered}

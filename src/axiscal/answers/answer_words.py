@@ -32,7 +32,7 @@ from axiscal.answers.row_words import (
     signs_sentence,
     warmth_sentence,
 )
-from axiscal.language.spoken import counted, ending, joined, later, listed, put, said
+from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 from axiscal.units import digits
 from axiscal_core.theta import MANY
@@ -44,14 +44,7 @@ _LEFT = 2
 """Controls whose tables are shown beside each other."""
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
-_ENDS: dict[Verdict, str] = {
-    "measured": later("MEASURED"),
-    "unmeasured": later("NOT ALL MEASURED"),
-    "reached": later("TARGET REACHED"),
-    "unreachable": later("CANNOT BE REACHED WITH THESE SET-UPS"),
-    "contradict": later("READINGS CONTRADICT"),
-    "nothing": later("NO READINGS YET"),
-}
+_ENDS: dict[Verdict, str] = WORDS["verdicts"]
 _UNCHECKED = later("REACHED, NOT CHECKED")
 """Where no reading was drawn at random, of so few that none could be spared."""
 _UNUSED = later("NOT MEASURED")
@@ -61,11 +54,7 @@ _UNTOLD = later(
     "No check was read: finer detail, or backlash that differs from place to place, would not show. "
     "{many} readings, or checks = 3, test that."
 )
-_AIMS = {
-    "rms": later("{volume} RMS {now} of {limit} {unit}"),
-    "worst": later("worst place {now} of {limit} {unit}"),
-    "U": later("{volume} U {now} of {limit} {unit}"),
-}
+_AIMS = WORDS["aims"]
 
 
 class FirstLine(NamedTuple):

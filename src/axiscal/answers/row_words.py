@@ -7,29 +7,11 @@ from collections.abc import Mapping, Sequence
 
 from axiscal.answers.answer import AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.description.target import Kind
-from axiscal.language.spoken import counted, joined, later, listed, put, said
+from axiscal.language.spoken import WORDS, counted, joined, listed, put, said
 from axiscal.units import digits
 
-_KINDS: dict[Kind, str] = {
-    "positioning": later("positioning {axes}"),
-    "scale": later("scale {axes}"),
-    "backlash": later("backlash {axes}"),
-    "straightness": later("straightness {axes}"),
-    "pitch": later("pitch {axes}"),
-    "yaw": later("yaw {axes}"),
-    "roll": later("roll {axes}"),
-    "squareness": later("squareness {axes}"),
-    "centre": later("centre of {axes}"),
-    "tilt": later("tilt of {axes}"),
-    "volume": later("volume"),
-}
-_ABOVE: dict[Kind, str] = {
-    "scale": later("scale + an axis that goes too far"),
-    "squareness": later("squareness + above 90 degrees"),
-    "backlash": later("backlash from + less from −"),
-    "tilt": later("tilt A, B, C about x, y, z"),
-}
-"""What the sign of a kind means; docs/conventions.md has the rest."""
+_KINDS: dict[Kind, str] = WORDS["rows"]
+_ABOVE: dict[Kind, str] = WORDS["signs"]
 _TWO = 0.3
 """Of a power of ten: below it U has two digits, so that rounding moves it by 5 % at most, else one (GUM 7.2.6)."""
 _TOLD = 0.9

@@ -13,7 +13,7 @@ from axiscal.errors.model import Term
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.agreement import NAMED, Agreement, Checks, Explained, Mistake
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import capital, joined, later, listed, put, quoted, said
+from axiscal.language.spoken import WORDS, capital, joined, later, listed, put, quoted, said
 from axiscal.numerics import Array
 from axiscal.record.accepted import Accepted
 
@@ -113,11 +113,7 @@ def mistake_words(each: Explained, known: Estimation) -> str:
     return said('the values of "{setup}" and "{other}" are swapped', setup=names[0], other=names[1])
 
 
-_STRETCHES: dict[Mistake, str] = {
-    "sign": later('values of "{setup}" {stretch} have the other sign than the rest'),
-    "sides": later('values of "{setup}" {stretch} fit the other sides'),
-    "mirrored": later('values of "{setup}" {stretch} fit places counted from the other end'),
-}
+_STRETCHES: dict[Mistake, str] = WORDS["stretches"]
 
 
 def _stretch_words(each: Explained, known: Estimation) -> str:
