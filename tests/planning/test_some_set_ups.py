@@ -14,6 +14,7 @@ from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.covariance import criterion_after
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan import greedy
@@ -101,11 +102,10 @@ def test_many_set_ups_alike_leave_no_more_than_one() -> None:
 
 def test_of_set_ups_that_are_alike_one_is_looked_at_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
     case, looked = lasers(40), list[int]()
-    after = greedy.criterion_after
 
     def counted(weighted: Array, told: Array) -> float:
         looked.append(len(told))
-        return after(weighted, told)
+        return criterion_after(weighted, told)
 
     monkeypatch.setattr(greedy, "criterion_after", counted)
     assert greedy.chosen_setups(posed(case, case.knowledge), Limits(readings=8)) == (0,)
