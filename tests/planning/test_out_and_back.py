@@ -86,3 +86,10 @@ def test_many_readings_along_an_axis_lie_one_in_each_part_two_at_its_ends_and_fe
     assert np.diff(at[20, True]).max() > 2 * np.diff(at[20, True]).min()
     assert np.any(np.floor(18 * (at[20, False] - low) / (high - low)) != [0, *range(18), 17])
     assert np.array_equal(at[7, True], at[7, False])
+
+
+@pytest.mark.parametrize(("count", "least"), [(7, 1), (8, 3), (12, 3)])
+def test_an_axis_turns_three_times_so_that_a_drift_is_no_backlash_that_varies(count: int, least: int) -> None:
+    _, task = one_axis("both")
+    sides = make_plan(task, Limits(count), patience=0.0, usual=True).places.approaches[:, 0]
+    assert np.count_nonzero(np.diff(sides)) >= least

@@ -233,6 +233,8 @@ _SAME = 1e-9
 """Readings that differ by less of their variances are the same."""
 _SEED = 1
 """Any: a plan is the same every time."""
+_CHANGES, _FEWEST = 3, 8
+"""Of the side, and readings: out and back once, a drift looks like a backlash that differs along the axis."""
 
 
 class _AtTurns(NamedTuple):
@@ -304,11 +306,18 @@ def interleaved(task: Task, limits: Limits, order: Places) -> Places:
 def _turned(task: Task, limits: Limits, order: Places, where: NDArray[np.intp]) -> NDArray[np.intp]:
     """Return the order of the readings of one set-up.  where : (r,) they are, among all"""
     way, count = _way(task, order, where), len(where)
-    turns = np.arange(count)
+    (axis,) = task.observation.setups[order.setups[where[0]]].moves
+    turns, sides = np.arange(count), order.approaches[where, axis]
     others = seconds_along(task, order) - way.seconds(turns)
     most = np.inf if limits.budget is None else max(limits.budget, others + way.seconds(turns))
-    least = way.loss(turns) * (others + way.seconds(turns))
-    rng, tried = np.random.default_rng(_SEED), set[tuple[int, ...]]()
+    enough = _CHANGES if count >= _FEWEST and len({*sides.tolist()}) > 1 else 0
+
+    def cost(turns: NDArray[np.intp]) -> float:
+        seconds = others + way.seconds(turns)
+        allowed = seconds <= most and np.count_nonzero(np.diff(sides[np.argsort(turns)])) >= enough
+        return way.loss(turns) * seconds if allowed else np.inf
+
+    rng, least, tried = np.random.default_rng(_SEED), cost(turns), set[tuple[int, ...]]()
     for _ in range(int(min(_PAIRS, _WORK / (2 * len(way.owner) ** 3)))):
         if len(tried) == math.comb(count, 2):
             break
@@ -317,9 +326,8 @@ def _turned(task: Task, limits: Limits, order: Places, where: NDArray[np.intp]) 
             continue
         tried.add(swapped)
         changed[pair] = turns[pair[::-1]]
-        seconds = others + way.seconds(changed)
-        if seconds <= most and (cost := way.loss(changed) * seconds) < least:
-            turns, least, tried = changed, cost, {swapped}
+        if (found := cost(changed)) < least:
+            turns, least, tried = changed, found, {swapped}
     return np.argsort(turns)
 
 
