@@ -67,6 +67,14 @@ def test_a_plan_has_its_readings_and_a_fifth_of_them_are_drawn() -> None:
     assert all(0 <= place.pose[0] <= 1 for place in places)
 
 
+def test_of_a_dozen_readings_every_other_check_is_near_one_of_them() -> None:
+    for count in (12, 15):
+        places = plan_of(f"readings = {count}")
+        own = np.array([place.pose[0] for place in places if not place.check])
+        apart = np.array([np.abs(own - place.pose[0]).min() for place in checks(places)])
+        assert np.sum((apart > 0.0195) & (apart < 0.037)) >= 2
+
+
 def test_an_accuracy_needs_fewer_readings_beside_checks() -> None:
     target = 'rms = "1.2 um"\nrefers_to = "as read"'
     alone, both = plan_of(f"{target}\nchecks = 0"), plan_of(target)

@@ -5,9 +5,10 @@ Markers: where a zero may wander, its first place is read again every so often, 
 Both sides: where a backlash is wanted, two places at least are read from both. A model whose reversal is the same
 everywhere would read one place again and again.
 
-Checks: a fifth of all readings, 3 to 12, are drawn at random and put where they cost least time. There are none below
-12 readings, nor where nothing usually goes wrong. So no place of a check follows from what the model thinks. The other
-readings are chosen beside them. Where these hardly come from a side the checks do: else one place tells of a backlash.
+Checks: a fifth of all readings, 3 to 12, drawn at random, are put where they cost least time; none below 12 readings,
+nor where nothing usually goes wrong. No place of one follows from what the model thinks. Others are chosen beside them;
+where these hardly come from a side the checks do. Of a dozen readings of a set-up or fewer, every other check stands
+near one: between places far apart a curve takes what detail does (lattice and close pairs: Diggle and Lophaven 2006).
 
 Room to come to a place from the side that was planned: at the ends of a travel there is none.
 """
@@ -15,6 +16,7 @@ Room to come to a place from the side that was planned: at the ends of a travel 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count as count_from
@@ -256,6 +258,9 @@ _SHARE, _FEWEST, _MOST = 5, 3, 12
 _SELDOM = 0.25
 """Share of readings below which they hardly come from a side."""
 
+_PAIR = 0.02, 0.035
+"""Of a span: a pair is beyond a cell of detail apart, nearer than a curve turns, and by no round number."""
+
 Within = Callable[[Task, Limits, Sequence[Place], Sequence[Place]], tuple[Place, ...]]
 """The readings to come of a task within limits, from those that are left of a plan, beside checks."""
 
@@ -299,7 +304,9 @@ def with_checks(
     if task.patience > 0 or own:  # else for figures only, which checks change little
         within = np.isin(task.lattice.setups, columns_of(case, begun).setups) if rough else slice(None)
         task = replace(task, lattice=task.lattice.within(within))
-        begun = plan(task, limits, without_markers(case, readings, begun if limits.timed else own), beside)
+        moved = checks.of_pairs(begun, beside)
+        stay = tuple(each for each in beside if each not in moved)
+        begun = plan(task, limits, without_markers(case, readings, begun if limits.timed else own), stay)
     return checks.fitting(begun, beside, budget)
 
 
@@ -352,15 +359,34 @@ class _Checks:
 
     def fitting(self, places: Sequence[Place], checks: Sequence[Place], budget: float | None) -> tuple[Place, ...]:
         """Return planned readings with as many checks as there is time for, of all set-ups alike."""
-        checks, whole = self._from_seldom_sides(places, checks), len(checks)
+        moved, others = self.of_pairs(places, checks), [*(reading.place for reading in self.readings), *places]
+        rng = np.random.default_rng(len(others))
+        checks = [self._near(others, each, rng.uniform(*_PAIR)) if each in moved else each for each in checks]
+        checks, whole = self._from_seldom_sides(others, checks), len(checks)
         evenly = ([(i * whole + whole // 2) // count for i in range(count)] for count in range(whole, -1, -1))
         fewer = (self.among(places, [checks[i] for i in chosen]) for chosen in evenly)
         return next((each for each in fewer if budget is None or self.seconds(each) <= budget), tuple(places))
 
+    def of_pairs(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
+        """Return the checks that are to stand near a reading: every other new one where a set-up has few."""
+        counts = Counter([*(reading.setup for reading in self.readings), *(place.setup for place in places)])
+        new = [check for check in checks if check not in self.known]
+        return tuple(check for check in new[::2] if 0 < counts[check.setup] <= MANY)
+
+    def _near(self, places: Sequence[Place], check: Place, share: float) -> Place:
+        """Return a check that far from the reading nearest to it, a share of the span.  places : of its set-up, too"""
+        index, moves = self.case.index(check.setup), [*self.case.description.setup(check.setup).moves]
+        others, among = columns_of(self.case, places), self.candidates.within(self.candidates.setups == index)
+        mine, spans = others.poses[others.setups == index][:, moves], np.ptp(among.poses[:, moves], axis=0)
+        away = np.max(np.abs(mine - np.array(check.pose)[moves]) / spans, axis=1)
+        apart = np.max(np.abs(among.poses[:, moves] - mine[np.argmin(away)]) / spans, axis=1)
+        best = np.argmin(np.where(apart >= share, apart, np.inf))
+        return replace(with_rooms(self.case, among.single(int(best)))[0], check=True)
+
     def _from_seldom_sides(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
         """Return checks, the new ones from the sides that the other readings hardly come from."""
         found, setups = columns_of(self.case, checks), self.case.description.setups
-        others = columns_of(self.case, [*(reading.place for reading in self.readings), *places])
+        others = columns_of(self.case, places)
         for index, mine in found.by_setup():
             setup, sides = setups[index], others.approaches[others.setups == index]
             free = setup.moves if setup.chart is None and len(setup.sides) > 1 else ()

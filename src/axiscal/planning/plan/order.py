@@ -1,11 +1,9 @@
 """The order of the readings of a plan, set-up by set-up, and how long they take in it.
 
-A set-up that moves one axis is read out along it and back again, so that no drift looks like a curve. Read once along,
-a zero that moves steadily by 10 µm is a slope of 10 µm, and nothing contradicts it. Read out and back, it is the
-difference of the two ways (ISO 230-2 reads so, too). If the side counts, the way out reads one side and the way back
-the other: neither then turns round before a place. `interleaved` goes on from there.
-
-Readings interleaved along an axis, so that no drift and no growth passes for an error of the axis.
+A set-up that moves one axis is read out along it and back again (as ISO 230-2): read once along, a zero that moves
+steadily by 10 µm is a slope of 10 µm, and nothing contradicts it. If the side counts, the way out reads one side, the
+way back the other, and neither turns round before a place. `interleaved` goes on from there, so that no drift and no
+growth passes for an error of the axis.
 
 Read out and back, a zero that comes and goes is the same on both ways, and an axis that grows and shrinks again has
 always grown by half at its far end. Both then look like an error. So pairs of readings change their turns where that
