@@ -14,10 +14,10 @@ from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
 from axiscal.measurement.candidates import drawn_places
 from axiscal.measurement.reading import Place, Places
-from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.planning.enough import reached_by
 from axiscal.planning.next_readings import next_places, placed, posed
-from axiscal.planning.other_readings import checks_among, columns_of, with_checks, with_rooms
+from axiscal.planning.other_readings import checks_among, with_checks, with_rooms
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
@@ -89,7 +89,7 @@ def test_an_accuracy_needs_fewer_readings_beside_checks() -> None:
 def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks() -> None:
     case, asked = case_of('budget = "16 min"'), list[tuple[float, int]]()
     task, full = posed(case, case.knowledge), plan_of("readings = 20\nchecks = 0")
-    room = seconds_along(task, columns_of(case, full)) + 1.0
+    room = seconds_along(task, places_of(case.description.setups, full)) + 1.0
 
     def plan(of: Task, limits: Limits, left: Sequence[Place], beside: Sequence[Place]) -> tuple[Place, ...]:
         asked.append((limits.budget or 0.0, len(left)))
@@ -101,7 +101,7 @@ def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks(
     (first, none), (second, begun) = asked
     assert (first, none, begun) == (room, 0, 20)
     assert second < room
-    assert seconds_along(task, columns_of(case, found)) <= room
+    assert seconds_along(task, places_of(case.description.setups, found)) <= room
     assert len(checks(found)) >= 3
 
 
@@ -157,12 +157,12 @@ def test_where_time_is_short_each_set_up_keeps_checks(slack: float) -> None:
     task = posed(case, case.knowledge)
     chosen = [np.flatnonzero(task.lattice.setups == setup)[:12] for setup in (0, 1)]
     own = with_rooms(case, task.lattice.within(np.concatenate(chosen)))
-    alone = seconds_along(task, columns_of(case, own))
+    alone = seconds_along(task, places_of(case.description.setups, own))
     found = with_checks(case, task, Limits(budget=alone + slack), (), (), lambda *_: own)
     drawn = [place.setup for place in checks(found)]
     assert len(drawn) < checks_among(case.description, len(own) + 6)
     assert len(drawn) < 2 or {*drawn} == {"laser", "another"}
-    assert seconds_along(task, columns_of(case, found)) <= alone + slack
+    assert seconds_along(task, places_of(case.description.setups, found)) <= alone + slack
 
 
 def test_while_measuring_checks_that_are_open_stay_and_none_is_added() -> None:
@@ -187,8 +187,8 @@ def test_a_check_is_put_where_it_costs_least() -> None:
     (at,) = [index for index, place in enumerate(found) if place.check]
     without = [*found[:at], *found[at + 1 :]]
     every = [(*without[:n], found[at], *without[n:]) for n in range(1, len(found))]
-    least = min(seconds_along(task, columns_of(case, each)) for each in every)
-    assert seconds_along(task, columns_of(case, found)) == pytest.approx(least, abs=0.5)
+    least = min(seconds_along(task, places_of(case.description.setups, each)) for each in every)
+    assert seconds_along(task, places_of(case.description.setups, found)) == pytest.approx(least, abs=0.5)
 
 
 def test_places_are_drawn_by_the_share_of_each_set_up_and_each_once() -> None:

@@ -11,10 +11,9 @@ import pytest
 
 import axiscal as ac
 import axiscal_core
-from axiscal.measurement.reading_rows import rows_at
+from axiscal.measurement.reading_rows import places_of, rows_at
 from axiscal.numerics import Array
-from axiscal.planning.other_readings import columns_of
-from axiscal.python.given import places_of
+from axiscal.python import given
 from axiscal.python.measured_case import Case
 
 LASER = ac.setup("interferometer", "x", moves=["X"], name="laser", approach="both")
@@ -50,8 +49,8 @@ def rows_of(case: Made, places: ac.Places) -> Array:
     """Return H of readings at places, over errors and unknowns of set-ups."""
     if isinstance(case, axiscal_core.Case):
         return case.numbers(places).rows
-    columns = columns_of(case.inner, places_of(places, case.description, "a test", "places"))
-    return rows_at(case.inner.observation, columns).rows
+    listed = given.places_of(places, case.description, "a test", "places")
+    return rows_at(case.inner.observation, places_of(case.description.setups, listed)).rows
 
 
 def dense(case: Made, places: ac.Places) -> Array:

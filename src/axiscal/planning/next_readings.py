@@ -25,10 +25,10 @@ from axiscal.language.spoken import listed, said
 from axiscal.language.stages import stage
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
+from axiscal.measurement.reading_rows import places_of
 from axiscal.numerics import Array
 from axiscal.planning.enough import enough, goal_of
 from axiscal.planning.other_readings import (
-    columns_of,
     planned_with_markers,
     with_both_sides,
     with_checks,
@@ -69,7 +69,7 @@ def planned_places(
     left : of an earlier plan and in no gap, to begin with; checks : that are read beside those to come
     """
     unsure = 1 + 1 / math.sqrt(2 * len(readings)) if len(case.sizes) and readings and left else 1.0
-    task = replace(task, beside=columns_of(case, checks))
+    task = replace(task, beside=places_of(case.description.setups, checks))
     goal = goal_of(case, task, limits, readings, believed, unsure, checks)
 
     def planned(within: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
@@ -108,7 +108,7 @@ def _chosen(
     case: Case, task: Task, limits: Limits, goal: Goal | None, left: Sequence[Place], gaps: Sequence[Gap]
 ) -> Places:
     """Return the readings of a plan that goes on with those that are left, or of a new one."""
-    usual, coming = case.description.usual, columns_of(case, left)
+    usual, coming = case.description.usual, places_of(case.description.setups, left)
     long = task.observation.size > _SMALL
     if len(coming):  # climbing would bring places that were shaken back to their regular distances
         patience = 0.0 if gaps or usual or long else math.inf

@@ -32,6 +32,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.motion import inward
 from axiscal.measurement.candidates import distinct, drawn_places
 from axiscal.measurement.reading import Place, Places, Reading
+from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.setup import Setup
 from axiscal.planning.plan.order import inserted, seconds_along
 from axiscal.planning.plan.task import Limits, Task
@@ -49,20 +50,11 @@ _DIGITS = {False: ("mm", 3), True: ("deg", 4)}
 """Unit and decimals of what a person can dial in: the micrometre, a ten-thousandth of a degree."""
 
 
-def columns_of(case: Case, places: Sequence[Place]) -> Places:
-    """Return places as the search holds them."""
-    none = Places.none(len(case.description.machine.axes))
-    rows = [(case.index(p.setup), np.array(p.pose), np.array(p.approach, dtype=float)) for p in places]
-    return Places.joined([none, *(Places.one(*row) for row in rows)])
-
-
 def with_rooms(case: Case, places: Places) -> tuple[Place, ...]:
     """Return places, each with room to come to it from its side."""
-    described, found = case.description, list[Place]()
-    for each in places.listed(described.setups):
-        room = with_room(case.errors, described.setup(each.setup), each.pose, each.approach)
-        found.append(Place(each.setup, *room))
-    return tuple(found)
+    described, each = case.description, places.listed(case.description.setups)
+    rooms = ((p.setup, with_room(case.errors, described.setup(p.setup), p.pose, p.approach)) for p in each)
+    return tuple(Place(setup, *room) for setup, room in rooms)
 
 
 def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) -> tuple[Pose, Approach]:
@@ -167,8 +159,7 @@ def _markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -
 def _smaller(case: Case, limits: Limits, markers: int) -> Limits:
     """Return limits with room for so many markers in them."""
     readings = None if limits.readings is None else max(limits.readings - markers, 1)
-    setups = [setup for setup in case.description.setups if setup.drift > 0]
-    each = max(setup.settle + setup.reading_time for setup in setups)
+    each = max(setup.settle + setup.reading_time for setup in case.description.setups if setup.drift > 0)
     budget = None if limits.budget is None else max(limits.budget - markers * each, 0.0)
     return replace(limits, readings=readings, budget=budget)
 
@@ -302,8 +293,9 @@ def with_checks(
         more = checks.seconds(checks.among(begun, beside)) - checks.seconds(begun)
         limits = replace(limits, budget=budget - more)
     if task.patience > 0 or own:  # else for figures only, which checks change little
-        within = np.isin(task.lattice.setups, columns_of(case, begun).setups) if rough else slice(None)
-        task = replace(task, lattice=task.lattice.within(within))
+        if rough:
+            within = np.isin(task.lattice.setups, places_of(described.setups, begun).setups)
+            task = replace(task, lattice=task.lattice.within(within))
         moved = checks.of_pairs(begun, beside)
         stay = tuple(each for each in beside if each not in moved)
         begun = plan(task, limits, without_markers(case, readings, begun if limits.timed else own), stay)
@@ -328,7 +320,7 @@ class _Checks:
 
     def seconds(self, places: Sequence[Place]) -> float:
         """Return the time of readings in this order."""
-        return seconds_along(self.task, columns_of(self.case, places))
+        return seconds_along(self.task, places_of(self.case.description.setups, places))
 
     def count(self, places: Sequence[Place]) -> int:
         """Return how many checks belong to planned readings."""
@@ -342,7 +334,7 @@ class _Checks:
     def picked(self, places: Sequence[Place], count: int) -> tuple[Place, ...]:
         """Return so many checks beside planned readings: those of an earlier plan first."""
         known = self.known[:count]
-        among = columns_of(self.case, places or self.known).setups
+        among = places_of(self.case.description.setups, places or self.known).setups
         found = drawn_places(self.candidates, among, count - len(known), len(self.readings))
         return (*known, *(replace(place, check=True) for place in with_rooms(self.case, found)))
 
@@ -375,8 +367,9 @@ class _Checks:
 
     def _near(self, places: Sequence[Place], check: Place, share: float) -> Place:
         """Return a check that far from the reading nearest to it, a share of the span.  places : of its set-up, too"""
-        index, moves = self.case.index(check.setup), [*self.case.description.setup(check.setup).moves]
-        others, among = columns_of(self.case, places), self.candidates.within(self.candidates.setups == index)
+        described, index = self.case.description, self.case.index(check.setup)
+        others, moves = places_of(described.setups, places), [*described.setup(check.setup).moves]
+        among = self.candidates.within(self.candidates.setups == index)
         mine, spans = others.poses[others.setups == index][:, moves], np.ptp(among.poses[:, moves], axis=0)
         away = np.max(np.abs(mine - np.array(check.pose)[moves]) / spans, axis=1)
         apart = np.max(np.abs(among.poses[:, moves] - mine[np.argmin(away)]) / spans, axis=1)
@@ -385,8 +378,8 @@ class _Checks:
 
     def _from_seldom_sides(self, places: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
         """Return checks, the new ones from the sides that the other readings hardly come from."""
-        found, setups = columns_of(self.case, checks), self.case.description.setups
-        others = columns_of(self.case, places)
+        setups = self.case.description.setups
+        found, others = places_of(setups, checks), places_of(setups, places)
         for index, mine in found.by_setup():
             setup, sides = setups[index], others.approaches[others.setups == index]
             free = setup.moves if setup.chart is None and len(setup.sides) > 1 else ()
@@ -402,6 +395,6 @@ def put_among(case: Case, task: Task, places: Sequence[Place], checks: Sequence[
     """Return planned readings with checks, each where it costs least time."""
     if not checks:
         return tuple(places)
-    every = inserted(task, columns_of(case, places), columns_of(case, checks))
+    every = inserted(task, places_of(case.description.setups, places), places_of(case.description.setups, checks))
     order, added = with_rooms(case, every[0]), every[1].tolist()
     return tuple(replace(place, check=check) for place, check in zip(order, added, strict=True))

@@ -21,6 +21,7 @@ from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.reading import Place, Places, Reading, reading_unit
+from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.travel import reading_seconds
 from axiscal.planning.bound.lower_bound import prove
 from axiscal.planning.bound.relaxation import Relaxation
@@ -29,7 +30,7 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, posed, reaching
-from axiscal.planning.other_readings import columns_of, with_rooms
+from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.minutes import stretched
 from axiscal.planning.plan.order import in_order, inserted, seconds_along
 from axiscal.planning.plan.plan import MANY, Plan, judged, make_plan
@@ -268,9 +269,10 @@ def proposed(
             goal = goal_of(case, task, search, readings, readings, checks=kept)
             return _Order(make_plan(task, search, goal=goal, patience=0.0, bounded=False).places)
         places = reaching(case, task, within, heeded, readings, readings, kept=kept)
-        return _Order(columns_of(case, places), frozenset(i for i, place in enumerate(places) if place.check))
+        checks = frozenset(i for i, place in enumerate(places) if place.check)
+        return _Order(places_of(case.description.setups, places), checks)
 
-    order = _with_kept(task, limits, columns_of(case, kept), coming)
+    order = _with_kept(task, limits, places_of(case.description.setups, kept), coming)
     plan = judged(task, heeded, order.places, bounded)
     named = None if criterion is None else criterion.name
     return Proposal(replace(plan, checks=order.checks, kept=order.kept), criterion=named)

@@ -26,10 +26,9 @@ from axiscal.exceptions import DescriptionError, InputError, PlanError, TargetEr
 from axiscal.machine.description import Machine
 from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.reading import Reading, approach_text, place_text
-from axiscal.measurement.reading_rows import blank_readings, rows_at, shown_by_each, visited
+from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at, shown_by_each, visited
 from axiscal.planning.enough import reached_by
 from axiscal.planning.next_readings import CANDIDATES, placed, posed
-from axiscal.planning.other_readings import columns_of
 from axiscal.planning.plan.plan import judged
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import foreseen
@@ -39,7 +38,7 @@ from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
 from axiscal.python import given
 from axiscal.python.estimated import HEIGHT, LINE, Estimated, NotebookPicture, html_table, names_of
-from axiscal.python.given import GivenPlaces, GivenReadings, PlannedPlaces, SetupKeys, places_of, readings_of
+from axiscal.python.given import GivenPlaces, GivenReadings, PlannedPlaces, SetupKeys, readings_of
 from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core import refusals
 from axiscal_core.case import Case as OwnCase
@@ -232,9 +231,11 @@ class Case:
         own = self._criterion(case, criterion, where)
         if isinstance(candidates, int | float):
             lattice: Any = whole(where, "candidates", candidates, 1)
-        elif not len(lattice := columns_of(case, places_of(candidates, self.description, where, "candidates"))):
+        elif chosen := given.places_of(candidates, self.description, where, "candidates"):
+            lattice = places_of(self.description.setups, chosen)
+        else:
             raise refusals.InputError(where, "candidates", "are none", "Give one place or more")
-        kept = () if keep is None else places_of(keep, self.description, where, "keep")
+        kept = () if keep is None else given.places_of(keep, self.description, where, "keep")
         if count is not None and len(kept) > count:
             raise refusals.InputError(where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more")
         with _placed(where):
@@ -270,8 +271,9 @@ class Case:
         """
         where = "Case.evaluate"
         case, so_far = self._after(after, where)
-        coming, function = places_of(places, self.description, where, "places"), callable(criterion)
-        own, columns = None if function else self._criterion(case, criterion, where), columns_of(case, coming)
+        coming, function = given.places_of(places, self.description, where, "places"), callable(criterion)
+        columns = places_of(self.description.setups, coming)
+        own = None if function else self._criterion(case, criterion, where)
         with _placed(where):
             task = posed(case, so_far.knowledge, readings=so_far.readings)
         task = task if own is None else replace(task, root=own.root)
@@ -309,8 +311,8 @@ class Case:
         The mean is by the exact chain.  x : (n,)
         """
         where = "Case.shows"
-        coming, size = places_of(places, self.description, where, "places"), self.inner.observation.size
-        columns = columns_of(self.inner, coming)
+        coming, size = given.places_of(places, self.description, where, "places"), self.inner.observation.size
+        columns = places_of(self.description.setups, coming)
         observation = visited(self.inner.observation, columns)
         rows, variances, _ = rows_at(observation, columns)
         blank = blank_readings(self.description.setups, coming)
@@ -335,7 +337,7 @@ class Case:
         if after is None:
             return self.inner, SoFar(self.inner.knowledge)
         if isinstance(after, Places):
-            blank = blank_readings(self.description.setups, places_of(after, self.description, where, "after"))
+            blank = blank_readings(self.description.setups, given.places_of(after, self.description, where, "after"))
             # J leaves out how zeros wander: what is known here has no time, as that of the plan's own readings
             return self.inner, SoFar(absorbed(self.inner, blank).knowledge, timed(self.inner, blank).readings)
         known = after.estimation if isinstance(after, Estimated) else estimated(*self._taken(after, where, "after"))
