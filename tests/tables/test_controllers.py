@@ -6,12 +6,10 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from typing import get_args
 
 import numpy as np
 import pytest
 
-from axiscal.description.campaign_schema import ControlName
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
@@ -105,10 +103,6 @@ def on_the_truth(estimate: Estimate, truth: VirtualMachine, made: Draft) -> Effe
     low, high = np.array(estimate.box).T
     poses: Array = low + (high - low) * np.random.default_rng(1).uniform(size=(500, len(low)))
     return effect_of_control(estimate.machine, truth.deviation, made.control, poses, estimate.box)
-
-
-def test_campaign_toml_knows_every_control_by_its_name() -> None:
-    assert get_args(ControlName) == tuple(controllers())
 
 
 @pytest.mark.parametrize("controller", controllers())

@@ -19,7 +19,6 @@ from axiscal.answers.answer import (
     PlannedRow,
     ResultAnswer,
     TablesChecked,
-    Verdict,
 )
 from axiscal.answers.row_words import (
     half_read_sentence,
@@ -44,11 +43,7 @@ _LEFT = 2
 """Controls whose tables are shown beside each other."""
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
-_ENDS: dict[Verdict, str] = WORDS["verdicts"]
-_UNCHECKED = later("REACHED, NOT CHECKED")
-"""Where no reading was drawn at random, of so few that none could be spared."""
-_UNUSED = later("NOT MEASURED")
-"""Where none of the readings is used."""
+_ENDS: dict[str, str] = WORDS["verdicts"]
 VERDICTS = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
 _UNTOLD = later(
     "No check was read: finer detail, or backlash that differs from place to place, would not show. "
@@ -120,7 +115,7 @@ def _first_line(answer: ResultAnswer) -> FirstLine:
         )
     else:
         unused = answer.readings and not answer.compared
-        verdict = said(_UNUSED if unused else _UNCHECKED if _unchecked(answer) else _ENDS[answer.verdict])
+        verdict = said(_ENDS["unused" if unused else "unchecked" if _unchecked(answer) else answer.verdict])
     taken = counted("{count} reading", "{count} readings", answer.readings)
     minutes = minutes_text(answer.minutes)
     time = said("{minutes} min" if answer.clocked else "{minutes} min by the plan", minutes=minutes)

@@ -18,7 +18,7 @@ from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.known_rows import known_rows
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.exceptions import RecordError, SourceError
-from axiscal.language.spoken import counted, later, said
+from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.record.events import State
@@ -231,16 +231,7 @@ def refuse_implausible(known: Estimation) -> None:
         raise SourceError(known.objection_to(doubt), remedy)
 
 
-ENDINGS = (
-    ALL_REACHED,
-    BUDGET,
-    CONTRADICT,
-    OUT_OF_REACH,
-    "nothing is left to measure",
-    "ended by the operator",
-    "all readings evaluated",
-    "not finished",
-)
+ENDINGS = (ALL_REACHED, BUDGET, CONTRADICT, OUT_OF_REACH, *WORDS["endings"])
 """Those that are whole sentences."""
 _SAID_TAKEN = r"([0-9]+) readings? taken"
 _SAID_ELSE = {

@@ -16,14 +16,15 @@ from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
 from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
-from axiscal.description.fields import TableContext
+from axiscal.description.fields import CONTROLS, TableContext
 from axiscal.description.screws import BedScrews
 from axiscal.description.setups import each_alone, read_setups
 from axiscal.description.sites import Surroundings
 from axiscal.description.stated_type_b import REFERENCE, Unsourced, refers_to_20, unsourced
 from axiscal.description.target import Target, read_target
 from axiscal.description.usual import usual_machine
-from axiscal.document import Document, read_model, shown
+from axiscal.document import Document, meant, read_model, shown
+from axiscal.document.ports import names
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import Sure
@@ -149,6 +150,11 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
     name = _machine_name(document)
     source = name if name in builtin_names() else str(document.path.parent / name)
     found = _described(document, load_machine(source), source, target_needed, _prior_text(document), asking)
+    known = names(CONTROLS)  # a record opens without the package that writes its tables
+    for control in (each for each in found.controls if each not in known):
+        what = "{controller} is not a controller that tables can be made for"
+        fault = DescriptionError(what, meant(control, known, quoted="{}"), controller=shown(control))
+        raise document.fault(fault, "controls")
     for named in found.compensation_active if isinstance(found.compensation_active, tuple) else ():
         if not any((document.path.parent / each).exists() for each in (named, named.partition("=")[2] or named)):
             what = "compensation_active names {name}, which is not there"

@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field
 
 from axiscal.description.artefacts import ArtefactTable
 from axiscal.description.fields import (
+    CONTROLS,
     Active,
     Bar,
     Base,
@@ -67,22 +68,6 @@ _CHIP = 20e-6
 """m: a fine chip or burr, where nobody says how large they are (an assumption)."""
 _FASTEST = 1e-3 / 60
 """A zero that wanders by more than 1 mm (1 mrad) a minute is loose."""
-
-ControlName = Literal[
-    "csv",
-    "fanuc",
-    "grblhal",
-    "heidenhain",
-    "isg",
-    "klipper",
-    "klipper-volumetric",
-    "linuxcnc",
-    "linuxcnc-volumetric",
-    "marlin",
-    "reprapfirmware",
-    "sinumerik",
-]
-"""The controls that files are written for, as `compensation` knows them."""
 
 
 def _by_instrument(read: Callable[[str, Instrument], float], form: object = QuantityText) -> ReadAs:
@@ -344,7 +329,7 @@ class CampaignTable(Table):
     scales: Literal["stated", "estimate"] | None = Field(None, examples=['"estimate"'])
     prior: str | None = Field(None, examples=['"last.axiscal"'])
     compensation_active: Active | None = Field(None, examples=["false", '"old/X.comp"'])
-    controls: list[ControlName] = Field(default=["linuxcnc"], examples=['["sinumerik"]'])
+    controls: list[str] = Field(default=["linuxcnc"], examples=['["sinumerik"]'])
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])
     tool_length: Doubt | None = Field(None, examples=['"5 um"'])
     tool_eccentricity: Doubt | None = Field(None, examples=['"5 um"'])
@@ -366,10 +351,11 @@ def machine_schema() -> dict[str, Any]:
 
 
 def campaign_schema() -> dict[str, Any]:
-    """Return the schema of campaign.toml; it knows the names of the instruments."""
+    """Return the schema of campaign.toml; it knows the names of instruments and controls."""
     schema = _schema(CampaignTable, "campaign.toml: one calibration")
     own = {"pattern": r"\.py:"}, {"enum": [*INSTRUMENTS, *names(PORTS)]}
     schema["$defs"]["SetupTable"]["properties"]["instrument"]["anyOf"] = [*own]
+    schema["properties"]["controls"]["items"]["enum"] = [*names(CONTROLS)]
     return schema
 
 

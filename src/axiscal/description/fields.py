@@ -240,6 +240,10 @@ def nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
     raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))
 
 
+CONTROLS = "axiscal.exporters"
+"""Group of the entry points by which packages bring controls."""
+
+
 def read_instrument(name: str, known: Beside) -> Instrument:
     """Return an instrument of ours, or the one that somebody wrote; raises DescriptionError."""
     if name in INSTRUMENTS:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from axiscal.description.fields import CONTROLS
 from axiscal.document import meant, shown
 from axiscal.document.ports import names, one_of
 from axiscal.estimation.estimation import Estimation
@@ -24,8 +25,6 @@ from axiscal_core.threads import one_thread
 _ABSURD = 1.0
 """m or rad: no compensation is as large; any value above what a machine can be off by would do."""
 _OTHERS = later("leave it out: it is for {takers}")
-PORTS = "axiscal.exporters"
-"""Group of the entry points by which packages bring controls."""
 
 
 @one_thread()
@@ -116,12 +115,12 @@ def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
 
 def controllers() -> tuple[str, ...]:
     """Return the names of all controls."""
-    return names(PORTS)
+    return names(CONTROLS)
 
 
 def exporter(controller: str) -> Exporter:
     """Return what writes for a control and reads its files; raises TableError for one that is not known."""
-    brought: Callable[[], Exporter] | None = one_of(PORTS, controller)
+    brought: Callable[[], Exporter] | None = one_of(CONTROLS, controller)
     if brought is None:
         remedy = meant(controller, controllers(), quoted="{}")
         what = "{controller} is not a controller that tables can be made for"
