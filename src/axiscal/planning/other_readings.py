@@ -370,7 +370,7 @@ class _Checks:
         described, index = self.case.description, self.case.index(check.setup)
         others, moves = places_of(described.setups, places), [*described.setup(check.setup).moves]
         among = self.candidates.within(self.candidates.setups == index)
-        mine, spans = others.poses[others.setups == index][:, moves], np.ptp(among.poses[:, moves], axis=0)
+        mine, spans = others.poses[others.setups == index][:, moves], np.ptp(among.poses[:, moves], axis=0) + _SAME
         away = np.max(np.abs(mine - np.array(check.pose)[moves]) / spans, axis=1)
         apart = np.max(np.abs(among.poses[:, moves] - mine[np.argmin(away)]) / spans, axis=1)
         best = np.argmin(np.where(apart >= share, apart, np.inf))
