@@ -19,6 +19,6 @@ print(f"the first stands at X = {1e3 * case.next(after=known).poses[0, 0]:.0f} m
 known = known.read(ac.Readings.simulated(case, more.places, seed=1))
 ends = known.deviation(line.poses[[0, -1]], joint=True).covariance
 print(f"one end to the other: {1e6 * np.sqrt(ends[0, 0] + ends[3, 3] - 2 * ends[0, 3]):.3g} um")
-middle = np.array([[name == "EXX[6]" for name in known.names]])
+middle = np.array([[float(name == "EXX[6]") for name in known.names]])
 print(f"EXX[6] by a plan of its own: {1e6 * np.sqrt(case.plan(readings=4, criterion=middle).J):.3g} um")
 picture = known.plot()

@@ -151,7 +151,7 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
     source = name if name in builtin_names() else str(document.path.parent / name)
     found = _described(document, load_machine(source), source, target_needed, _prior_text(document), asking)
     known = names(CONTROLS)  # a record opens without the package that writes its tables
-    for control in (each for each in found.controls if each not in known):
+    for control in (each for each in document.data.get("controls", ()) if each not in known):
         what = "{controller} is not a controller that tables can be made for"
         fault = DescriptionError(what, meant(control, known, quoted="{}"), controller=shown(control))
         raise document.fault(fault, "controls")

@@ -20,7 +20,7 @@ import numpy as np
 from axiscal.language.spoken import joined, said
 from axiscal.measurement.readers.columns import unread
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
-from axiscal.measurement.readers.text_file import TextFile, lines_of_kind, newest_first, objects_in, read_text, telling
+from axiscal.measurement.readers.text_file import LINES_OF, TextFile, newest_first, objects_in, read_text, telling
 from axiscal.units import from_unit
 
 Side = tuple[float, float, float]
@@ -28,7 +28,7 @@ Side = tuple[float, float, float]
 Rows = list[tuple[int, list[str]]]
 """Of a map, along y: line and cells."""
 _OF_MAPS = {"probed_matrix", "profiles"}
-LINES, _TOUCHES = lines_of_kind("maps"), lines_of_kind("touches")
+LINES, _TOUCHES = LINES_OF["maps"], LINES_OF["touches"]
 _PRINTED_TO = {"X": 1e-4, "Y": 1e-4}
 """m: places are printed in fewer digits than they have, some in whole millimetres."""
 _SLACK = 1e-4

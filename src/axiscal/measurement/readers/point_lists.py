@@ -20,7 +20,7 @@ from axiscal.measurement.readers.columns import STEMS, column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, table_of
 from axiscal.measurement.readers.table_cells import NUMBER, plain
-from axiscal.measurement.readers.text_file import TextFile, lines_of_kind, telling
+from axiscal.measurement.readers.text_file import LINES_OF, TextFile, telling
 
 _SLACK = 1e-6
 """m, of rounding."""
@@ -28,7 +28,7 @@ _SMALL = 0.05
 """Share of X: readings are far below it, and the sides of a bed are not."""
 _HEIGHTS = 2e-3
 """m, further than those of a bed differ, and less than any bed is long."""
-_LINES = lines_of_kind("points")
+_LINES = LINES_OF["points"]
 _AXES, _NORMAL = "XYZABCUVW", "XYZIJK"
 """In the order in which LinuxCNC writes them, and with the direction of a face."""
 _WORDS = {word: stem for word, stem in STEMS.items() if stem in ("", "time", "Z")} | {"target": ""}

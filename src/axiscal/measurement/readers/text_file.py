@@ -24,7 +24,9 @@ MOST = 20_000_000
 MOST_LINES = 200_000
 """Lines; estimating takes 10,000 readings in a minute, and a file that is wrong is to be refused in a second."""
 
-_LINES = tomllib.loads(resources.files(__package__).joinpath("lines.toml").read_text(encoding="utf-8"))
+_PATTERNS = tomllib.loads(resources.files(__package__).joinpath("lines.toml").read_text(encoding="utf-8"))
+LINES_OF = {kind: {name: re.compile(each) for name, each in these.items()} for kind, these in _PATTERNS.items()}
+"""How lines of a kind of files look, by what they are."""
 _TIME = r"(?:[\d./-]{8,10},? )?(\d\d?):(\d\d)(?::(\d\d))?(?:[.,]\d+)?\s*(?:([AP])M\s*)?(?:[-|] )?"
 _LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:(?:Recv:|READ:|->|[<>])\s*)*(?:[Ee]cho:|//)?\s*")
 _PAGES, _HEAD = ("latin-1", "cp1250", "cp1251", "gb18030", "cp932"), 5000
@@ -70,11 +72,6 @@ class TextFile:
         if value is not None:
             what, remedy = "{name} {shown!r} is too large for a machine", "write the number that was read"
         raise self.fail(what, remedy, line, name=name, shown=text if len(text) <= 40 else text[:37] + "...")
-
-
-def lines_of_kind(kind: str) -> dict[str, re.Pattern[str]]:
-    """Return how lines of a kind of files look, by what they are."""
-    return {name: re.compile(pattern) for name, pattern in _LINES[kind].items()}
 
 
 def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:
