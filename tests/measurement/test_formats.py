@@ -243,7 +243,6 @@ HEADERS = [
     ("cible (mm);sens;passage;écart (µm)", ";", ("aller", "retour")),
     ("posición_mm,dirección,ciclo,desviación_um", ",", ("adelante", "atrás")),
     ("posizione_mm;direzione;ciclo;scostamento_um", ";", ("avanti", "indietro")),
-    ("pos_mm,dir,cycle,error_um", ",", ("CCW", "CW")),
     ("pos_mm,dir,cycle,error_um", ",", ("'+", "\N{MINUS SIGN}")),
 ]
 

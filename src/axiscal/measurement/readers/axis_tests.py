@@ -33,6 +33,8 @@ _RADII = later("these are radii, and no deviations"), later("take the radius off
 _NUMBERED = later("number the runs 1, 2, 3, ...")
 _UNKNOWN = later("direction {text!r} is not known")
 _TOWARDS = later("write + for the approach in the positive direction, - for the negative one")
+_SEEN = later("which sign {text!r} has depends on the side that one looks from")
+_TURN = re.compile(r"(?<![a-z])c?cw(?![a-z])", re.IGNORECASE)
 _AXIS = "|".join(word for word, stem in STEMS.items() if stem == "axis")
 _NAMED = re.compile(rf"\s*(?:{_AXIS})\s*[:;,=\t]\s*({AXIS_NAME})(?:[-\s]*(?:{_AXIS}))?[\s;,]*", re.IGNORECASE)
 _STROKE = 5e-3
@@ -76,6 +78,8 @@ def axis_test(file: TextFile, around: Around) -> Found:
     The order of the lines numbers the runs where no column does.
     """
     table = table_of(file, words=STEMS | {_lettered(file).lower(): "target"})
+    if test_of(file) != "circle":  # whose way round ISO 230-4 states
+        _refuse_turns(table)
     silent = any(column.stem == "angle" and not column.unit for column in table.columns)
     if silent and any(abs(row.of("angle").number()) > 2 * math.pi for row in table.rows):  # above a turn in rad
         table = table.with_columns(replace(c, stated="deg" if c.stem == "angle" else c.stated) for c in table.columns)
@@ -97,6 +101,15 @@ def axis_test(file: TextFile, around: Around) -> Found:
     note = said("angles in deg (it names no unit)") if silent else ""
     note = note if told else said("sides by the order of its targets (it names no direction)")
     return _with_gaps(found, len(table.rows), note)
+
+
+def _refuse_turns(table: CsvTable) -> None:
+    """Raise ReadingError where a turn, CW or CCW, is to say from which side a target was come to."""
+    cells = [row.of("direction") for row in table.rows] if table.all_of("direction") else []
+    for cell in (each for each in cells if _TURN.search(each.text)):
+        raise cell.fail(_SEEN, _TOWARDS, text=cell.text)
+    for column in (each for each in table.columns if _TURN.search(each.name)):
+        raise table.fail(_SEEN, _TOWARDS, text=column.name[:40])
 
 
 def _with_gaps(found: tuple[RawReading, ...], cells: int, note: str) -> Found:
