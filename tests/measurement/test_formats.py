@@ -303,6 +303,13 @@ def test_a_list_in_json_is_one_of_points(tmp_path: Path, text: str) -> None:
     assert found[-1].line == 1 + text.rstrip().count("\n")
 
 
+def test_points_in_json_with_two_units_are_no_list(tmp_path: Path) -> None:
+    text = '{"place": {"unit": "mm"}, "height": {"unit": "um"}, "points": [{"x": 0, "y": 0, "z": 12}]}'
+    (tmp_path / "r.json").write_text(text, encoding="utf-8")
+    with pytest.raises(ReadingError, match="no known format begins"):
+        read_any(tmp_path / "r.json")
+
+
 @pytest.mark.parametrize(
     ("header", "unit", "note"),
     [

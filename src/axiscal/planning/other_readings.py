@@ -7,8 +7,8 @@ everywhere would read one place again and again.
 
 Checks: a fifth of all readings, 3 to 12, drawn at random, are put where they cost least time; none below 12 readings,
 nor where nothing usually goes wrong. No place of one follows from what the model thinks. Others are chosen beside them;
-where these hardly come from a side the checks do. Of a dozen readings of a set-up or fewer, every other check stands
-near one: between places far apart a curve takes what detail does (lattice and close pairs: Diggle and Lophaven 2006).
+where these hardly come from a side the checks do. Every other check stands near a reading of a dozen or fewer. Between
+places far apart a curve takes what detail does (lattice and close pairs: Diggle and Lophaven 2006).
 
 Room to come to a place from the side that was planned: at the ends of a travel there is none.
 """

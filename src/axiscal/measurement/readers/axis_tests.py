@@ -78,12 +78,12 @@ def axis_test(file: TextFile, around: Around) -> Found:
     The order of the lines numbers the runs where no column does.
     """
     table = table_of(file, words=STEMS | {_lettered(file).lower(): "target"})
-    if test_of(file) != "circle":  # whose way round ISO 230-4 states
+    if (test := test_of(file)) != "circle":  # whose way round ISO 230-4 states
         _refuse_turns(table)
     silent = any(column.stem == "angle" and not column.unit for column in table.columns)
     if silent and any(abs(row.of("angle").number()) > 2 * math.pi for row in table.rows):  # above a turn in rad
         table = table.with_columns(replace(c, stated="deg" if c.stem == "angle" else c.stated) for c in table.columns)
-    if not table.all_of("direction") and test_of(file) != "long":
+    if not table.all_of("direction") and test != "long":
         return _in_columns(file, table)
     place = "angle" if table.all_of("angle") else "target"
     layout = {place: TILTS if place == "angle" else _BOTH} | _BESIDE

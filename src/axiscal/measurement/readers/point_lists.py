@@ -143,7 +143,7 @@ def _told(file: TextFile) -> list[tuple[int, str]]:
     """Return the lines with their numbers; of JSON one for each point, below its keys if it has any."""
     text, points = "\n".join(file.lines).replace("null", '"nan"'), list[tuple[int, str]]()
     line, end, head = 1, 0, list[str]()
-    unit = "".join(f" [{each}]" for each in _LINES["unit"].findall(text)[:1])
+    unit = "".join(f" [{each}]" for each in dict.fromkeys(_LINES["unit"].findall(text)))  # of several none is known
     whole = all(text.count(opens) == text.count(closes) for opens, closes in ("{}", "[]"))
     for found in _LINES["json"].finditer(text) if whole else ():
         line, end = line + text.count("\n", end, found.start(1)), found.start(1)

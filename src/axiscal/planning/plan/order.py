@@ -1,6 +1,6 @@
 """The order of the readings of a plan, set-up by set-up, and how long they take in it.
 
-A set-up that moves one axis is read out along it and back again (as ISO 230-2): read once along, a zero that moves
+A set-up that moves one axis is read out along it and back again (as ISO 230-2). Read once along, a zero that moves
 steadily by 10 µm is a slope of 10 µm, and nothing contradicts it. If the side counts, the way out reads one side, the
 way back the other, and neither turns round before a place. `interleaved` goes on from there, so that no drift and no
 growth passes for an error of the axis.
