@@ -4,7 +4,7 @@ rest      detail finer than a spline: half of its variance in cells of 2 % of th
 drift     of a zero: a line and Brownian motion over the time of its set-up, 2 of its noise each
 cycle     of a zero: Matérn-1/2 in time with six minutes, half of its noise
 growth    of a linear axis: coordinate over travel times Matérn-3/2 in time, 2 noises
-way       a reversal of which exp(-d/l) is missing, d the way since the axis turned, l of 30, 100 and 350 mm
+way       parts of a reversal of which exp(-d/l) is missing, d the way since the axis turned, l of 30, 100 and 350 mm
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from axiscal_core.columns import Scale
 from axiscal_core.errors import CELLS, Curved
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places
@@ -81,6 +82,18 @@ def columns_of(case: Model, places: Places, n: Numbers, clock: Array) -> Columns
             yield from _OfSetup(case, places, n, clock, i).columns()
 
 
+def adding_to_curves(case: Model, places: Places, n: Numbers, clock: Array) -> Iterator[tuple[str, Scale, Array]]:
+    """Yield scales of axes and parts of reversals: owner, what it adds, and which share of it readings have, (n,)."""
+    setups = [_OfSetup(case, places, n, clock, i) for i in np.unique(n.setup).tolist()] if case.usual else []
+    for at, term in case.machine.curves:
+        part, absent = case.machine.columns[at], sum(each.absent(term) for each in setups)
+        if term.ramp is not None:
+            yield term.name, Scale("scale", part, term.ramp), np.ones(len(n.rows))
+        if np.any(absent):
+            each = Scale("way", part, np.full(term.spline.size, WAY * term.std))
+            yield from ((term.name, each, share) for share in np.transpose(1 - absent))
+
+
 def _rests(case: Model, n: Numbers) -> Columns:
     for i, (_, term) in enumerate(case.machine.curves):
         if term.rest:
@@ -112,12 +125,11 @@ class _OfSetup:
                 root[zero] = CYCLE * self.sigma[zero, None] * np.linalg.cholesky(alike)
                 yield "cycle", self.name, self._wide(root)
         for i, (_, term) in enumerate(self.case.machine.curves):
-            if self.case.machine.names[term.at] not in self.instrument.moves or not term.linear:
-                continue
-            if term.error.positioning:
+            if self._moves(term) and term.error.positioning:
                 yield "growth", self.name, self._wide(self._growth(i, term))
-            if term.error.kind == "reversal" and len(self.instrument.sides) > 1:
-                yield "way", term.name, self._wide(self._way(i, term))
+
+    def _moves(self, term: Curved) -> bool:
+        return term.linear and self.case.machine.names[term.at] in self.instrument.moves
 
     def _wide(self, columns: Array) -> Array:
         """Return columns of all numbers, (n, q).  columns : (r, q)"""
@@ -136,12 +148,13 @@ class _OfSetup:
         along = self.sigma * self.n.reach[self.mine, i] * (at - np.mean(axis.travel)) / axis.length
         return np.asarray(GROWTH * along[:, None] * growth_functions(self.clock))
 
-    def _way(self, i: int, term: Curved) -> Array:
-        """Return the columns of a reversal that comes over a way.  i : among the curves"""
+    def absent(self, term: Curved) -> Array:
+        """Return which share of parts of a reversal is missing of all numbers, (n, ways); zero of any other error."""
+        if term.error.kind != "reversal" or not self._moves(term) or len(self.instrument.sides) < 2:
+            return np.zeros((len(self.n.rows), len(WAYS)))
         taken, first = np.unique(self.n.place[self.mine], return_index=True)
         order = taken[np.argsort(self.clock[first], kind="stable")]
         at, sides = self.places.poses[order, term.at], self.places.sides[order, term.at]
         missing = np.zeros((len(self.places), len(WAYS)))
         missing[order] = np.exp(-way_since_turn(at, sides, self.case.machine.axes[term.at].overrun)[:, None] / WAYS)
-        shown = WAY * term.std * self.n.reach[self.mine, i]
-        return np.asarray(shown[:, None] * missing[self.n.place[self.mine]])
+        return self._wide(missing[self.n.place[self.mine]])

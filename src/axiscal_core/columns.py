@@ -1,4 +1,4 @@
-"""Columns whose prior depends on a length that readings may teach, and what scales of axes add to others."""
+"""Columns whose prior depends on a length that readings may teach, and those that add to curves."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from axiscal_core.refusals import Array
 from axiscal_core.splines import matern, matern_by_length
+from axiscal_core.theta import Kind
 
 NUGGET = 1e-9
 """Added to correlations of one: long lengths make knots nearly equal, and Cholesky needs more than rounding."""
@@ -64,7 +65,11 @@ class Curves(Bent):
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """The scale of a linear axis: part : of the answered unknowns; ramp : (n,) m, what one standard deviation adds."""
+    """What adds to a curve: the scale of a linear axis, or a part of a reversal that comes over a way.
 
+    kind : of its size; part : of the answered unknowns; ramp : (n,) m, what one standard deviation adds
+    """
+
+    kind: Kind
     part: slice
     ramp: Array

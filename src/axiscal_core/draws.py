@@ -29,32 +29,20 @@ from axiscal_core.theta import Sizes
 
 COUNT = 64
 """With 64 the RMS was 0.69 to 1.17 of that of 512 draws, with 32 down to 0.66 (120 to 900 readings)."""
-_EACH = 16
-"""One draw of so many is of the prior."""
-_TAUGHT = 1.0
-"""Of the prior's information; with 0.5 to 5 the attacked axis is covered alike."""
+_EACH = 16  # one draw of so many is of the prior
+_TAUGHT = 1.0  # of the prior's information; with 0.5 to 5 the attacked axis is covered alike
 _SAID = 1.0
 """Gain of log L times prior, by a step of one size alone, from which on it is learnt: that of a parameter by Akaike."""
-_STEPS = 30
-"""Of Fisher scoring, which settles in about ten; more would not be a maximum either."""
-_LONGEST = 1.5
-"""Standard deviations of the prior in a step: the information is that of where the step begins."""
-_SETTLED = 0.3
-"""Gain of log L times prior that a further step promises: draws do not mind less."""
-_DAMPED, _MORE, _LESS = 1e-3, 20.0, 0.2
-"""Levenberg and Marquardt; any small start, and any factor of a few, do."""
-_TOLD = 0.3
-"""Standard deviation from which on an axis is worth two likelihoods: of a smaller one the normal is enough."""
-_NARROWEST, _WIDEST = 0.5, 2.0
-"""A wing is no wider or narrower than by so much: two likelihoods do not tell more."""
-_WIDE = 1.2
-"""A proposal that is too wide costs draws, one that is too narrow costs truth."""
-_EDGE = 1e-9
-"""A share of less has a quantile of six, and is rounding."""
-_ENOUGH = 12.0
-"""Draws that have to count where others are drawn about them."""
-_ROUND = 0.01
-"""Added to their covariance: twelve draws of ten sizes lie in a plane, nearly."""
+_STEPS = 30  # of Fisher scoring, which settles in about ten; more would not be a maximum either
+_LONGEST = 1.5  # standard deviations of the prior in a step: the information is that of where the step begins
+_SETTLED = 0.3  # gain of log L times prior that a further step promises: draws do not mind less
+_DAMPED, _MORE, _LESS = 1e-3, 20.0, 0.2  # Levenberg and Marquardt; any small start, and any factor of a few, do
+_TOLD = 0.3  # standard deviation from which on an axis is worth two likelihoods: of a smaller one the normal is enough
+_NARROWEST, _WIDEST = 0.5, 2.0  # a wing is no wider or narrower than by so much: two likelihoods do not tell more
+_WIDE = 1.2  # a proposal that is too wide costs draws, one that is too narrow costs truth
+_EDGE = 1e-9  # a share of less has a quantile of six, and is rounding
+_ENOUGH = 12.0  # draws that have to count where others are drawn about them
+_ROUND = 0.01  # added to their covariance: twelve draws of ten sizes lie in a plane, nearly
 
 
 class Slope(NamedTuple):
@@ -273,8 +261,7 @@ def _halved(points: Array, wings: Array) -> Array:
     return np.asarray(np.where(above, high * wings[1], low * wings[0]))
 
 
-_NOTHING = 1e-6
-"""Weight of a draw that moves no digit that is printed."""
+_NOTHING = 1e-6  # weight of a draw that moves no digit that is printed
 
 
 def weighed(space: Space[GivenT], drawn: Draws[GivenT]) -> Weighed[GivenT]:
@@ -293,8 +280,7 @@ def weighed(space: Space[GivenT], drawn: Draws[GivenT]) -> Weighed[GivenT]:
     return Weighed(thetas[kept], own, found, evidence, weights, drawn, log_stated)
 
 
-_RENEWED = 10.0
-"""Effective number of draws below which they are drawn anew."""
+_RENEWED = 10.0  # effective number of draws below which they are drawn anew
 
 
 def sized(space: Space[GivenT], before: Draws[GivenT] | None = None) -> Weighed[GivenT]:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal_core.causes import columns_of
-from axiscal_core.columns import Bent, Curves, Scale
+from axiscal_core.causes import adding_to_curves, columns_of
+from axiscal_core.columns import Bent, Curves
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import Curved
 from axiscal_core.model import Model
@@ -24,22 +24,21 @@ def posed(case: Model, readings: Readings, about: Array | None = None) -> Proble
     """Return readings as a problem.  about : (size,) the unknowns at which they are linear, None for zero"""
     sizes, n = sizes_of(case, len(readings.places)), case.numbers(readings, about)
     values = case.values(readings, "Case.estimate") - n.shown + (0.0 if about is None else n.rows @ about)
-    passing = [*columns_of(case, readings.places, n, clock_of(case, readings))]
-    scaled = [(term, case.machine.columns[i]) for i, term in case.machine.curves if term.ramp is not None]
-    scales = tuple(Scale(part, term.ramp) for term, part in scaled if term.ramp is not None)
-    before = [*(each for _, _, each in passing), *((n.rows[:, each.part] @ each.ramp)[:, None] for each in scales)]
-    at = [np.full(each.shape[1], sizes.index(kind, owner)) for kind, owner, each in passing]
-    at.append(sizes.indices("scale", [term.name for term, _ in scaled]))
-    own, own_at, curves, roots = _own(case, sum(each.shape[1] for each in before))
-    rows = np.hstack([*before, n.rows])
+    asked = case, readings.places, n, clock_of(case, readings)
+    adding, before = [*adding_to_curves(*asked)], [*columns_of(*asked)]
+    before += [(e.kind, owner, (share * (n.rows[:, e.part] @ e.ramp))[:, None]) for owner, e, share in adding]
+    at = [np.full(each.shape[1], sizes.index(kind, owner)) for kind, owner, each in before]
+    own, own_at, curves, roots = _own(case, sum(map(len, at)))
+    rows = np.hstack([*(each for _, _, each in before), n.rows])
     for start, root in roots:
         part = slice(start, start + len(root))
         rows[:, part] = rows[:, part] @ root
     groups = np.full(len(n.setup), -1) if readings.std is not None else sizes.indices("noise", case.setups)[n.setup]
-    kinds = tuple(kind for kind, _, each in passing for _ in range(each.shape[1]))
+    kinds = tuple(kind for kind, _, each in before[: -len(adding) or None] for _ in range(each.shape[1]))
     return Problem(
         rows / n.noise[:, None], values / n.noise, n.noise, n.place, n.setup, groups, sizes,
-        np.concatenate([*at, own_at]).astype(np.intp), curves, roots, scales, own, case.size - case.machine.size,
+        np.concatenate([*at, own_at]).astype(np.intp), curves, roots, tuple(each for _, each, _ in adding), own,
+        case.size - case.machine.size,
         np.zeros(own), (), len(kinds), (), kinds, n.type_b / n.noise[:, None], case.causes,
         np.ones(len(case.causes), dtype=bool),
     )  # fmt: skip

@@ -1,8 +1,8 @@
 """All readings as one linear problem over their noise: y = Z z + v, z ~ N(0, D R(l) D), v ~ N(0, σ²).
 
 D are the sizes and R the correlations of the unknowns; both depend on θ. What does not is applied to Z once. The
-columns in order: effects on readings only (drift, cycle, growth), rests of visited cells, scales of axes, errors,
-unknowns of set-ups. The last two are the answer.
+columns in order: effects on readings only (drift, cycle, growth), rests of visited cells, what adds to curves,
+errors, unknowns of set-ups. The last two are the answer.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Problem:
     setup : (m,) index of its set-up; groups : (m,) number of the θ of its noise, −1 where that is exact
     size_at : (p,) number of the θ of each column, −1 for none; curves : the columns whose prior has a length
     roots : of blocks of answered columns whose prior has none: where it begins, and F (q, q)
-    scales : of the columns before the answered ones, which are scales of axes
+    scales : of the columns before the answered ones: of axes, and parts of reversals
     answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
     unknowns : number of those of set-ups, the last of these
     cells : (term, cell) of the columns of rests, from column `first_cell` on
@@ -73,7 +73,7 @@ class Problem:
 
     @property
     def own(self) -> int:
-        """The first column that is answered; scales of axes stand before it."""
+        """The first column that is answered; what adds to curves stands before it."""
         return self.first + len(self.scales)
 
     def wider(self, columns: Array, kind: Kind = "drift") -> Problem:

@@ -23,18 +23,12 @@ Forms = Callable[[Array], tuple[Array, Array]]
 """Places (m,) -> N and D there, (m,) each, D above zero."""
 
 _EPS = float(np.finfo(np.float64).eps)
-_SPAN = 1e4
-"""Largest ratio of the denominator within one piece: keeps ten digits in N'D − ND'."""
-_HALVINGS = 60
-"""A piece that is halved so often is one float64."""
-_TOLD = 8 * _EPS
-"""A coefficient below this share of the largest one is rounding."""
-_FOLLOWED = 1e-9
-"""Of the largest value: a series that is off by more between its nodes is not that of N or D."""
-_BETWEEN = np.array([-0.83, 0.29])
-"""Where that is looked at: at no node of any count."""
-_INSIDE = 1e-9
-"""Of a piece: what N and D are at a break belongs to the piece on one side only."""
+_SPAN = 1e4  # largest ratio of the denominator within one piece: keeps ten digits in N'D − ND'
+_HALVINGS = 60  # a piece that is halved so often is one float64
+_TOLD = 8 * _EPS  # a coefficient below this share of the largest one is rounding
+_FOLLOWED = 1e-9  # of the largest value: a series that is off by more between its nodes is not that of N or D
+_BETWEEN = np.array([-0.83, 0.29])  # where that is looked at: at no node of any count
+_INSIDE = 1e-9  # of a piece: what N and D are at a break belongs to the piece on one side only
 
 
 def nodes(count: int) -> Array:

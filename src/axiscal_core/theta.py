@@ -29,12 +29,12 @@ _FARTHEST = 7.0
 """Of |θ|, a factor of a thousand: beyond it lies nothing but overflow."""
 _LARGEST: dict[Kind, float] = {
     "length": _FARTHEST, "noise": math.log(30), "cycle": math.log(60),
-    "drift": math.log(30), "growth": math.log(30), "way": math.log(30),
+    "drift": math.log(30), "growth": math.log(30), "way": math.log(60),
 }  # fmt: skip
 """Of θ: where noise or cycle are larger every reading is a bad one, of 30 noises, and what they contradict is neither.
 
 Nobody states what passes while a machine is read: one of nine ISO 230-2 tests has 19 times the usual drift. Where a way
-is 30 times as large, all of a reversal is missing when the axis has just turned.
+is 60 times as large, a part of a reversal is 3.6 times as large as the whole is stated.
 """
 MANY = 12  # readings: fewer say that a size is worse than stated, and hardly that it is better
 _MOST = math.log(10.0)

@@ -75,9 +75,9 @@ def _moves_little(before: Estimation, after: Estimation, function: ErrorFunction
 
 def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:
     """Whoever reads a file of them is told of another unit before (`estimation.wrong_unit`)."""
-    small = [replace(r, value=r.value / 1000) for r in _readings(1)]
+    small = [replace(r, value=r.value / 1000) for r in _readings(2)]
     assert [f.error for f in findings(_estimated(small)) if f.code == "prior-misfit"]
-    assert not [f for f in findings(_estimated(_readings(1))) if f.code == "prior-misfit"]
+    assert not [f for f in findings(_estimated(_readings(2))) if f.code == "prior-misfit"]
 
 
 def test_readings_that_agree_with_their_neighbour_are_a_fact_and_not_bad() -> None:

@@ -13,9 +13,8 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case, Timed, elapsed, timed
-from axiscal.estimation.promise.passing import (
-    passing_columns,
-)
+from axiscal.estimation.learnt import posed
+from axiscal.estimation.promise.passing import passing_columns
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
@@ -43,9 +42,19 @@ OUT_AND_BACK = [
 
 def test_it_is_there_where_both_sides_are_read_and_what_usually_goes_wrong_counts() -> None:
     assert "way" in {size.kind for size in axis().sizes.of}
-    assert "way" in _by_kind(axis(), OUT_AND_BACK)
-    assert "way" not in _by_kind(axis(approach="+"), OUT_AND_BACK)
+    assert "way" in {scale.kind for scale in posed(axis(), OUT_AND_BACK).scales}
+    assert "way" not in {scale.kind for scale in posed(axis(approach="+"), OUT_AND_BACK).scales}
     assert "way" not in {size.kind for size in axis(usual="off").sizes.of}
+
+
+def test_a_part_of_a_reversal_is_whole_a_long_way_after_the_turn_and_missing_at_it() -> None:
+    """The last readings turn at 0.2 m, go 0.05 m back and turn no more; the reversal's own row says how it is whole."""
+    problem = posed(axis(), OUT_AND_BACK)
+    parts = [i for i, scale in enumerate(problem.scales) if scale.kind == "way"]
+    shares = problem.rows[:, problem.first + np.array(parts)] / problem.rows[:, [-2]]
+    ways, lengths = np.array([0.0, 0.2, 0.35]) + axis().description.machine.axes[0].overrun, np.array([0.03, 0.1, 0.35])
+    expected = 1 - np.exp(-ways[:, None] / lengths)
+    np.testing.assert_allclose(shares[:3] / expected, np.full((3, 3), shares[0, 0] / expected[0, 0]), rtol=1e-12)
 
 
 def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:

@@ -49,7 +49,7 @@ def test_a_stated_drift_is_learnt_as_noise_is(sure: Sure, found: bool) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "most"),
-    [(kind, 10) for kind in ("std", "reversal", "rest", "together")] + [("drift", 30), ("growth", 30), ("way", 30)],
+    [(kind, 10) for kind in ("std", "reversal", "rest", "together")] + [("drift", 30), ("growth", 30), ("way", 60)],
 )
 def test_no_size_is_learnt_far_beyond_what_is_stated(kind: Kind, most: float) -> None:
     """Behind that it does not move; a length may be anything, and a noise as wide as a bad reading."""

@@ -82,9 +82,8 @@ def _squares(known: Estimation, drawn: Drawn, figures: Array) -> Iterator[tuple[
     for index in np.unique(problem.setup).tolist():
         yield ("instrument", observation.setups[index].name, None), float(found.numbers[problem.setup == index].sum())
     kinds = [_PASSING[kind] for kind in problem.passing] + ["detail"] * len(problem.cells)
-    kinds += ["prior"] * (len(problem.scales) + problem.answered - problem.unknowns) + [
-        _kind(unknown) for unknown in observation.unknowns
-    ]
+    kinds += ["way" if scale.kind == "way" else "prior" for scale in problem.scales]
+    kinds += ["prior"] * (problem.answered - problem.unknowns) + [_kind(unknown) for unknown in observation.unknowns]
     for kind, square in zip(kinds, found.columns.tolist(), strict=True):
         yield (kind, "", None), square
     for cause, square in zip(problem.causes, found.causes.tolist(), strict=True):

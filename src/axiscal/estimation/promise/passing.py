@@ -1,4 +1,4 @@
-"""What only readings suffer: drift, growth, and reversals that are not there yet.
+"""What only readings suffer: drift and growth; and which share of a reversal has not come yet.
 
 Functions of time and way are those of `axiscal_core.causes`. Of more than there are readings come as many columns
 as of these: Lᵀ of Z Zᵀ = L Lᵀ. Without what usually goes wrong a zero wanders as stated (`measurement.cells`).
@@ -82,16 +82,20 @@ def passing_columns(
             parts.append(made)
             size_at += [sizes.index(kind, setup.name)] * made.shape[1]
             kinds += [kind] * made.shape[1]
-        turns = turning(observation, index, mine.poses, mine.approaches) if usual else []
-        ways = [(turn, way) for turn in turns for way in causes.WAYS]
-        parts.append(np.zeros((len(reading), len(ways))))
-        for column, (turn, way) in zip(parts[-1].T, ways, strict=True):
-            for number, missing in enumerate(turn.missing(mine.poses, np.argsort(mine.clock, kind="stable"), way)):
-                column[mine.first + number] = missing
-            size_at.append(sizes.index("way", turn.name))
-            kinds.append("way")
     columns = np.hstack(parts) if parts else np.zeros((len(reading), 0))
     return Passing(columns, np.array(size_at, dtype=np.intp), tuple(kinds))
+
+
+def absent(observation: Observation, readings: Sequence[Reading], places: Places) -> dict[str, Array]:
+    """Return, by its name, which share of each part of a reversal is missing at readings, (readings, ways)."""
+    times, found = np.nan_to_num(times_of(readings)), dict[str, Array]()
+    for index, chosen in places.by_setup():
+        which = np.arange(len(places))[chosen]
+        poses, order = places.poses[which], np.argsort(times[which], kind="stable")
+        for turn in turning(observation, index, poses, places.approaches[which]):
+            shares = [turn.absent(poses, order, way) for way in causes.WAYS]
+            found.setdefault(turn.name, np.zeros((len(places), len(shares))))[which] = np.transpose(shares)
+    return found
 
 
 class AtFeed(NamedTuple):
@@ -183,14 +187,18 @@ class Turning:
     sides: Array
     effects: Array
 
-    def missing(self, poses: Array, order: NDArray[np.intp], way: float = causes.WAYS[1]) -> Array:
-        """Return what is missing of each number of readings, (k, r) m or rad.
+    def absent(self, poses: Array, order: NDArray[np.intp], way: float) -> Array:
+        """Return which share is missing at readings, (r,).
 
         poses : (r, q); order : (r,) in which they are taken; way : m, over which it comes
         """
         left = np.empty(len(poses))
         left[order] = np.exp(-causes.way_since_turn(poses[order, self.axis], self.sides[order], self.overrun) / way)
-        return -WAY.size * left * self.effects
+        return left
+
+    def missing(self, poses: Array, order: NDArray[np.intp], way: float = causes.WAYS[1]) -> Array:
+        """Return what is missing of each number of readings, (k, r) m or rad."""
+        return -WAY.size * self.absent(poses, order, way) * self.effects
 
 
 def turning(observation: Observation, index: int, poses: Array, approaches: Array) -> list[Turning]:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.description.usual import WAY
 from axiscal.errors.model import ErrorFunction, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.prior import covariance
 from axiscal.estimation.promise.causes import contributions
-from axiscal.estimation.promise.passing import passing_columns
+from axiscal.estimation.promise.passing import absent, passing_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
@@ -68,7 +69,9 @@ def problem(
     type_b = np.column_stack([np.zeros((len(reading), 0)), *(each.effects for each in causes)])
     passing = passing_columns(observation, readings, places, reading, sizes, usual)
     start = passing.columns.shape[1]
-    cells = _cells(observation, places, len(reading), start)
+    lacking = absent(observation, readings, places) if usual else {}
+    late = sum(shares.shape[1] for shares in lacking.values())
+    cells = _cells(observation, places, len(reading), start + late)
     opened = with_cells(observation, cells)
     found = rows_at(opened, places)
     setups = places.setups[reading]
@@ -82,15 +85,17 @@ def problem(
     names = [setup.name for setup in observation.setups]
     groups = np.where(np.isnan(stated), sizes.indices("noise", names)[setups], -1)
     answered = observation.errors.size + len(observation.unknowns)
-    scales, scale_size = builder.scales()
+    adding = [*builder.scales(lacking)]
+    scales = tuple(scale for _, scale, _ in adding)
+    scale_size = np.array([sizes.index(scale.kind, owner) for owner, scale, _ in adding], dtype=np.intp)
     columns = [opened.cells[cell] for cell in cells]
     rest_size = sizes.indices("rest", [observation.errors.terms[term].name for term, _ in cells])
     first = start + len(cells)
     rows = np.empty((len(reading), first + len(scales) + answered))  # many readings make gigabytes: in no second copy
     rows[:, :start] = passing.columns
     rows[:, start:first] = by_blocks(found.rows[:, columns], first_cell_roots)
-    for at, scale in enumerate(scales, start=first):
-        rows[:, at] = found.rows[:, scale.part] @ scale.ramp
+    for at, (_, scale, missing) in enumerate(adding, start=first):
+        rows[:, at] = (1.0 if missing is None else 1 - missing[reading]) * (found.rows[:, scale.part] @ scale.ramp)
     own = rows[:, first + len(scales) :]
     own[:] = found.rows[:, :answered]
     own_size, curves, roots = builder.errors(own, first + len(scales))
@@ -108,11 +113,11 @@ def problem(
     )  # fmt: skip
 
 
-def _cells(observation: Observation, places: Places, numbers: int, passing: int) -> list[tuple[int, int]]:
+def _cells(observation: Observation, places: Places, numbers: int, others: int) -> list[tuple[int, int]]:
     """Return the cells that have a column, by error and then as they lie along it.
 
     Those of the errors that move readings least have none where all would be too many.
-    numbers : of all readings; passing : columns of what only readings suffer
+    numbers : of all readings; others : columns of what only readings suffer, and of parts of reversals
     """
     of_term = _by_term(visited(observation, places).cells)
     if numbers <= MOST_NUMBERS:
@@ -122,7 +127,7 @@ def _cells(observation: Observation, places: Places, numbers: int, passing: int)
         shown = cells_shown(observation, setup, places.poses[mine])
         effect[shown.functions] += np.sum(shown.reach**2, axis=1)
     effect *= [term.rest**2 for term in observation.errors.terms]
-    room = MOST_COLUMNS - observation.errors.size - len(observation.unknowns) - passing
+    room = MOST_COLUMNS - observation.errors.size - len(observation.unknowns) - others
     for term in sorted(of_term, key=lambda each: (-effect[each], each)):
         if len(of_term[term]) <= room:
             kept += sorted(of_term[term])
@@ -179,14 +184,19 @@ class _Builder:
         ]
         return [term.rest * (_cell_root(term, mine) if self.usual else np.eye(len(mine))) for term, mine in of_term]
 
-    def scales(self) -> tuple[tuple[Scale, ...], NDArray[np.intp]]:
-        """Return the scales of axes, and the number of the θ of each; none where a belief was inherited."""
-        if self.inherited is not None:
-            return (), np.zeros(0, dtype=np.intp)
-        stated = {entry.name: entry.scale for entry in self.observation.errors.machine.errors if entry.scale}
-        terms = [term for term in self.observation.errors.functions if term.name in stated]
-        scales = tuple(Scale(term.columns, stated[term.name] * ramp(term.basis)) for term in terms)
-        return scales, self.sizes.indices("scale", [term.name for term in terms])
+    def scales(self, absent: Mapping[str, Array]) -> Iterator[tuple[str, Scale, Array | None]]:
+        """Yield what adds to curves: owner, what it adds, and which share of it readings lack, (r,), None for none.
+
+        absent : as of `passing.absent`; a belief that was inherited has the scales of axes
+        """
+        entries = self.observation.errors.machine.errors if self.inherited is None else ()
+        stated = {entry.name: entry.scale for entry in entries if entry.scale}
+        for term in self.observation.errors.functions:
+            if term.name in stated:
+                yield term.name, Scale("scale", term.columns, stated[term.name] * ramp(term.basis)), None
+            for share in absent.get(term.name, np.zeros((0, 0))).T:
+                part = WAY.size * np.sqrt(np.diagonal(term.covariance))
+                yield term.name, Scale("way", term.columns, part), share
 
     def errors(
         self, own: Array, start: int
