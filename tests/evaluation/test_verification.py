@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from scipy.stats import binom
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
@@ -19,8 +20,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation import table_checks
 from axiscal.evaluation.check import Check, tolerance_of
 from axiscal.evaluation.datums import GUARD
-from axiscal.evaluation.table_checks import verdict
-from axiscal.evaluation.verification import judge, plan_check, with_displacements
+from axiscal.evaluation.verification import judge, plan_check, verdict, with_displacements
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -196,13 +196,23 @@ def test_checks_are_as_far_off_as_they_say(state: tuple[Estimate, tuple[Reading,
 @given(st.lists(st.floats(-1e-5, 1e-5), min_size=1, max_size=9), st.floats(1e-8, 1e-6), st.floats(1e-7, 1e-5))
 @example([1.05e-6], 1e-7, 1e-6)
 def test_a_verdict_is_decided_by_the_guard_band(values: list[float], std: float, tolerance: float) -> None:
-    deviations, stds = np.array(values), np.full(len(values), std)
-    decided = verdict(deviations, stds, tolerance)
+    deviations, stds, of = np.array(values), np.full(len(values), std), np.arange(len(values))
+    decided = verdict(deviations, stds, of, tolerance)
     worst = float(np.max(np.abs(deviations)))
     assert (decided == "pass") == (worst + GUARD * std <= tolerance)
     assert (decided == "fail") == (worst - GUARD * std > tolerance)
-    assert verdict(-deviations, stds, tolerance) == decided
-    assert verdict(deviations, stds, tolerance * 1e3) == "pass"
+    assert verdict(-deviations, stds, of, tolerance) == decided
+    assert verdict(deviations, stds, of, tolerance * 1e3) == "pass"
+
+
+@pytest.mark.parametrize("places", [1, 12, 40, 200])
+def test_what_95_percent_keep_fails_where_more_places_exceed_it_than_one_machine_of_twenty_shows(places: int) -> None:
+    """One place has two numbers, which count once; the binomial is scipy's."""
+    of, most = np.append(np.arange(places), 0), int(binom.ppf(0.95, places, 0.05))
+    for exceeding in range(places + 1):
+        deviations = np.where(of < exceeding, 3.0, 0.5)
+        expected = "pass" if exceeding <= places // 20 else "fail" if exceeding > most else "undecided"
+        assert verdict(deviations, np.full(len(of), 0.1), of, 1.0, 0.05) == expected
 
 
 def test_readings_of_other_places_are_refused(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:

@@ -23,6 +23,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
 from axiscal.document.durable import write_whole
+from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.datums import fewest, lines_shared
@@ -312,8 +313,9 @@ class Check:
 
     def judged(self, readings: FoundAndLeft, tolerance: str | None) -> Judgement:
         """Return what readings say; raises ReadingError, TargetError.  tolerance : as of `allowed`"""
-        allowed = self.allowed(tolerance)
-        return judge(self.estimate, self.description.setups, *readings, self.tables.control, allowed, self.parts)
+        allowed, control = self.allowed(tolerance), self.tables.control
+        exceeded = 0.0 if tolerance is not None or self.description.target.worst is not None else 1 - LEVEL
+        return judge(self.estimate, self.description.setups, *readings, control, allowed, self.parts, exceeded)
 
     def allowed(self, tolerance: str | None) -> float:
         """Return the largest deviation allowed, m, 0 where nothing says one yet; raises TargetError, UnitError."""

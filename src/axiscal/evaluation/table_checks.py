@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.promise.agreement import Checks
-from axiscal.evaluation.datums import GUARD, Datum, added_to_values
+from axiscal.evaluation.datums import Datum, added_to_values
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
@@ -387,11 +387,3 @@ class Judgement:
     def believed(self) -> bool:
         """Whether the readings agree with the estimate and its uncertainty."""
         return self.agrees >= _UNLIKELY
-
-
-def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:
-    """Return what deviations with their standard deviations say of a tolerance (ISO 14253-1)."""
-    sizes = np.abs(deviations)
-    if np.all(sizes + GUARD * std <= tolerance):
-        return "pass"
-    return "fail" if np.any(sizes - GUARD * std > tolerance) else "undecided"

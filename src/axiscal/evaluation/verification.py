@@ -8,7 +8,9 @@ readings changed by the tables' correction, and that no set-up is further off th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -16,16 +18,16 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.promise.agreement import CheckReading, Checks
-from axiscal.evaluation.datums import Datums, datums_of, fewest, is_zero, upright
+from axiscal.evaluation.datums import GUARD, Datums, datums_of, fewest, is_zero, upright
 from axiscal.evaluation.table_checks import (
     HARDLY,
     Judgement,
     Part,
+    Verdict,
     far_from,
     idle_axes,
     shares,
     taken_away,
-    verdict,
     without,
 )
 from axiscal.exceptions import ReadingError
@@ -60,6 +62,8 @@ _STILL = 4
 """So many readings of a set-up that show one and the same number are an instrument that does not move."""
 _NOTHING = 1e-9
 """A change of a nanometre is none: far below any reading's noise."""
+_OF_TWENTY = 0.95
+"""Of machines as good as promised so many do not fail."""
 
 
 class Values(NamedTuple):
@@ -221,12 +225,14 @@ def judge(
     control: Control,
     tolerance: float,
     parts: Sequence[Part] = (),
+    exceeded: float = 0.0,
 ) -> Judgement:
     """Return what readings without and with the tables say; raises ReadingError when they are not of the same places.
 
     The zero of a set-up and an unknown slope are taken off each set of readings.
     tolerance : the largest deviation allowed, m; 0 where nothing says one: then only tables that do not work decide
     parts : the tables, each of which must work: one that is missing or has the wrong sign fails, whatever the tolerance
+    exceeded : share of the places where the tolerance may be
     """
     _refuse_different(found, left)
     places = places_of(setups, left)
@@ -249,7 +255,7 @@ def judge(
     taken = [free @ taken_away(estimate.machine, part, setups, places) for part in parts]
     each = shares(parts, np.stack(taken, axis=1), change, apart) if parts else ()
     std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after, noise, tolerance)
-    decided = proved = verdict(free @ after, std, tolerance) if tolerance > 0 else "undecided"
+    decided = proved = verdict(free @ after, std, of, tolerance, exceeded) if tolerance > 0 else "undecided"
     still = _still(left)
     if any(share.checked and not share.works for share in each):
         decided = "fail"
@@ -274,6 +280,21 @@ def judge(
         datums.tools,
         proved,
     )
+
+
+def verdict(deviations: Array, std: Array, of: NDArray[np.intp], tolerance: float, exceeded: float = 0.0) -> Verdict:
+    """Return what deviations with their standard deviations say of a tolerance (ISO 14253-1).
+
+    of : (m,) the place of each; exceeded : share of the places where it may be
+    It fails where more places exceed it than one of twenty machines with that share would show.
+    """
+    sizes, places = np.abs(deviations), len(np.unique(of))
+    surely, perhaps = (len(np.unique(of[sizes + sign * GUARD * std > tolerance])) for sign in (-1, 1))
+    if perhaps <= exceeded * places:
+        return "pass"
+    chances = accumulate(math.comb(places, k) * exceeded**k * (1 - exceeded) ** (places - k) for k in range(places + 1))
+    most = next(k for k, chance in enumerate(chances) if chance >= _OF_TWENTY)
+    return "fail" if surely > most else "undecided"
 
 
 def _still(readings: Sequence[Reading]) -> tuple[str, ...]:
