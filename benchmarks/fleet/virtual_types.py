@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.model import Term
+from axiscal.errors.term import Term
 from axiscal.estimation.case import Case
 from axiscal.estimation.data_equation import DataEquation, data_equation
 from axiscal.machine import load_machine

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.plane import PlaneError
+from axiscal.errors.term import Term
 from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.kinematics import SmallMotions, tool_motion
 from tests.generators.planes import BED, bed, centred, dense_rows, matern, natural, poses_of, table
 
 
-def _plane(machine: Machine, name: str) -> PlaneError:
-    return ErrorModel(machine).planes_by_name[name]
+def _plane(machine: Machine, name: str) -> Term:
+    return {term.name: term for term in ErrorModel(machine).terms}[name]
 
 
 def test_the_unknowns_have_the_covariance_of_the_centred_kronecker_product() -> None:
@@ -24,7 +24,7 @@ def test_the_unknowns_have_the_covariance_of_the_centred_kronecker_product() -> 
     poses = poses_of(bed(), 40)
     rows = dense_rows(x, y, poses[:, 2], poses[:, 0])
     found = plane.rows(plane.coordinates(poses))
-    assert len(plane.pairs) == 20, "so rough a plane needs all its products"
+    assert len(plane.covariance) == 20, "so rough a plane needs all its products"
     np.testing.assert_allclose(found @ plane.covariance @ found.T, rows @ dense @ rows.T, rtol=0, atol=1e-12 * 40e-6**2)
     assert plane.rest == pytest.approx(2e-6, rel=1e-6)
 
@@ -38,7 +38,7 @@ def test_what_is_cut_away_is_counted_as_rest() -> None:
     grid = np.stack([g.ravel() for g in np.meshgrid(spline.knots, spline.knots, indexing="ij")], axis=1)
     rows = plane.rows(grid)
     lost = np.trace(np.kron(own, own)) * 10e-6**2 - np.trace(rows @ plane.covariance @ rows.T)
-    assert len(plane.pairs) < 14 * 14
+    assert len(plane.covariance) < 14 * 14
     assert plane.rest**2 == pytest.approx(lost / 15**2, rel=1e-6, abs=0.0)
     assert plane.rest**2 < 1e-4 * 10e-6**2
 
@@ -58,7 +58,7 @@ def test_the_small_motions_are_those_of_the_rows(machine: Machine) -> None:
 
 def test_the_paper_s_criterion_is_the_kronecker_product_of_the_gram_matrices() -> None:
     model = ErrorModel(bed())
-    plane = model.planes_by_name["EZXY"]
+    (plane,) = (plane for plane in model.planes if plane.name == "EZXY")
     x, y = natural(0.0, 0.3, 6), natural(-0.05, 0.15, 5)
     nodes, weights = np.polynomial.legendre.leggauss(4)
     at, share = [], []
@@ -92,7 +92,7 @@ def test_a_last_campaign_is_read_at_the_knots_of_today() -> None:
     finer = BED.replace('knots = [6, 5], length = ["70 mm", "40 mm"]', 'knots = [12, 11], length = ["40 mm", "25 mm"]')
     then, now = _plane(bed(), "EZXY"), _plane(machine_from_text(finer), "EZXY")
     rng = np.random.default_rng(0)
-    values = rng.standard_normal(len(then.pairs))
+    values = rng.standard_normal(len(then.covariance))
     first, second = now.sides
     knots = np.meshgrid(first.spline.control_positions, second.spline.control_positions, indexing="ij")
     grid = np.stack([g.ravel() for g in knots], axis=1)

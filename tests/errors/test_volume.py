@@ -25,8 +25,7 @@ def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVER
     x, w = np.polynomial.legendre.leggauss(points)
     lines = []
     for k, (start, stop) in enumerate(box):
-        planes = [each for plane in model.planes for each in plane.knots_along(k)]
-        knots = np.concatenate([[start, stop], *(f.basis.knots for f in model.functions if f.axis == k), *planes])
+        knots = np.concatenate([[start, stop], *model.knots_along(k)])
         edges = np.unique(np.clip(knots, start, stop))
         half = np.diff(edges)[:, None] / 2
         lines.append(((edges[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel() / (stop - start)))

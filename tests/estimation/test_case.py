@@ -84,8 +84,8 @@ def test_rests_without_a_column_count_as_noise(monkeypatch: pytest.MonkeyPatch) 
 def test_an_error_of_two_axes_has_a_root_at_any_length(times: float) -> None:
     """A draw of the sizes for the bed of a real printer took it to a thousand times the stated one."""
     (plane,) = ErrorModel(load_machine("printer-gantry")).planes
-    columns = np.arange(len(plane.pairs))[None]
+    columns = np.arange(len(plane.covariance))[None]
     unknown = PlaneUnknowns(columns, np.array([0]), plane)
     (root,) = unknown.roots(np.array([np.log(times)]))
-    expected = plane.prior(plane.entry.std, (times, times))
-    np.testing.assert_allclose(root @ root.T, expected, rtol=1e-6, atol=2e-9 * plane.entry.std**2)
+    expected = plane.prior(plane.std, (times, times))
+    np.testing.assert_allclose(root @ root.T, expected, rtol=1e-6, atol=2e-9 * plane.std**2)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.errors.model import ErrorFunction
+from axiscal.errors.term import Term
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
@@ -63,7 +63,7 @@ def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma() -
     assert sum(held) >= 3
 
 
-def _moves_little(before: Estimation, after: Estimation, function: ErrorFunction) -> bool:
+def _moves_little(before: Estimation, after: Estimation, function: Term) -> bool:
     rows, size = (
         function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)),
         before.case.errors.size,

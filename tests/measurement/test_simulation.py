@@ -41,7 +41,7 @@ def test_drawn_curves_scatter_as_the_prior_says_rests_included() -> None:
     simulator = Simulator(machine, ())
     drawn = np.array([simulator.drawn(seed).values(positions[:, None])[0] for seed in range(3000)])
     curve = model.names["EXX"]
-    rows, cells = curve.basis.rows(positions), np.floor((positions + 2e-4) / curve.cell).astype(int)
+    rows, cells = curve.basis.rows(positions), np.floor((positions + 2e-4) / curve.sides[0].cell).astype(int)
     cells = np.minimum(cells, 159)
     expected = rows @ curve.covariance @ rows.T + curve.rest**2 * (cells[:, None] == cells)
     assert _scatter(drawn, expected) < 5

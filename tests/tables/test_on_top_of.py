@@ -170,7 +170,7 @@ def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -
     """Its points are others than those of the new columns, and a file has one column of points."""
     axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}
     model = ErrorModel(machine_from_text(machine_text("w-b-X-Y-Z-t", axes, {"EXX": ("10 um", 7, 150)}, name="M")))
-    estimate = known_to_be(model, np.arange(model.size) ** 2 * 1e-6)
+    estimate = known_to_be(model, np.arange(float(model.size)) ** 2 * 1e-6)
     at = np.linspace(0, 300, 8)
     y = 0.02 * np.sin(at / 90)
     text = com(*((p, 0.0, 0.0, v, 0.0) for p, v in zip(at, y, strict=True)))

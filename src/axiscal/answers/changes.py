@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.description.type_text import is_type_text
-from axiscal.errors.model import ErrorFunction
+from axiscal.errors.term import Term
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
@@ -53,7 +53,7 @@ def changes(estimation: Estimation) -> Iterator[Change]:
                 yield change
 
 
-def _change(before: Estimation, now: Estimation, function: ErrorFunction) -> Change:
+def _change(before: Estimation, now: Estimation, function: Term) -> Change:
     """Compare all control values together: an unobservable part, such as the constant, is wide and does not count."""
     axis = now.case.errors.machine.axes[function.axis]
     knots = function.basis.control_positions
@@ -68,7 +68,7 @@ def _change(before: Estimation, now: Estimation, function: ErrorFunction) -> Cha
     return Change(function.name, float(knots[worst]), float(beside[worst]), chance, function.angular, axis.rotary)
 
 
-def _curve(known: Estimation, function: ErrorFunction, positions: Array) -> tuple[Array, Array]:
+def _curve(known: Estimation, function: Term, positions: Array) -> tuple[Array, Array]:
     """Return mean (k,) and covariance (k, k) of an error at positions, its rest included."""
     rows = function.basis.rows(positions)
     factor = rows @ known.printed.belief.factor[function.columns]

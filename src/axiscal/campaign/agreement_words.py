@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.model import Term
+from axiscal.errors.term import Term
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.agreement import NAMED, Agreement, Checks, Explained, Mistake
 from axiscal.exceptions import RecordError

@@ -14,8 +14,8 @@ from itertools import combinations
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.errors.model import ErrorFunction, ErrorModel, Term
-from axiscal.errors.plane import PlaneError
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.term import Term
 from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
 from axiscal.language.spoken import capital, counted, joined, later, listed, put, said
 from axiscal.machine.axis import Axis, letter_direction
@@ -100,8 +100,8 @@ def reading_that_shows(model: ErrorModel, function: Term) -> str:
         across = "xyz"[3 - component - letter_direction(axis.letter)]
         return said("a reading along {way} {when}", way=across, when=_moving(axis))
     when = _moving(axis)
-    if isinstance(function, PlaneError):
-        when = said("while {axes} move", axes=joined(function.entry.axes))
+    if len(function.axes) > 1:
+        when = said("while {axes} move", axes=joined([model.machine.axes[k].name for k in function.axes]))
     if function.kind == "reversal":
         when = said("{when} and comes from both sides", when=when)
     text = "a reading of the rotation about {way} {when}" if function.angular else "a reading along {way} {when}"
@@ -210,7 +210,7 @@ def _phrase(aspect: Aspect) -> str:
 
 
 def _is_constant(aspect: Aspect) -> bool:
-    return not isinstance(aspect.function, PlaneError) and aspect.function.basis.size == 1
+    return aspect.function.basis.size == 1
 
 
 _ABOUT = {"XY": "C", "XZ": "B", "YZ": "A"}
@@ -300,7 +300,7 @@ def hidden(
     effects = [_effect(term, acting, beyond) for term in model.terms]
     counted = [i for i, effect in enumerate(effects) if effect > _COUNTS * np.sqrt(before)]
     missing = [(_missing(model.terms[i], acting), effects[i]) for i in counted]
-    aspects = [aspect for f in model.functions if not f.stated_shape for aspect in _aspects(f, idle)]
+    aspects = [aspect for f in model.terms if not f.stated_shape for aspect in _aspects(f, idle)]
     return (*missing_words(model, missing), *conventions(model, aspects, said(none)))
 
 
@@ -322,14 +322,14 @@ def _effect(function: Term, acting: Array, beyond: Array) -> float:
 
 def _missing(function: Term, acting: Array) -> Aspect:
     """Return the aspect of an error that is missed most: all of the curve, or only its slope or constant."""
-    if isinstance(function, PlaneError) or function.stated_shape:
+    if function.stated_shape:
         prior = float(np.trace(function.covariance))
         own = acting[function.columns]
         return Aspect(function, "curve", float(np.sum(own**2)) / prior, float(np.sqrt(prior / len(own))))
     return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.std))
 
 
-def _aspects(function: ErrorFunction, idle: Array) -> Iterator[Aspect]:
+def _aspects(function: Term, idle: Array) -> Iterator[Aspect]:
     """Yield the aspects of an error that stay open by more than a rounding of the prior."""
     for aspect in sorted(_candidates(function, idle), key=lambda a: a.kind != "curve"):
         if aspect.share > (_CURVE if aspect.kind == "curve" else _SHARE):
@@ -338,7 +338,7 @@ def _aspects(function: ErrorFunction, idle: Array) -> Iterator[Aspect]:
             return
 
 
-def _candidates(function: ErrorFunction, unseen: Array) -> Iterator[Aspect]:
+def _candidates(function: Term, unseen: Array) -> Iterator[Aspect]:
     """Yield constant, slope and the rest of the curve, as far as the spline has them."""
     own = unseen[function.columns]
     rows = [("constant", _projection(function, 0))]
@@ -355,7 +355,7 @@ def _candidates(function: ErrorFunction, unseen: Array) -> Iterator[Aspect]:
         yield Aspect(function, "curve", share, float(np.sqrt(prior / function.basis.size)))
 
 
-def _projection(function: ErrorFunction, degree: int) -> Array:
+def _projection(function: Term, degree: int) -> Array:
     """The row (size,) that reads the mean, or half the mean rise over the travel, off the control values."""
     if function.basis.size == 1:
         return np.ones(1)

@@ -11,91 +11,22 @@ axes do together acts like a motion of the later one: δ_k(t_k) becomes δ_k(t_k
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors import prior
-from axiscal.errors.plane import PlaneError, plane_error
-from axiscal.errors.prior import Segments
+from axiscal.errors.term import Term, term_of
 from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry, Kind
+from axiscal.machine.entry import ErrorEntry, PlaneEntry
 from axiscal.machine.kinematics import SmallMotions, frames
 from axiscal.numerics import Array
 from axiscal_core import refusals
 from axiscal_core.axes import Frames
 from axiscal_core.eigen import unique_root
-from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.rigid import cross
-from axiscal_core.splines import Repeated, Spline
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class ErrorFunction:
-    """One error as a function of one axis.
-
-    component : 0-2 displacement along x y z, 3-5 rotation about x y z
-    covariance : (size, size) prior of the control values; columns : where they stand in A
-    rest : standard deviation of what the spline cannot follow (m or rad)
-    """
-
-    name: str
-    axis: int
-    kind: Kind
-    component: int
-    basis: Spline
-    covariance: Array
-    rest: float
-    columns: slice
-
-    @property
-    def axes(self) -> tuple[int]:
-        """The axes whose positions it is a function of."""
-        return (self.axis,)
-
-    @property
-    def stated_shape(self) -> bool:
-        """Whether it repeats with a period or steps at joints: no curve that may be anything."""
-        return isinstance(self.basis, Repeated | Segments)
-
-    @property
-    def angular(self) -> bool:
-        """Whether the error is a rotation."""
-        return self.component >= 3
-
-    @property
-    def cell(self) -> float:
-        """Length over which the rest is shared: an eighth of a knot interval."""
-        knots = self.basis.knots
-        return float(knots[-1] - knots[0]) / self.cell_count
-
-    @property
-    def cell_count(self) -> int:
-        """Number of such lengths along the axis."""
-        return CELLS * (len(self.basis.knots) - 1)
-
-    def coordinates(self, poses: Array) -> Array:
-        """Return the positions of its axis at poses (m, q): (m,)."""
-        return poses[:, self.axis]
-
-    def rows(self, positions: Array) -> Array:
-        """Return m(t)ᵀ at positions of its axis (m,): (m, size)."""
-        return self.basis.rows(positions)
-
-    def cells(self, positions: Array) -> NDArray[np.int64]:
-        """Return the number of the cell at each position (m,)."""
-        along = np.floor((positions - self.basis.knots[0] + ASIDE) / self.cell)
-        cells: NDArray[np.int64] = np.clip(along, 0, self.cell_count - 1).astype(np.int64)
-        return cells
-
-    def edges(self, cell: int) -> Array:
-        """Return the ends of a cell, (2,)."""
-        ends: Array = self.basis.knots[0] + self.cell * np.array([cell, cell + 1]) - ASIDE
-        return ends
+from axiscal_core.splines import Spline
 
 
 class SameKnots(NamedTuple):
@@ -121,10 +52,6 @@ class _Moving(NamedTuple):
     sign: Array
 
 
-Term = ErrorFunction | PlaneError
-"""What adds to the deviation of the tool point with a lever of its own."""
-
-
 class ErrorModel:
     """The errors of one machine and their joint linear map.
 
@@ -136,10 +63,13 @@ class ErrorModel:
         if not isinstance(machine, Machine):
             raise refusals.InputError("ErrorModel", "machine", f"= {machine!r} is none", 'Give load_machine("dmu60")')
         self.machine = machine
-        self.functions = tuple(_functions(machine))
-        self.planes = tuple(_planes(machine, self.functions[-1].columns.stop if self.functions else 0))
-        self.terms: tuple[Term, ...] = (*self.functions, *self.planes)
-        self.size = self.terms[-1].columns.stop if self.terms else 0
+        entries: list[ErrorEntry | PlaneEntry] = [*machine.errors, *machine.planes]
+        terms, self.size = list[Term](), 0
+        for entry in entries:
+            terms.append(term_of(entry, machine, self.size))
+            self.size = terms[-1].columns.stop
+        self.terms, curves = tuple(terms), len(machine.errors)
+        self.functions, self.planes = self.terms[:curves], self.terms[curves:]
 
     def prior_covariance(self) -> Array:
         """Return the prior covariance of A, block diagonal over terms, (size, size)."""
@@ -156,14 +86,13 @@ class ErrorModel:
         return result
 
     @cached_property
-    def names(self) -> dict[str, ErrorFunction]:
+    def names(self) -> dict[str, Term]:
         """The functions by name."""
         return {function.name: function for function in self.functions}
 
-    @cached_property
-    def planes_by_name(self) -> dict[str, PlaneError]:
-        """The errors of two axes by name."""
-        return {plane.name: plane for plane in self.planes}
+    def knots_along(self, axis: int) -> list[Array]:
+        """Return the knots along an axis of each term that depends on it."""
+        return [side.spline.knots for term in self.terms for side in term.sides if side.axis == axis]
 
     @cached_property
     def rests(self) -> Array:
@@ -316,27 +245,3 @@ class ErrorModel:
         """Return which of the small motions of its axis a term is."""
         tilts = term.kind == "location" and not self.machine.axes[term.axis].rotary
         return "tilt" if tilts else "rotation" if term.angular else "displacement"
-
-
-def _functions(machine: Machine) -> Iterable[ErrorFunction]:
-    start = 0
-    for entry in machine.errors:
-        function = _function(entry, machine, start)
-        start = function.columns.stop
-        yield function
-
-
-def _planes(machine: Machine, start: int) -> Iterable[PlaneError]:
-    for entry in machine.planes:
-        first, second = (machine.index(name) for name in entry.axes)
-        plane = plane_error(entry, (machine.axes[first], machine.axes[second]), (first, second), start)
-        start = plane.columns.stop
-        yield plane
-
-
-def _function(entry: ErrorEntry, machine: Machine, start: int) -> ErrorFunction:
-    index = machine.index(entry.axis)
-    spline = prior.basis(entry, machine.axes[index])
-    columns = slice(start, start + spline.size)
-    covariance = prior.covariance(entry, spline)
-    return ErrorFunction(entry.name, index, entry.kind, entry.component, spline, covariance, entry.first_rest, columns)

@@ -21,8 +21,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel, Term
-from axiscal.errors.plane import PlaneError
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.term import Term
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, actual_deviation, tool_motion, turn_between
 from axiscal.numerics import Array
@@ -178,9 +178,7 @@ def volume_moments(model: ErrorModel, box: Box, counted: Counted = EVERY_WAY) ->
 
 
 def along_axis(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> AlongAxis:
-    knots = [f.basis.knots for f in model.functions if f.axis == axis]
-    knots += [each for plane in model.planes for each in plane.knots_along(axis)]
-    positions, weights = quadrature(knots, bounds)
+    positions, weights = quadrature(model.knots_along(axis), bounds)
     nodes, shares = lagrange(positions, bounds, model.machine.axes[axis].rotary)
     weighted = shares.T * weights
     return AlongAxis(nodes, positions, weighted, weighted.sum(axis=1))
@@ -204,10 +202,7 @@ def _same_axes(model: ErrorModel, axes: Sequence[AlongAxis], own: tuple[int, ...
 
 def _factor(term: Term, axis: int, positions: Array) -> Array:
     """Return what of a term's rows runs along one of its axes, (p, c)."""
-    if not isinstance(term, PlaneError):
-        return term.rows(positions)
-    side = term.axes.index(axis)
-    return term.sides[side].rows(positions)[:, term.pairs[:, side]]
+    return next(side.rows(positions) for side in term.sides if side.axis == axis)
 
 
 def _mean(axes: Sequence[AlongAxis], levers: Array, mine: SameAxes) -> Array:

@@ -18,7 +18,6 @@ import numpy as np
 
 from axiscal.description.type_text import TypePrior
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.plane import PlaneError
 from axiscal.estimation.case import Rival
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.numerics import Array
@@ -125,16 +124,9 @@ class Across(NamedTuple):
 def carried_over(before: ErrorModel, errors: ErrorModel) -> Across:
     """Return how a belief over the errors of one model becomes one over those of another."""
     matrix, rests = np.zeros((errors.size, before.size)), np.zeros(errors.size)
-    known = {term.name for term in before.terms} & {term.name for term in errors.terms}
-    for term in errors.terms:
-        if term.name not in known:
-            continue
-        if isinstance(term, PlaneError):
-            plane = before.planes_by_name[term.name]
-            matrix[term.columns, plane.columns] = term.taken_from(plane)
-            rests[term.columns] = term.loosened(plane.rest)
-        else:
-            other = before.names[term.name]
-            matrix[term.columns, other.columns] = other.basis.rows(term.basis.control_positions)
-            rests[term.columns] = other.rest**2
-    return Across(errors, matrix, rests, frozenset(known))
+    others = {term.name: term for term in before.terms}
+    both = [(term, others[term.name]) for term in errors.terms if term.name in others]
+    for term, other in both:
+        matrix[term.columns, other.columns] = term.taken_from(other)
+        rests[term.columns] = term.loosened(other.rest)
+    return Across(errors, matrix, rests, frozenset(term.name for term, _ in both))

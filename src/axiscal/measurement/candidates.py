@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.plane import PlaneError
 from axiscal.errors.volume import Box
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import linear_axes
@@ -34,19 +33,15 @@ def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
 
     An instrument on feet meets them at each foot, which is aside of its position.
     """
-    edges = _knots(observation, axis)
+    edges = observation.errors.knots_along(axis)
     for index, cell in observation.cells:
-        term = observation.errors.terms[index]
-        if isinstance(term, PlaneError):
-            edges += term.edges(cell, axis)
-        elif term.axis == axis:
-            edges.append(term.edges(cell))
+        edges += observation.errors.terms[index].edges(cell, axis)
     return _between(observation, axis, setup, edges)
 
 
 def knots_along(observation: Observation, axis: int, setup: int) -> Array:
     """Return the same without the edges of cells."""
-    return _between(observation, axis, setup, _knots(observation, axis))
+    return _between(observation, axis, setup, observation.errors.knots_along(axis))
 
 
 @remembered
@@ -61,11 +56,6 @@ def smoothness_along(observation: Observation, axis: int, setup: int) -> tuple[i
         angular = any(f.angular for f in observation.errors.terms)
         return times * (8 if angular else 6), 0.0
     return 6 * times, 2 * times * float(np.max(np.diff(breaks_along(observation, axis, setup))))
-
-
-def _knots(observation: Observation, axis: int) -> list[Array]:
-    own = [f.basis.knots for f in observation.errors.functions if f.axis == axis]
-    return own + [knots for plane in observation.errors.planes for knots in plane.knots_along(axis)]
 
 
 def _between(observation: Observation, axis: int, setup: int, edges: list[Array]) -> Array:

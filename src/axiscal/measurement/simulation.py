@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel, Term
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.term import Term
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, ErrorName, parse_error_name

@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel, Term
-from axiscal.errors.plane import PlaneError
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.term import Term
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back, frames
 from axiscal.machine.motion import approach_seconds, travel_seconds
@@ -104,10 +104,7 @@ class Way:
 
     def _slopes(self, function: Term, poses: Array) -> Array:
         if self._base == 0:
-            at = function.coordinates(poses)
-            if isinstance(function, PlaneError):
-                return function.slopes(at, self.axis)
-            return function.basis.rows(at, derivative=1)
+            return function.rows(function.coordinates(poses), along=self.axis)
         ends = (function.coordinates(shifted(poses, self.axis, foot.shift)) for foot in feet(self._base))
         front, back = (foot.weight * function.rows(at) for foot, at in zip(feet(self._base), ends, strict=True))
         return front + back

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.errors.model import ErrorFunction
+from axiscal.errors.term import Term
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.language.spoken import WORDS, said
 from axiscal.measurement.instrument import model_of
@@ -38,14 +38,12 @@ def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMa
     return [_curve(estimation, each, [*_points(estimation, each, readings, sight)], truth) for each in drawn]
 
 
-def value_unit(function: ErrorFunction) -> str:
+def value_unit(function: Term) -> str:
     """Return the unit in which values of an error are shown."""
     return "urad" if function.angular else "um"
 
 
-def _curve(
-    known: Estimation, function: ErrorFunction, points: list[CurvePoint], truth: VirtualMachine | None
-) -> CurveSummary:
+def _curve(known: Estimation, function: Term, points: list[CurvePoint], truth: VirtualMachine | None) -> CurveSummary:
     estimate = known.estimate()
     axis = known.case.errors.machine.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
@@ -128,16 +126,14 @@ class _Sight(NamedTuple):
     left: Array
     std: Array
 
-    def shares(self, function: ErrorFunction) -> Array:
+    def shares(self, function: Term) -> Array:
         """Return the variance that the prior of one error gives to each, (m,)."""
         own = self.rows[:, function.columns]
         shares: Array = np.sum((own @ function.covariance) * own, axis=1)
         return shares
 
 
-def _points(
-    known: Estimation, function: ErrorFunction, readings: Sequence[Reading], sight: _Sight
-) -> Iterator[CurvePoint]:
+def _points(known: Estimation, function: Term, readings: Sequence[Reading], sight: _Sight) -> Iterator[CurvePoint]:
     """Yield each reading as a curve sees it: less what the rest of the model says, per unit of the lever."""
     setups = known.case.description.setups
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.errors.model import ErrorModel, Term
-from axiscal.errors.plane import PlaneError
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.term import Term
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
@@ -58,7 +58,7 @@ def planes(estimation: Estimation) -> list[PlaneSummary]:
     return [_plane(estimation, plane) for plane in estimation.case.errors.planes]
 
 
-def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
+def _plane(estimation: Estimation, plane: Term) -> PlaneSummary:
     errors, belief = estimation.case.errors, estimation.printed.belief
     axes = tuple(errors.machine.axes[index] for index in plane.axes)
     at = tuple(np.linspace(*axis.travel, _POSITIONS) for axis in axes)

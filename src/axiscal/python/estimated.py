@@ -13,7 +13,7 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from axiscal.answers.prediction import pose_and_sides, tcp_joint, tcp_normal
-from axiscal.errors.model import ErrorFunction
+from axiscal.errors.term import Term
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
@@ -320,7 +320,7 @@ class Estimated(Mapping[str, Curve]):
         """Return a picture of every curve with its 95 % band."""
         return NotebookPicture(tuple(self[name].line() for name in self if self._function(name).basis.size > 1))
 
-    def _function(self, name: str) -> ErrorFunction:
+    def _function(self, name: str) -> Term:
         return self.estimation.case.errors.names[name]
 
     def __repr__(self) -> str:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.errors.model import ErrorFunction
+from axiscal.errors.term import Term
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
@@ -28,7 +28,7 @@ def bumped(estimate: Estimate, controller: str, unstated: str) -> tuple[Estimate
     model, machine = estimate.model, estimate.machine
     ways = {letter_direction(axis.letter) for axis in machine.axes if not axis.rotary}
 
-    def shows(function: ErrorFunction) -> bool:
+    def shows(function: Term) -> bool:
         axis = machine.axes[function.axis]
         own = function.component == letter_direction(axis.letter)
         moved = own if unstated == "own" else function.component in ways and not own

@@ -214,21 +214,15 @@ def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:
 
 def hats_along(estimate: Estimate, over: int, positions: Array) -> Hats:
     """Return the hats on positions of an axis, for curves with the knots of its errors."""
-    knots = np.concatenate([np.array(estimate.read[over : over + 1]).ravel(), *knots_of(estimate, over)])
+    knots = np.concatenate([np.array(estimate.read[over : over + 1]).ravel(), *estimate.model.knots_along(over)])
     closed = estimate.machine.axes[over].cyclic
     return Hats.on(positions, knots if len(knots) else positions, estimate.box[over], closed)
-
-
-def knots_of(estimate: Estimate, axis: int) -> list[Array]:
-    """Return where each error of an axis has its knots."""
-    own = [f.basis.knots for f in estimate.model.functions if f.axis == axis]
-    return own + [knots for plane in estimate.model.planes for knots in plane.knots_along(axis)]
 
 
 def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
     """Return the table with as many points, set so that its line is nearest to the curve; never farther than `hats`."""
     shown, at = curves @ estimate.mean, np.linspace(hats.points[0], hats.points[-1], SAMPLES)
-    knots = np.concatenate([np.zeros(0), *knots_of(estimate, over)])
+    knots = np.concatenate([np.zeros(0), *estimate.model.knots_along(over)])
     other = hats_along(estimate, over, closest(shown @ hats.carried(at).T, at, knots, hats.points))
     pairs = (hats, curves), (other, hats.carried(other.nodes) @ curves)
     even, found = (_fitted(estimate, axis, over, *pair) for pair in pairs)
@@ -349,7 +343,7 @@ def _rest_read(estimate: Estimate, axis: int, over: int, points: Array) -> Array
 
 def _beside(estimate: Estimate, index: int, points: Array) -> Array:
     """Return the rest of an error at points, or of the cell on the other side of an edge on which a point lies."""
-    step = _EDGE * estimate.model.functions[index].cell
+    step = _EDGE * estimate.model.functions[index].sides[0].cell
     after, before = (estimate.rest_at(index, points + side * step) for side in (1, -1))
     return np.where(after != 0, after, before)
 

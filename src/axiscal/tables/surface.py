@@ -26,7 +26,7 @@ from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
-from axiscal.tables.sampling import cross_tables, hats_along, knots_of
+from axiscal.tables.sampling import cross_tables, hats_along
 from axiscal.tables.table import Hats
 from axiscal.units import format_quantity
 from axiscal_core.splines import gauss
@@ -288,7 +288,7 @@ def _places(estimate: Estimate, axes: tuple[int, int], count: int | None) -> tup
     """Return where the points lie along both sides, m."""
     if count is None and estimate.grid is not None:
         return estimate.grid
-    knots = [max((len(each) for each in knots_of(estimate, axis)), default=0) for axis in axes]
+    knots = [max((len(each) for each in estimate.model.knots_along(axis)), default=0) for axis in axes]
     counts = [count or min(max(each, _FEWEST), _FINEST) for each in knots]
     x, y = (np.linspace(*estimate.machine.axes[k].travel, n) for k, n in zip(axes, counts, strict=True))
     return x, y

@@ -12,7 +12,8 @@ from typing import ClassVar
 import numpy as np
 
 from axiscal.document.ports import templates
-from axiscal.errors.model import ErrorFunction, ErrorModel
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.term import Term
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis, letter_direction
@@ -204,7 +205,7 @@ def _refuse_axis(axis: Axis, joints: Sequence[int]) -> None:
         raise TableError("{axis} has {count} joints", remedy, axis=axis.name, count=len(joints))
 
 
-def _knots(axis: Axis, own: Sequence[ErrorFunction]) -> Array:
+def _knots(axis: Axis, own: Sequence[Term]) -> Array:
     """Return the union of the knots of all curves of an axis, m or rad, ends of the travel included."""
     both = np.sort(np.concatenate([np.array(axis.travel), *(f.basis.knots for f in own if f.kind != "location")]))
     knots = both[np.r_[True, np.diff(both) > _APART * axis.length]]
@@ -215,7 +216,7 @@ def _knots(axis: Axis, own: Sequence[ErrorFunction]) -> Array:
     return knots
 
 
-def _cubics(functions: Sequence[ErrorFunction], mean: Array, knots: Array, sense: int, at: float) -> Array:
+def _cubics(functions: Sequence[Term], mean: Array, knots: Array, sense: int, at: float) -> Array:
     """Return a b c d (n - 1, 6, 4) from each knot on, by position.  at : units of position in a metre or radian
 
     Value and derivatives in the middle give a cubic: no rounding of a knot leads to its neighbour there. An axis that

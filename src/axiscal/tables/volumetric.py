@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from axiscal.errors.model import ErrorFunction, ErrorModel
-from axiscal.errors.plane import PlaneError
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.term import Term
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.entry import parse_error_name, side_name
@@ -67,10 +67,10 @@ def curves(estimate: Estimate, grids: Mapping[int, Array], together: bool = Fals
     return found
 
 
-def _take_in(estimate: Estimate, plane: PlaneError, grids: Mapping[int, Array], found: dict[str, SampledError]) -> None:
+def _take_in(estimate: Estimate, plane: Term, grids: Mapping[int, Array], found: dict[str, SampledError]) -> None:
     """Add what two axes do together to the motion of the later one, where that depends on no other axis yet."""
-    name, own, (other,) = _plane_name(estimate.model, plane), plane.axis, set(plane.axes) - {plane.axis}
-    intervals = len(plane.knots_along(other)[0]) - 1
+    name, own = _plane_name(estimate.model, plane), plane.axis
+    ((other, intervals),) = ((side.axis, len(side.spline.knots) - 1) for side in plane.sides if side.axis != own)
     fit = max(min(_POINTS_PER_INTERVAL * intervals, _RECORDS // len(grids[own]) - 1), intervals)
     across = np.linspace(*estimate.machine.axes[other].travel, fit + 1)
     sides = [hats_along(estimate, axis, at) for axis, at in ((other, across), (own, grids[own]))]
@@ -161,11 +161,11 @@ def _deviation(model: ErrorModel, found: Mapping[str, SampledError], poses: Arra
     return deviation
 
 
-def _plane_name(model: ErrorModel, plane: PlaneError) -> str:
+def _plane_name(model: ErrorModel, plane: Term) -> str:
     """Return the error motion of the later axis that an error of two axes is part of."""
     return side_name(plane.component, model.machine.axes[plane.axis].name)
 
 
-def _name(function: ErrorFunction) -> str:
+def _name(function: Term) -> str:
     """Return the name of the error motion that a function is, or is part of."""
     return parse_error_name(function.name).bare

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.plane import PlaneError
 from axiscal.errors.volume import Box, Counted, VolumeMoments, of_rests
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.belief import Belief
@@ -71,9 +70,7 @@ def joint_root(model: ErrorModel) -> Root:
     travels = [axis.length for axis in model.machine.axes if not axis.rotary]
     reach = float(np.linalg.norm(travels)) / 2 if travels else 1.0
     for term in model.terms:
-        scale = reach if term.angular else 1.0
-        own = term.plane_gram() if isinstance(term, PlaneError) else term.basis.gram()
-        gram[term.columns, term.columns] = scale**2 * own
+        gram[term.columns, term.columns] = (reach if term.angular else 1.0) ** 2 * term.gram()
     return Root.of_gram(gram)
 
 

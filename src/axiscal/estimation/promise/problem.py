@@ -10,12 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import WAY
-from axiscal.errors.model import ErrorFunction, Term
-from axiscal.errors.plane import PlaneError
 from axiscal.errors.prior import covariance
+from axiscal.errors.term import Term
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.passing import absent, passing_columns
-from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import (
@@ -147,25 +145,24 @@ def _by_term(cells: Iterable[tuple[int, int]]) -> dict[int, list[tuple[int, int]
 class PlaneUnknowns(Bent):
     """The products of one error of two axes, whose lengths go by one factor, as one member."""
 
-    plane: PlaneError
+    plane: Term
 
     def roots(self, theta: Array) -> Array:
         """Return L with L Lᵀ the prior at the lengths, (1, c, c)."""
-        covariance = self.plane.prior(self.plane.entry.std, self._stretch(theta))
+        covariance = self.plane.prior(self.plane.std, self._stretch(theta))
         # a share of the stated variance: at many times the length the covariance itself is rounding
-        covariance[np.diag_indices_from(covariance)] += NUGGET * self.plane.entry.std**2
+        covariance[np.diag_indices_from(covariance)] += NUGGET * self.plane.std**2
         return lower_root(covariance)[None]
 
     def bends(self, theta: Array, roots: Array) -> Array:
         """Return M = L⁻¹ (∂ prior/∂log l) L⁻ᵀ, (1, c, c)."""
-        first, second = (self.plane.prior(self.plane.entry.std, self._stretch(theta), k) for k in (0, 1))
+        first, second = (self.plane.prior(self.plane.std, self._stretch(theta), k) for k in (0, 1))
         half = np.linalg.solve(roots[0], first + second)
         return np.linalg.solve(roots[0], half.T)[None]
 
-    def _stretch(self, theta: Array) -> tuple[float, float]:
+    def _stretch(self, theta: Array) -> tuple[float, ...]:
         factor = float(np.exp(np.append(theta, 0.0)[self.length_at[0]]))
-        first, second = self.plane.entry.stretch
-        return first * factor, second * factor
+        return tuple(each * factor for each in self.plane.stretch)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,11 +186,9 @@ class _Builder:
 
         absent : as of `passing.absent`; a belief that was inherited has the scales of axes
         """
-        entries = self.observation.errors.machine.errors if self.inherited is None else ()
-        stated = {entry.name: entry.scale for entry in entries if entry.scale}
-        for term in self.observation.errors.functions:
-            if term.name in stated:
-                yield term.name, Scale("scale", term.columns, stated[term.name] * ramp(term.basis)), None
+        for term in self.observation.errors.terms:
+            if self.inherited is None and term.entry.scale:
+                yield term.name, Scale("scale", term.columns, term.entry.scale * ramp(term.basis)), None
             for share in absent.get(term.name, np.zeros((0, 0))).T:
                 part = WAY.size * np.sqrt(np.diagonal(term.covariance))
                 yield term.name, Scale("way", term.columns, part), share
@@ -206,22 +201,20 @@ class _Builder:
         own : (m, answered); start : where they begin among all columns
         """
         size_at, roots = np.full(own.shape[1], -1, dtype=np.intp), list[tuple[int, Array]]()
-        by_kind, curves = dict[tuple[int, float], list[tuple[ErrorFunction, ErrorEntry]]](), list[Bent]()
+        by_kind, curves = dict[tuple[int, float], list[Term]](), list[Bent]()
         if self.inherited is not None:
             roots.append((0, unique_root(self.inherited.covariance)))
         else:
-            entries = {entry.name: entry for entry in self.observation.errors.machine.errors}
             for term in self.observation.errors.terms:
-                kind: Kind = "std" if isinstance(term, ErrorFunction) else "together"
-                size_at[term.columns] = self.sizes.index("reversal" if term.kind == "reversal" else kind, term.name)
-                entry = entries.get(term.name)
-                if isinstance(term, ErrorFunction) and entry is not None and _has_length(term, entry):
-                    by_kind.setdefault((term.basis.size, entry.smoothness), []).append((term, entry))
-                elif isinstance(term, PlaneError) and (length := self.sizes.index("length", term.name)) >= 0:
+                kind: Kind = "together" if len(term.axes) > 1 else "reversal" if term.kind == "reversal" else "std"
+                size_at[term.columns] = self.sizes.index(kind, term.name)
+                if term.entry.length is not None and term.basis.size > 1 and not term.stated_shape:
+                    by_kind.setdefault((term.basis.size, term.entry.smoothness), []).append(term)
+                elif kind == "together" and (length := self.sizes.index("length", term.name)) >= 0:
                     columns = np.arange(term.columns.start, term.columns.stop)[None] + start
                     curves.append(PlaneUnknowns(columns, np.array([length]), term))
                 else:
-                    roots.append((term.columns.start, unique_root(_without_scale(term, entry))))
+                    roots.append((term.columns.start, unique_root(_without_scale(term))))
         stds = [unknown.std for unknown in self.observation.unknowns]
         roots += [(self.observation.errors.size + i, np.array([[std]])) for i, std in enumerate(stds)]
         for at, root in roots:
@@ -231,28 +224,20 @@ class _Builder:
             curves.append(self._curves(members, smoothness, start))
         return size_at, tuple(curves), tuple((start + at, root) for at, root in roots)
 
-    def _curves(self, members: Sequence[tuple[ErrorFunction, ErrorEntry]], smoothness: float, start: int) -> Curves:
-        terms = [term for term, _ in members]
+    def _curves(self, terms: Sequence[Term], smoothness: float, start: int) -> Curves:
         return Curves(
             np.array([np.arange(term.columns.start, term.columns.stop) + start for term in terms]),
             self.sizes.indices("length", [term.name for term in terms]),
             smoothness,
-            np.array([entry.std for _, entry in members]),
-            np.array([entry.length for _, entry in members], dtype=float),
+            np.array([term.entry.std for term in terms]),
+            np.array([term.entry.length for term in terms], dtype=float),
             np.array([distances(term.basis) for term in terms]),
         )
 
 
-def _without_scale(term: Term, entry: ErrorEntry | None) -> Array:
+def _without_scale(term: Term) -> Array:
     """Return the prior of the control values of an error, (size, size), without the scale of its axis."""
-    if entry is None or not entry.scale or not isinstance(term, ErrorFunction):
-        return term.covariance
-    return covariance(replace(entry, scale=None), term.basis)
-
-
-def _has_length(term: ErrorFunction, entry: ErrorEntry) -> bool:
-    """Whether control values of a curve go together by how far they are from each other."""
-    return entry.length is not None and term.basis.size > 1 and not term.stated_shape
+    return covariance(replace(term.entry, scale=None), term.basis) if term.entry.scale else term.covariance
 
 
 def _cell_root(term: Term, cells: Sequence[int]) -> Array:
@@ -260,7 +245,7 @@ def _cell_root(term: Term, cells: Sequence[int]) -> Array:
 
     Half of the variance is each cell's own, half is common to the cells of 6 % of the travel; of a plane all its own.
     """
-    if not isinstance(term, ErrorFunction):
+    if len(term.axes) > 1:
         return np.eye(len(cells))
     wide = max(1, round(WIDE * term.cell_count))
     block = np.array(cells) // wide

@@ -20,7 +20,6 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.plane import PlaneError
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
@@ -237,7 +236,7 @@ def _refuse_unseen(setup: Setup, machine: Machine) -> None:
         error = f"E{'X' if axis[0] == 'Z' else 'Z'}{axis}"
         raise DescriptionError(what, "Add one under [errors], such as {error}", axis=axis, error=error)
     for function in shown:
-        cell = np.ptp(function.edges(0, setup.moves[0])[0]) if isinstance(function, PlaneError) else function.cell
+        cell = np.ptp(function.edges(0, setup.moves[0])[0])
         if function.rest > 0 and base < cell * (1 - 1e-9):
             short, long = format_quantity(base, "mm", 6), format_quantity(cell, "mm", 4)
             what = "a base of {short} is shorter than {long}, within which the rest of {function} has no known slope"

@@ -24,8 +24,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel, Term
-from axiscal.errors.plane import PlaneError
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.term import Term
 from axiscal.numerics import Array
 from axiscal_core.eigen import settled
 
@@ -187,7 +187,7 @@ def _bands(values: Array) -> list[tuple[int, float]]:
 
 def kind_in_common(term: Term) -> str:
     """Return among which errors the share in common is alike: a plane, a location, a reversal, an angle, a length."""
-    if isinstance(term, PlaneError):
+    if len(term.axes) > 1:
         return "plane"
     if term.kind != "motion":
         return term.kind

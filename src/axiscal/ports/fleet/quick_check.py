@@ -25,7 +25,8 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
-from axiscal.errors.model import ErrorModel, Term
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.term import Term
 from axiscal.estimation.case import Case, timed
 from axiscal.estimation.data_equation import data_equation
 from axiscal.estimation.promise.problem import Inherited

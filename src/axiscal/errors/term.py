@@ -1,0 +1,277 @@
+"""An error as it adds to the deviation: rows over its unknowns, their covariance, cells of what these do not follow.
+
+Of a curve the unknowns are its control values. What two axes do together is I(x, y) = m_x(x)ᵀ A m_y(y), bicubic, beside
+the curves that each axis has alone. Let s be the std, R Matérn-5/2 (or 3/2) at the knots, and P = 1 − 11ᵀ/n, which
+takes the mean off along each side. So no row or column mean of A is free: it is in the curves (Gu and Wahba 1993).
+
+    cov vec A = s² (P R_x P) ⊗ (P R_y P) = s² (F_x F_xᵀ) ⊗ (F_y F_yᵀ),    A = F_x Z F_yᵀ,    Z ~ N(0, s²)
+
+F the eigenvectors of P R P times the roots of their eigenvalues. The unknowns are the entries of Z that hold all but a
+ten-thousandth of the variance; the others count as rest. Their rows are the products of rows F_xᵀ m_x and F_yᵀ m_y.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import reduce
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.errors import prior
+from axiscal.errors.prior import Segments
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry, Kind, PlaneEntry
+from axiscal.numerics import Array
+from axiscal_core.eigen import settled
+from axiscal_core.errors import ASIDE, CELLS
+from axiscal_core.splines import Repeated, Spline, distances, matern_by_length
+
+_CUT = 1e-4
+"""Share of the variance that the products left out may hold together."""
+_SHORTER = 0.5
+"""Of the stated lengths: readings may teach shorter ones, and the products that these need are kept as well."""
+_NOUGHT = 1e-12
+"""Eigenvalues of this share are the rounding of zero."""
+
+
+class Side(NamedTuple):
+    """One axis of an error.
+
+    axis : its index in a pose; entry : knots and length along it; spline : over its travel
+    basis : F (n, r) = U √λ, of a curve the control values themselves; values : λ, (r,), one of a curve
+    which : (c,) column of it each unknown multiplies
+    """
+
+    axis: int
+    entry: ErrorEntry
+    spline: Spline
+    basis: Array
+    values: Array
+    which: NDArray[np.intp] | slice = slice(None)
+
+    def rows(self, positions: Array, derivative: int = 0) -> Array:
+        """Return what of the rows runs along this axis, at positions, or its derivative, (m, c)."""
+        return (self.spline.rows(positions, derivative) @ self.basis)[:, self.which]
+
+    def gram(self) -> Array:
+        """Return the integral of these rows, rᵀ r over the travel, (c, c)."""
+        return (self.basis.T @ self.spline.gram() @ self.basis)[self.which][:, self.which]
+
+    def unknowns(self, control: Array) -> Array:
+        """Return the unknowns of control values, (c, d).  control : (n, d)"""
+        return ((self.basis / self.values).T @ control)[self.which]
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells along the axis: eight in a knot interval, within each of which the rest is shared."""
+        return CELLS * (len(self.spline.knots) - 1)
+
+    @property
+    def cell(self) -> float:
+        """Length of a cell, m or rad."""
+        knots = self.spline.knots
+        return float(knots[-1] - knots[0]) / self.cell_count
+
+    def cells(self, positions: Array) -> NDArray[np.int64]:
+        """Return the number of the cell at each position (m,)."""
+        along = np.floor((positions - self.spline.knots[0] + ASIDE) / self.cell)
+        cells: NDArray[np.int64] = np.clip(along, 0, self.cell_count - 1).astype(np.int64)
+        return cells
+
+    def edges(self, cell: int) -> Array:
+        """Return the ends of a cell, (2,)."""
+        ends: Array = self.spline.knots[0] + self.cell * np.array([cell, cell + 1]) - ASIDE
+        return ends
+
+    def correlation(self, stretch: float) -> Array:
+        """Return P R P at the stated length times a factor, (n, n)."""
+        length = None if self.entry.length is None else self.entry.length * stretch
+        return centred(prior.covariance(replace(self.entry, length=length), self.spline))
+
+    def by_length(self, stretch: float) -> Array:
+        """Return its derivative by the logarithm of the length."""
+        apart = distances(self.spline)
+        if self.entry.length is None:
+            return np.zeros_like(apart)
+        return centred(matern_by_length(apart / (self.entry.length * stretch), self.entry.smoothness))
+
+    def shares(self, correlation: Array) -> Array:
+        """Return the variances of the eigenvectors where P R P is another, (c,)."""
+        vectors = self.basis / np.sqrt(self.values)
+        shares: Array = np.einsum("nc,nm,mc->c", vectors, correlation, vectors)
+        return shares[self.which]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Term:
+    """One error, a function of one axis or of two.
+
+    component : 0-2 displacement along x y z, 3-5 rotation about x y z; sides : in the order of its name
+    covariance : (c, c) prior of the unknowns; columns : where they stand in A
+    rest : standard deviation of what the rows do not follow, m or rad, shared by readings in one cell
+    std, stretch : of products, m or rad, and the factor on the length along each side that readings have taught
+    """
+
+    name: str
+    kind: Kind
+    component: int
+    sides: tuple[Side, ...]
+    covariance: Array
+    rest: float
+    columns: slice
+    std: float = 1.0
+    stretch: tuple[float, ...] = ()
+
+    @property
+    def axes(self) -> tuple[int, ...]:
+        """The axes whose positions it is a function of."""
+        return tuple(side.axis for side in self.sides)
+
+    @property
+    def axis(self) -> int:
+        """The axis whose frame it moves: of two the later one in the chain."""
+        return max(self.axes)
+
+    @property
+    def entry(self) -> ErrorEntry:
+        """What is known beforehand of a curve; of a plane along its first axis."""
+        return self.sides[0].entry
+
+    @property
+    def basis(self) -> Spline:
+        """The spline of a curve; of a plane along its first axis."""
+        return self.sides[0].spline
+
+    @property
+    def stated_shape(self) -> bool:
+        """Whether it repeats with a period, steps at joints or is of two axes: no curve that may be anything."""
+        return len(self.sides) > 1 or isinstance(self.basis, Repeated | Segments)
+
+    @property
+    def angular(self) -> bool:
+        """Whether the error is a rotation."""
+        return self.component >= 3
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells, of a plane those of both axes together."""
+        return math.prod(side.cell_count for side in self.sides)
+
+    def coordinates(self, poses: Array) -> Array:
+        """Return the positions of its axes at poses (m, q): (m, axes)."""
+        return poses[:, list(self.axes)]
+
+    def rows(self, coordinates: Array, along: int | None = None) -> Array:
+        """Return the rows at positions of its axes, (m, axes) or of one axis (m,): (m, c).
+
+        along : the axis by whose position they are derived, per m or rad; None for none
+        """
+        each = zip(self.sides, coordinates.reshape(-1, len(self.sides)).T, strict=True)
+        return reduce(np.multiply, [side.rows(at, derivative=int(side.axis == along)) for side, at in each])
+
+    def cells(self, coordinates: Array) -> NDArray[np.int64]:
+        """Return the number of the cell at positions of its axes, (m,)."""
+        found = np.zeros(len(coordinates), dtype=np.int64)
+        for side, at in zip(self.sides, coordinates.reshape(-1, len(self.sides)).T, strict=True):
+            found = found * side.cell_count + side.cells(at)
+        return found
+
+    def edges(self, cell: int, axis: int) -> list[Array]:
+        """Return the ends of a cell along an axis; none along one that it does not depend on."""
+        numbers = np.unravel_index(cell, [side.cell_count for side in self.sides])
+        return [side.edges(int(at)) for side, at in zip(self.sides, numbers, strict=True) if side.axis == axis]
+
+    def gram(self) -> Array:
+        """Return the integral of rows rowsᵀ over its axes in closed form, G_x ⊗ G_y of two: (c, c)."""
+        return reduce(np.multiply, [side.gram() for side in self.sides])
+
+    def taken_from(self, other: Term) -> Array:
+        """Return the map (c, d) from another model's unknowns of the same error, read at the knots of this one."""
+        pairs = zip(self.sides, other.sides, strict=True)
+        return reduce(np.multiply, [a.unknowns(b.rows(a.spline.control_positions)) for a, b in pairs])
+
+    def loosened(self, rest: float) -> Array:
+        """Return the variances (c,) that a rest which was not followed gives the unknowns, at most those beforehand."""
+        scale = reduce(np.multiply, [side.values[side.which] for side in self.sides])
+        return np.minimum(rest**2 / scale, np.diagonal(self.covariance))
+
+    def prior(self, std: float, stretch: tuple[float, ...], by: int | None = None) -> Array:
+        """Return the covariance of products with another std, and other lengths by a factor each, (c, c).
+
+        by : along which side it is the derivative by the logarithm of that factor; None for none
+        """
+        result = np.array(std**2)
+        for number, (side, factor) in enumerate(zip(self.sides, stretch, strict=True)):
+            found = side.by_length(factor) if number == by else side.correlation(factor)
+            inverse = side.basis / side.values
+            result = result * (inverse.T @ found @ inverse)[side.which][:, side.which]
+        return result
+
+
+def term_of(entry: ErrorEntry | PlaneEntry, machine: Machine, start: int) -> Term:
+    """Return the error of an entry, its unknowns from column `start` on."""
+    if isinstance(entry, PlaneEntry):
+        return _plane(entry, machine, start)
+    side = _side(entry, machine)
+    columns, covariance = slice(start, start + side.spline.size), prior.covariance(entry, side.spline)
+    return Term(entry.name, entry.kind, entry.component, (side,), covariance, entry.first_rest, columns)
+
+
+def _plane(entry: PlaneEntry, machine: Machine, start: int) -> Term:
+    whole = [_with_eigenvectors(_side(side, machine)) for side in entry.sides]
+    first, second = (side.shares(side.correlation(_SHORTER)) for side in whole)
+    pairs = kept(first, second, _CUT)
+    own = pairs if entry.std else pairs[:0]
+    parts, count = zip(whole, own.T, strict=True), len(own)
+    sides = tuple(side._replace(which=mine) for side, mine in parts)
+    bare = Term(
+        entry.name, "motion", entry.component, sides, np.eye(count), entry.first_rest, slice(start, start + count),
+        entry.std, entry.stretch,
+    )  # fmt: skip
+    rest = float(np.hypot(entry.first_rest, entry.std * np.sqrt(_lost(bare))))
+    return replace(bare, covariance=bare.prior(entry.std, entry.stretch), rest=rest)
+
+
+def kept(first: Array, second: Array, cut: float) -> NDArray[np.intp]:
+    """Return the products of two lists of variances (r,), (s,) that hold all but a share, the largest first, (c, 2)."""
+    products = np.outer(first, second).ravel()
+    order = np.argsort(-products, kind="stable")
+    held = np.cumsum(products[order]) / products.sum()
+    count = int(np.searchsorted(held, 1 - cut)) + 1
+    return np.stack(np.unravel_index(np.sort(order[:count]), (len(first), len(second))), axis=1)
+
+
+def centred(correlation: Array) -> Array:
+    """Return P R P, P = 1 − 11ᵀ/n."""
+    across = correlation - correlation.mean(axis=0)
+    result: Array = across - across.mean(axis=1, keepdims=True)
+    return result
+
+
+def _side(entry: ErrorEntry, machine: Machine) -> Side:
+    axis = machine.index(entry.axis)
+    spline = prior.basis(entry, machine.axes[axis])
+    return Side(axis, entry, spline, np.eye(spline.size), np.ones(spline.size))
+
+
+def _with_eigenvectors(side: Side) -> Side:
+    """Return one axis of a plane, with all eigenvectors of P R P."""
+    values, vectors = np.linalg.eigh(side.correlation(1.0))
+    large = values > _NOUGHT * values[-1]
+    values, vectors = values[large][::-1], vectors[:, large][:, ::-1]
+    return side._replace(basis=settled(values, vectors) * np.sqrt(values), values=values)
+
+
+def _lost(term: Term) -> float:
+    """Return the mean variance, per std², that the products left out have at the knots."""
+    if not len(term.covariance):
+        return 0.0
+    whole, held = 1.0, np.ones(len(term.covariance))
+    for side, stretch in zip(term.sides, term.stretch, strict=True):
+        correlation = side.correlation(stretch)
+        whole *= float(np.trace(correlation)) / len(correlation)
+        held *= side.shares(correlation) / len(correlation)
+    return max(whole - float(held.sum()), 0.0)
