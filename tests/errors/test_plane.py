@@ -23,7 +23,7 @@ def test_the_unknowns_have_the_covariance_of_the_centred_kronecker_product() -> 
     dense = 40e-6**2 * np.kron(centred(matern(x.knots, 0.07)), centred(matern(y.knots, 0.04)))
     poses = poses_of(bed(), 40)
     rows = dense_rows(x, y, poses[:, 2], poses[:, 0])
-    found = plane.rows(plane.coordinates(poses))
+    found = plane.rows(*plane.at(poses))
     assert len(plane.covariance) == 20, "so rough a plane needs all its products"
     np.testing.assert_allclose(found @ plane.covariance @ found.T, rows @ dense @ rows.T, rtol=0, atol=1e-12 * 40e-6**2)
     assert plane.rest == pytest.approx(2e-6, rel=1e-6)
@@ -36,7 +36,7 @@ def test_what_is_cut_away_is_counted_as_rest() -> None:
     spline = natural(0.0, 0.2, 15)
     own = centred(matern(spline.knots, 0.15))
     grid = np.stack([g.ravel() for g in np.meshgrid(spline.knots, spline.knots, indexing="ij")], axis=1)
-    rows = plane.rows(grid)
+    rows = plane.rows(*grid.T)
     lost = np.trace(np.kron(own, own)) * 10e-6**2 - np.trace(rows @ plane.covariance @ rows.T)
     assert len(plane.covariance) < 14 * 14
     assert plane.rest**2 == pytest.approx(lost / 15**2, rel=1e-6, abs=0.0)
@@ -67,7 +67,7 @@ def test_the_paper_s_criterion_is_the_kronecker_product_of_the_gram_matrices() -
         at.append((spline.knots[:-1, None] + half * (1 + nodes)).ravel())
         share.append((half * weights).ravel())
     grid = np.stack([g.ravel() for g in np.meshgrid(*at, indexing="ij")], axis=1)
-    rows = plane.rows(grid)
+    rows = plane.rows(*grid.T)
     integral = rows.T @ (rows * np.outer(*share).ravel()[:, None])
     root = joint_root(model).matrix[:, plane.columns]
     np.testing.assert_allclose(root.T @ root, integral, rtol=0, atol=1e-12 * np.abs(integral).max())
@@ -78,7 +78,7 @@ def test_other_lengths_give_the_covariance_of_other_lengths() -> None:
     plane, poses = _plane(bed(), "EZXY"), poses_of(bed(), 25)
     x, y = natural(0.0, 0.3, 6), natural(-0.05, 0.15, 5)
     shorter = 30e-6**2 * np.kron(centred(matern(x.knots, 0.07 * 0.8)), centred(matern(y.knots, 0.04 * 0.6)))
-    rows, dense = plane.rows(plane.coordinates(poses)), dense_rows(x, y, poses[:, 2], poses[:, 0])
+    rows, dense = plane.rows(*plane.at(poses)), dense_rows(x, y, poses[:, 2], poses[:, 0])
     found = rows @ plane.prior(30e-6, (0.8, 0.6)) @ rows.T
     np.testing.assert_allclose(found, dense @ shorter @ dense.T, rtol=0, atol=1e-12 * 30e-6**2)
     up, down = np.exp(1e-5), np.exp(-1e-5)
@@ -96,10 +96,10 @@ def test_a_last_campaign_is_read_at_the_knots_of_today() -> None:
     first, second = now.sides
     knots = np.meshgrid(first.spline.control_positions, second.spline.control_positions, indexing="ij")
     grid = np.stack([g.ravel() for g in knots], axis=1)
-    old = (then.rows(grid) @ values).reshape(12, 11)
+    old = (then.rows(*grid.T) @ values).reshape(12, 11)
     free = old - old.mean(axis=0)
     free -= free.mean(axis=1, keepdims=True)
-    new = now.rows(grid) @ (now.taken_from(then) @ values)
+    new = now.rows(*grid.T) @ (now.taken_from(then) @ values)
     np.testing.assert_allclose(new.reshape(12, 11), free, atol=1e-6 * np.abs(old).max())
 
 
@@ -108,7 +108,7 @@ def test_readings_share_a_cell_only_where_both_axes_do() -> None:
     width, depth = 0.3 / 40, 0.2 / 32
     at = np.array([[0.1, 0.05], [0.1 + width / 4, 0.05], [0.1, 0.05 + 1.1 * depth], [0.1 + 1.1 * width, 0.05]])
     at += np.array([width / 8, depth / 8])
-    cells = plane.cells(at)
+    cells = plane.cells(*at.T)
     assert cells[0] == cells[1]
     assert len({int(cell) for cell in cells}) == 3
-    assert plane.cells(np.array([[0.3, 0.15]]))[0] == plane.cell_count - 1
+    assert plane.cells(np.array([0.3]), np.array([0.15]))[0] == plane.cell_count - 1

@@ -79,7 +79,7 @@ def test_the_rest_of_a_cell_is_one_number_for_all_places_in_it(name: str) -> Non
     expected = np.zeros(len(row.weights))
     for term, lever in zip(errors.terms, levers, strict=True):
         sides = row.sides[:, [term.axis]] / 2 if term.kind == "reversal" else 1.0
-        effect, cells = np.einsum("kmc,mc->km", row.weights, sides * lever), term.cells(term.coordinates(row.poses))
+        effect, cells = np.einsum("kmc,mc->km", row.weights, sides * lever), term.cells(*term.at(row.poses))
         expected += term.rest**2 * np.einsum("km,mn,kn->k", effect, cells[:, None] == cells, effect)
     found = row.spectra(errors, np.zeros((errors.size, 1)))
     np.testing.assert_allclose(found[:, 0], expected, rtol=1e-9, atol=1e-9 * expected.max())

@@ -25,5 +25,5 @@ def known_to_be(model: ErrorModel, mean: Array) -> Estimate:
 def truth_of(estimate: Estimate) -> VirtualMachine:
     """Return the machine that is as somebody believes."""
     model, mean = estimate.model, estimate.mean
-    curves = tuple((lambda t, f=f: f.rows(t) @ mean[f.columns]) for f in model.terms)
+    curves = tuple((lambda *t, f=f: f.rows(*t) @ mean[f.columns]) for f in model.terms)
     return VirtualMachine(model, curves, {})

@@ -29,7 +29,7 @@ for name, machine in {"dmu60": load_machine("dmu60"), "bed": bed(), "table": tab
     for number, column in enumerate(prior_units(model).root.T):
         found[f"unit {number} of {name}"] = scaled(column)
     for plane in model.planes:
-        found[f"shapes of {plane.name} of {name}"] = scaled(plane.rows(plane.coordinates(poses)))
+        found[f"shapes of {plane.name} of {name}"] = scaled(plane.rows(*plane.at(poses)))
 found["a sister"] = scaled(VirtualType(slide(), Imagined(), 1).drawn(2)[1])
 """
 _ROUNDING = 1e-6

@@ -81,7 +81,7 @@ def tcp_joint(estimation: Estimation, poses: Array, approaches: Array) -> Normal
     root = (errors.rows(poses, approaches) @ belief.factor[: errors.size]).reshape(3 * count, -1)
     whole = (root @ root.T).reshape(count, 3, count, 3)
     for term, lever in zip(errors.terms, errors.levers(poses), strict=True):
-        cells = term.cells(term.coordinates(poses)) if term.rest > 0 else np.arange(count)
+        cells = term.cells(*term.at(poses)) if term.rest > 0 else np.arange(count)
         loose = term.rest**2 * (cells[:, None] == cells)
         whole += lever[:, :, None, None] * loose[:, None, :, None] * lever
     beside = beside_the_line(estimation.case.description, estimation.readings, poses)

@@ -26,15 +26,16 @@ from axiscal_core import refusals
 from axiscal_core.axes import Frames
 from axiscal_core.eigen import unique_root
 from axiscal_core.rigid import cross
-from axiscal_core.splines import Spline
 
 
-class SameKnots(NamedTuple):
-    """Functions of one axis with the same knots.  functions : (g,) indices; columns : (g n,) in A, one by one"""
+class SameRows(NamedTuple):
+    """Terms of the same axes with the same rows.
 
-    axis: int
-    basis: Spline
-    functions: NDArray[np.intp]
+    first : one of them; terms : (g,) indices; columns : (g c,) in A, one by one
+    """
+
+    first: Term
+    terms: NDArray[np.intp]
     columns: NDArray[np.intp] | slice
 
 
@@ -186,36 +187,33 @@ class ErrorModel:
         """
         signed = self.effects(levers, approaches).swapaxes(-1, -2)
         result = np.empty((*signed.shape[:-1], self.size))
-        for group in self.same_knots:
-            values = group.basis.rows(poses[:, group.axis])
-            rows = signed[..., group.functions, None] * values[:, None, :]
+        for group in self.alike:
+            values = group.first.rows(*group.first.at(poses))
+            rows = signed[..., group.terms, None] * values[:, None, :]
             result[..., group.columns] = rows.reshape(*signed.shape[:-1], math.prod(rows.shape[-2:]))
-        for number, plane in enumerate(self.planes, start=len(self.functions)):
-            result[..., plane.columns] = signed[..., number, None] * plane.rows(plane.coordinates(poses))
         return result
 
     @cached_property
-    def same_knots(self) -> tuple[SameKnots, ...]:
-        """The functions that share axis and knots, so that their spline rows are computed once."""
-        groups: dict[tuple[int, int, bytes], list[int]] = {}
-        for i, function in enumerate(self.functions):
-            basis = function.basis
-            groups.setdefault((function.axis, basis.size, basis.knots.tobytes()), []).append(i)
+    def alike(self) -> tuple[SameRows, ...]:
+        """The terms that share axes, knots and cells, so that their rows are computed once."""
+        groups = dict[object, list[int]]()
+        for i, term in enumerate(self.terms):
+            groups.setdefault(tuple(side.key for side in term.sides), []).append(i)
         return tuple(self._group(members) for members in groups.values())
 
-    def _group(self, members: list[int]) -> SameKnots:
-        first, each = self.functions[members[0]], [self.functions[i].columns for i in members]
+    @cached_property
+    def firsts(self) -> NDArray[np.intp]:
+        """The first of the terms that are alike with each term, (terms,)."""
+        found = np.arange(len(self.terms))
+        for group in self.alike:
+            found[group.terms] = group.terms[0]
+        return found
+
+    def _group(self, members: list[int]) -> SameRows:
+        each = [self.terms[i].columns for i in members]
         columns = np.concatenate([np.arange(one.start, one.stop) for one in each])
         together = slice(columns[0], columns[-1] + 1) if np.all(np.diff(columns) == 1) else columns
-        return SameKnots(first.axis, first.basis, np.array(members), together)
-
-    @cached_property
-    def same_cells(self) -> NDArray[np.intp]:
-        """The first term that has the same cells as each term, (terms,)."""
-        first = np.arange(len(self.terms))
-        for group in self.same_knots:
-            first[group.functions] = group.functions[0]
-        return first
+        return SameRows(self.terms[members[0]], np.array(members), together)
 
     def effects(self, levers: Array, approaches: Array) -> Array:
         """Return what a unit of each term adds to scalar readings, reversals by their sign, (..., terms, m)."""
@@ -229,7 +227,7 @@ class ErrorModel:
 
     def small_motions(self, coefficients: Array, poses: Array, approaches: Array) -> SmallMotions:
         """Return what each axis frame does beside its nominal motion.  coefficients : (size,)."""
-        values = [f.rows(f.coordinates(poses)) @ coefficients[f.columns] for f in self.terms]
+        values = [f.rows(*f.at(poses)) @ coefficients[f.columns] for f in self.terms]
         return self.compose(np.array(values).reshape(len(self.terms), len(poses)), approaches)
 
     def compose(self, values: Array, approaches: Array) -> SmallMotions:

@@ -42,7 +42,7 @@ class Side(NamedTuple):
 
     axis : its index in a pose; entry : knots and length along it; spline : over its travel
     basis : F (n, r) = U √λ, of a curve the control values themselves; values : λ, (r,), one of a curve
-    which : (c,) column of it each unknown multiplies
+    which : (c,) column of it each unknown multiplies; None of a curve
     """
 
     axis: int
@@ -50,19 +50,31 @@ class Side(NamedTuple):
     spline: Spline
     basis: Array
     values: Array
-    which: NDArray[np.intp] | slice = slice(None)
+    which: NDArray[np.intp] | None = None
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What sides with the same rows and cells have in common."""
+        chosen = () if self.which is None else (self.basis.tobytes(), self.which.tobytes())
+        return self.axis, self.spline.size, self.spline.knots.tobytes(), *chosen
+
+    @property
+    def own(self) -> NDArray[np.intp] | slice:
+        """The columns of F that unknowns multiply."""
+        return slice(None) if self.which is None else self.which
 
     def rows(self, positions: Array, derivative: int = 0) -> Array:
         """Return what of the rows runs along this axis, at positions, or its derivative, (m, c)."""
-        return (self.spline.rows(positions, derivative) @ self.basis)[:, self.which]
+        rows = self.spline.rows(positions, derivative)
+        return rows if self.which is None else (rows @ self.basis)[:, self.which]
 
     def gram(self) -> Array:
         """Return the integral of these rows, rᵀ r over the travel, (c, c)."""
-        return (self.basis.T @ self.spline.gram() @ self.basis)[self.which][:, self.which]
+        return (self.basis.T @ self.spline.gram() @ self.basis)[self.own][:, self.own]
 
     def unknowns(self, control: Array) -> Array:
         """Return the unknowns of control values, (c, d).  control : (n, d)"""
-        return ((self.basis / self.values).T @ control)[self.which]
+        return ((self.basis / self.values).T @ control)[self.own]
 
     @property
     def cell_count(self) -> int:
@@ -102,7 +114,7 @@ class Side(NamedTuple):
         """Return the variances of the eigenvectors where P R P is another, (c,)."""
         vectors = self.basis / np.sqrt(self.values)
         shares: Array = np.einsum("nc,nm,mc->c", vectors, correlation, vectors)
-        return shares[self.which]
+        return shares[self.own]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -160,23 +172,23 @@ class Term:
         """Number of cells, of a plane those of both axes together."""
         return math.prod(side.cell_count for side in self.sides)
 
-    def coordinates(self, poses: Array) -> Array:
-        """Return the positions of its axes at poses (m, q): (m, axes)."""
-        return poses[:, list(self.axes)]
+    def at(self, poses: Array) -> list[Array]:
+        """Return the positions of each of its axes at poses (m, q): (m,) each."""
+        return [poses[:, side.axis] for side in self.sides]
 
-    def rows(self, coordinates: Array, along: int | None = None) -> Array:
-        """Return the rows at positions of its axes, (m, axes) or of one axis (m,): (m, c).
+    def rows(self, *at: Array, along: int | None = None) -> Array:
+        """Return the rows at positions of each of its axes, (m,): (m, c).
 
         along : the axis by whose position they are derived, per m or rad; None for none
         """
-        each = zip(self.sides, coordinates.reshape(-1, len(self.sides)).T, strict=True)
-        return reduce(np.multiply, [side.rows(at, derivative=int(side.axis == along)) for side, at in each])
+        each = zip(self.sides, at, strict=True)
+        return reduce(np.multiply, [side.rows(one, derivative=int(side.axis == along)) for side, one in each])
 
-    def cells(self, coordinates: Array) -> NDArray[np.int64]:
-        """Return the number of the cell at positions of its axes, (m,)."""
-        found = np.zeros(len(coordinates), dtype=np.int64)
-        for side, at in zip(self.sides, coordinates.reshape(-1, len(self.sides)).T, strict=True):
-            found = found * side.cell_count + side.cells(at)
+    def cells(self, *at: Array) -> NDArray[np.int64]:
+        """Return the number of the cell at positions of each of its axes, (m,)."""
+        found, *others = (side.cells(one) for side, one in zip(self.sides, at, strict=True))
+        for side, more in zip(self.sides[1:], others, strict=True):
+            found = found * side.cell_count + more
         return found
 
     def edges(self, cell: int, axis: int) -> list[Array]:
@@ -195,7 +207,7 @@ class Term:
 
     def loosened(self, rest: float) -> Array:
         """Return the variances (c,) that a rest which was not followed gives the unknowns, at most those beforehand."""
-        scale = reduce(np.multiply, [side.values[side.which] for side in self.sides])
+        scale = reduce(np.multiply, [side.values[side.own] for side in self.sides])
         return np.minimum(rest**2 / scale, np.diagonal(self.covariance))
 
     def prior(self, std: float, stretch: tuple[float, ...], by: int | None = None) -> Array:
@@ -207,7 +219,7 @@ class Term:
         for number, (side, factor) in enumerate(zip(self.sides, stretch, strict=True)):
             found = side.by_length(factor) if number == by else side.correlation(factor)
             inverse = side.basis / side.values
-            result = result * (inverse.T @ found @ inverse)[side.which][:, side.which]
+            result = result * (inverse.T @ found @ inverse)[side.own][:, side.own]
         return result
 
 

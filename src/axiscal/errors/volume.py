@@ -41,7 +41,7 @@ def deviation_of(model: ErrorModel, coefficients: Array, poses: Array, approache
 def deviations_of(model: ErrorModel, machines: Array, poses: Array, approaches: Array) -> Iterator[Deviation]:
     """Yield the same of many machines at the same poses.  machines : (n, size) of coefficients; poses : (m, q)"""
     at_once = max(_POSES // max(len(poses), 1), 1)
-    rows = [term.rows(term.coordinates(poses)) for term in model.terms]
+    rows = [term.rows(*term.at(poses)) for term in model.terms]
     for start in range(0, len(machines), at_once):
         some = machines[start : start + at_once]
         values = [own @ some[:, term.columns].T for own, term in zip(rows, model.terms, strict=True)]

@@ -146,8 +146,8 @@ class Estimate:
         if self.rests:
             levers = levers_at(poses)
             for index in self.rests:
-                at = self.model.terms[index].coordinates(poses)
-                expected = expected + self.rest_at(index, at)[:, None] * levers[index]
+                at = self.model.terms[index].at(poses)
+                expected = expected + self.rest_at(index, *at)[:, None] * levers[index]
         return expected
 
     def counting(self, poses: Array, deviations: Array) -> Array:
@@ -156,14 +156,12 @@ class Estimate:
         counted: Array = (left - left.mean(axis=0))[:, list(self.counted)]
         return counted
 
-    def rest_at(self, function: int, positions: Array) -> Array:
-        """Return what the readings say of the rest of an error, (m,): nothing in cells not read.
+    def rest_at(self, index: int, *at: Array) -> Array:
+        """Return what the readings say of the rest of a term at positions of its axes, (m,): nothing in cells not read.
 
-        positions : of its axis, or pairs of both where it is one of two axes
+        index : of the term
         """
-        if function not in self.rests:
-            return np.zeros(len(positions))
-        return self.rests[function][self.model.terms[function].cells(positions)]
+        return self.rests[index][self.model.terms[index].cells(*at)] if index in self.rests else np.zeros(len(at[0]))
 
 
 def rest_means(errors: ErrorModel, cells: Mapping[tuple[int, int], float]) -> Mapping[int, Array]:

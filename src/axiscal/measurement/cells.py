@@ -64,13 +64,9 @@ def rest_effects(
 
 def _cells_of(errors: ErrorModel, functions: NDArray[np.intp], poses: Array) -> NDArray[np.int64]:
     """Return the cells of some errors at poses, (e, m); those of errors with the same cells once."""
-    found: dict[int, NDArray[np.int64]] = {}
-    result = np.empty((len(functions), len(poses)), dtype=np.int64)
-    for row, i in enumerate(errors.same_cells[functions].tolist()):
-        if i not in found:
-            found[i] = errors.terms[i].cells(errors.terms[i].coordinates(poses))
-        result[row] = found[i]
-    return result
+    firsts = errors.firsts[functions].tolist()
+    found = {i: errors.terms[i].cells(*errors.terms[i].at(poses)) for i in {*firsts}}
+    return np.array([found[i] for i in firsts], dtype=np.int64).reshape(len(firsts), len(poses))
 
 
 class CellColumns:

@@ -96,8 +96,8 @@ def _fits(cell: Cell, name: ErrorName, dimension: str) -> None:
 
 _SHORTEST = 1e-4
 """Stands for a base without length, m: the slope of so short a chord is that of the curve."""
-Curve = Callable[[Array], Array]
-"""Positions of the error's axis (m,), or of both its axes (m, 2) -> values (m,), m or rad."""
+Curve = Callable[..., Array]
+"""Positions of the error's axis, or of both of its axes, (m,) each -> values (m,), m or rad."""
 
 Wander = Callable[[float], Sequence[float] | Array]
 """Seconds since the campaign began -> how far the zeros (the only one, or one for each number) have moved, m or rad."""
@@ -127,7 +127,7 @@ class VirtualMachine:
     def values(self, poses: Array) -> Array:
         """Return the value of every error at poses (m, q): (terms, m)."""
         pairs = zip(self.model.terms, self.curves, strict=True)
-        return np.array([curve(f.coordinates(poses)) for f, curve in pairs]).reshape(len(self.curves), len(poses))
+        return np.array([curve(*f.at(poses)) for f, curve in pairs]).reshape(len(self.curves), len(poses))
 
     def deviation(self, poses: Array, approaches: Array) -> Array:
         """Return the TCP deviation in the workpiece frame, m.  poses, approaches : (m, q); returns (m, 3)."""
@@ -310,14 +310,14 @@ def _wandering(rate: float, count: int, rng: np.random.Generator) -> Wander:
 
 
 def _through(curve: TruthCurve) -> Curve:
-    return lambda positions: np.interp(positions, curve.positions, curve.values)
+    return lambda at: np.asarray(np.interp(at, curve.positions, curve.values), dtype=float)
 
 
 def _rough(function: Term, control: Array, rng: np.random.Generator) -> Curve:
     """Return the curve of control values with a rest drawn for each cell.  control : (k,)"""
     cells = function.rest * rng.standard_normal(function.cell_count)
 
-    def curve(positions: Array) -> Array:
-        return function.rows(positions) @ control + cells[function.cells(positions)]
+    def curve(*at: Array) -> Array:
+        return function.rows(*at) @ control + cells[function.cells(*at)]
 
     return curve

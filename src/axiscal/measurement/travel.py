@@ -98,15 +98,15 @@ class Way:
         for i in self.functions:
             function = self._errors.terms[i]
             tilt = function.kind == "location"
-            shape = function.rows(function.coordinates(poses)) if tilt else self._slopes(function, poses)
+            shape = function.rows(*function.at(poses)) if tilt else self._slopes(function, poses)
             result[:, function.columns] = levers[i][:, None] * shape
         return result
 
     def _slopes(self, function: Term, poses: Array) -> Array:
         if self._base == 0:
-            return function.rows(function.coordinates(poses), along=self.axis)
-        ends = (function.coordinates(shifted(poses, self.axis, foot.shift)) for foot in feet(self._base))
-        front, back = (foot.weight * function.rows(at) for foot, at in zip(feet(self._base), ends, strict=True))
+            return function.rows(*function.at(poses), along=self.axis)
+        ends = (function.at(shifted(poses, self.axis, foot.shift)) for foot in feet(self._base))
+        front, back = (foot.weight * function.rows(*at) for foot, at in zip(feet(self._base), ends, strict=True))
         return front + back
 
 

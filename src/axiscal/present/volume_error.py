@@ -97,7 +97,7 @@ def _rows_of_plane(errors: ErrorModel, terms: Sequence[Term], poses: Array) -> A
     """Return the rows of a sum of errors, each with the sign that it has at the tool, (m, size)."""
     rows = np.zeros((len(poses), errors.size))
     for term in terms:
-        rows[:, term.columns] = errors.machine.axes[term.axis].sign * term.rows(term.coordinates(poses))
+        rows[:, term.columns] = errors.machine.axes[term.axis].sign * term.rows(*term.at(poses))
     return rows
 
 

@@ -76,7 +76,7 @@ def _take_in(estimate: Estimate, plane: Term, grids: Mapping[int, Array], found:
     sides = [hats_along(estimate, axis, at) for axis, at in ((other, across), (own, grids[own]))]
     nodes = np.meshgrid(sides[0].nodes, sides[1].nodes, indexing="ij")
     places = {other: nodes[0].ravel(), own: nodes[1].ravel()}
-    rows = plane.rows(np.stack([places[axis] for axis in plane.axes], axis=1))
+    rows = plane.rows(*(places[axis] for axis in plane.axes))
     field_of = (rows @ estimate.mean[plane.columns]).reshape(nodes[0].shape)
     values = sides[1].best(sides[0].best(field_of).T).T
     before = found.get(name, SampledError(grids[own], np.zeros(len(grids[own]))))

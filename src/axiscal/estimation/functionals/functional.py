@@ -98,7 +98,7 @@ class Functional:
         parts = [np.zeros((len(self.weights), 0))]
         for term, effect in zip(errors.terms, effects, strict=True):
             if term.rest > 0:
-                cells = term.cells(term.coordinates(self.poses))
+                cells = term.cells(*term.at(self.poses))
                 parts += [term.rest * effect[:, cells == cell].sum(axis=1)[:, None] for cell in np.unique(cells)]
         return np.hstack(parts)
 
