@@ -22,7 +22,7 @@ from benchmarks.peers.problems import Stacked
 def stacked(case: Stacked, candidates: int, volume: bool = False) -> Task:
     """Return one of the cases under the criterion `joint`, or `volume`."""
     names = "XYZUV"[: case.axes]
-    axes = tuple(Axis.named(name, False, (0.0, 10.0)) for name in names)
+    axes = tuple(Axis(name, False, (0.0, 10.0)) for name in names)
     errors = tuple(ErrorEntry(f"EZ{name}", 1.0, knots=case.knots) for name in names)
     machine = Machine("stacked", axes, 0.0, errors, "", "")
     count = case.axes

@@ -108,8 +108,10 @@ def displaced(machine: Machine, name: str, shift: Array, lean: Array) -> Machine
         if axis.name != name:
             return axis
         x, y, z = np.array(axis.origin) + shift
-        a, b, c = np.array(axis.direction) + np.cross(lean, axis.direction)
-        return replace(axis, origin=(x, y, z), direction=(a, b, c))
+        leaning = replace(axis, origin=(x, y, z))
+        way = np.array(axis.direction) + np.cross(lean, axis.direction)
+        object.__setattr__(leaning, "direction", tuple(way.tolist()))  # no description states such a line
+        return leaning
 
     return replace(machine, axes=tuple(map(moved, machine.axes)))
 

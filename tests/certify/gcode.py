@@ -85,11 +85,11 @@ def _axis(rng: np.random.Generator, name: str) -> Axis:
     if name in "ABC":
         low, length = rng.choice([0.0, -math.pi, rng.uniform(-3, 1)]), rng.choice([math.tau, rng.uniform(0.2, 6)])
         speed = float(rng.uniform(0.1, 5))
-        return Axis.named(name, True, (float(low), float(low + length)), speed, overrun=_overrun(rng, length))
+        return Axis(name, True, (float(low), float(low + length)), speed, stated_overrun=_overrun(rng, length))
     low, length = rng.uniform(-1, 0.3), 10 ** rng.uniform(-2, 0.5)
     low, length = (low, length) if rng.random() < 0.5 else (round(low, 3), round(length, 2))
     speed = float(rng.uniform(0.01, 3))
-    return Axis.named(name, False, (float(low), float(low + length)), speed, overrun=_overrun(rng, length))
+    return Axis(name, False, (float(low), float(low + length)), speed, stated_overrun=_overrun(rng, length))
 
 
 def _overrun(rng: np.random.Generator, length: float) -> float | None:

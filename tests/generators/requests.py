@@ -11,7 +11,7 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 
-AXES = (Axis.named("X", True, (0.0, 0.6)), Axis.named("C", True, (0.0, math.tau)))
+AXES = (Axis("X", True, (0.0, 0.6)), Axis("C", True, (0.0, math.tau)))
 SETUP = Setup("laser along X", "interferometer", (1, 0, 0), (0,), (0.3, 0), 1e-6, (), 60, 1, 3, (0, 0), "both")
 REQUEST = Request(7, SETUP, AXES, (0.12, math.radians(30)), (1, 0))
 SIMULATOR = Simulator(Machine("table", AXES, 0.0, (ErrorEntry("EXX", 1e-5, knots=4),), "", ""), (SETUP,))

@@ -42,10 +42,10 @@ X0C = { std = "5 um" }
 def test_axes_are_in_the_order_of_the_chain_in_si_units() -> None:
     machine = machine_from_text(TEXT)
     x, y, c = machine.axes
-    assert x == Axis("X", "X", False, (1, 0, 0), True, (0.0, 0.6), 10 / 60, 2.0, (0, 0, 0))
-    assert y == Axis("Y", "Y", False, (0, 1, 0), False, (-0.1, 0.3), LINEAR_SPEED, LINEAR_ACCELERATION, (0, 0, 0))
+    assert x == Axis("X", True, (0.0, 0.6), 10 / 60, 2.0, (0, 0, 0))
+    assert y == Axis("Y", False, (-0.1, 0.3), LINEAR_SPEED, LINEAR_ACCELERATION, (0, 0, 0))
     turn = (0.0, math.tau)
-    assert c == Axis("C", "C", True, (0, 0, 1), False, turn, ROTARY_SPEED, ROTARY_ACCELERATION, (0.001, 0.002, -0.15))
+    assert c == Axis("C", False, turn, ROTARY_SPEED, ROTARY_ACCELERATION, (0.001, 0.002, -0.15))
     assert (x.sign, y.sign) == (-1, 1)
     assert (y.cyclic, c.cyclic) == (False, True)
     assert y.length == pytest.approx(0.4)
@@ -117,7 +117,7 @@ def test_knots_stand_twice_as_far_apart_where_there_would_be_many() -> None:
     ],
 )
 def test_spacing_and_length_give_equidistant_knots(entry: ErrorEntry, count: int) -> None:
-    axis = Axis.named("X", False, (0.1, 0.7))
+    axis = Axis("X", False, (0.1, 0.7))
     knots = entry.knot_positions(axis)
     assert len(knots) == entry.knot_count(axis) == count
     assert (knots[0], knots[-1]) == (0.1, 0.7)
@@ -126,18 +126,18 @@ def test_spacing_and_length_give_equidistant_knots(entry: ErrorEntry, count: int
 
 
 def test_too_many_knots_are_refused() -> None:
-    axis = Axis.named("X", False, (0.0, 1.0))
+    axis = Axis("X", False, (0.0, 1.0))
     assert ErrorEntry("EXX", 1e-6, spacing=1 / 399).knot_count(axis) == 400
     with pytest.raises(DescriptionError, match="401 knots are too many"):
         ErrorEntry("EXX", 1e-6, spacing=1 / 400).knot_count(axis)
     with pytest.raises(DescriptionError, match="3 knots over a full turn are too few"):
-        ErrorEntry("ECC", 1e-6, knots=3).knot_count(Axis.named("C", False, (0.0, math.tau)))
+        ErrorEntry("ECC", 1e-6, knots=3).knot_count(Axis("C", False, (0.0, math.tau)))
 
 
 def test_a_full_turn_is_cyclic_to_a_nanoradian_and_a_linear_axis_never() -> None:
-    assert Axis.named("C", True, (1.0, 1.0 + math.tau + 5e-10)).cyclic
-    assert not Axis.named("C", True, (1.0, 1.0 + math.tau - 5e-9)).cyclic
-    assert not Axis.named("X", True, (0.0, math.tau)).cyclic
+    assert Axis("C", True, (1.0, 1.0 + math.tau + 5e-10)).cyclic
+    assert not Axis("C", True, (1.0, 1.0 + math.tau - 5e-9)).cyclic
+    assert not Axis("X", True, (0.0, math.tau)).cyclic
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def test_a_full_turn_is_cyclic_to_a_nanoradian_and_a_linear_axis_never() -> None
     [("X", 0), ("U", 0), ("P", 0), ("A", 0), ("Y", 1), ("V2", 1), ("Q", 1), ("B", 1), ("Z", 2), ("W", 2), ("R", 2)],
 )
 def test_letters_have_the_directions_of_iso_841(name: str, direction: int) -> None:
-    axis = Axis.named(name, False, (0.0, 1.0))
+    axis = Axis(name, False, (0.0, 1.0))
     assert axis.direction == tuple(float(place == direction) for place in range(3))
     assert axis.rotary == (name in "ABC")
     assert axis.letter == name[0]
@@ -154,7 +154,7 @@ def test_letters_have_the_directions_of_iso_841(name: str, direction: int) -> No
 @pytest.mark.parametrize("name", ["", "D", "x"])
 def test_a_letter_that_is_no_axis_is_refused(name: str) -> None:
     with pytest.raises(DescriptionError, match="not an axis name"):
-        Axis.named(name, False, (0.0, 1.0))
+        Axis(name, False, (0.0, 1.0))
 
 
 def test_a_machine_is_read_from_a_path_and_named_after_it_if_need_be(tmp_path: Path) -> None:

@@ -157,7 +157,7 @@ def test_the_forms_are_followed_between_the_breaks(seed: int, instrument: str) -
 
 def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
     """Cubics times sine and cosine, squared, over 117°."""
-    turn = Axis.named("C", True, (0.0, np.radians(350)), origin=(0.3, -0.2, 0.0))
+    turn = Axis("C", True, (0.0, np.radians(350)), origin=(0.3, -0.2, 0.0))
     entries = tuple(ErrorEntry(name, 1e-5, knots=4) for name in ("EXC", "EYC", "ECC", "EAC"))
     observation = Observation(
         ErrorModel(Machine("m", (turn,), 0.1, entries, "", "")),
@@ -168,7 +168,7 @@ def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
 
 
 def test_breaks_are_knots_and_edges_of_visited_cells() -> None:
-    axis = Axis.named("X", False, (0.0, 0.4))
+    axis = Axis("X", False, (0.0, 0.4))
     machine = Machine("m", (axis,), 0.0, (ErrorEntry("EXX", 1e-6, knots=3, rest=1e-6),), "", "")
     observation = Observation(ErrorModel(machine), (mounted(machine, "probe", (1.0, 0.0, 0.0)),))
     assert breaks_along(observation, 0, 0) == pytest.approx([0.0, 0.2, 0.4])

@@ -16,7 +16,7 @@ from axiscal.numerics.short_way import _GAIN, _moved_segment, route, route_secon
 TICK = 1e-4
 """Seconds in which OR-tools counts: it wants whole numbers."""
 
-MILL = Machine("m", tuple(Axis.named(n, False, (0.0, 0.6)) for n in "XYZ"), 0.1, (), "", "")
+MILL = Machine("m", tuple(Axis(n, False, (0.0, 0.6)) for n in "XYZ"), 0.1, (), "", "")
 
 
 def shortest_by_or_tools(table: Array, first: Array) -> tuple[float, float]:

@@ -45,7 +45,7 @@ def test_boxes_lose_nothing_of_what_weights_prove(knots: int, readings: int, mos
 
 def plates(rest: float = 0.0) -> Task:
     """Return three slides that add up, with reversal, and a set-up along each of two directions."""
-    axes = tuple(Axis.named(name, False, (0.0, 0.5)) for name in "XYZ")
+    axes = tuple(Axis(name, False, (0.0, 0.5)) for name in "XYZ")
     errors = [ErrorEntry(n, 1e-5, knots=4, rest=rest) for n in ("EXX", "EXY", "EYY", "EYX", "EZZ", "EYZ")]
     errors.append(ErrorEntry("EXX_reversal", 4e-6))
     machine = Machine("m", axes, 0.1, tuple(errors), "", "")

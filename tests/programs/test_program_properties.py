@@ -83,7 +83,7 @@ def test_any_set_up_makes_a_name_that_every_control_takes(text: str, number: int
 def test_a_written_coordinate_is_the_nearest_within_the_travel(
     low: float, length: float, share: float, decimals: int, turns: bool
 ) -> None:
-    axis = Axis.named("A" if turns else "X", False, (low, low + length))
+    axis = Axis("A" if turns else "X", False, (low, low + length))
     scale = AxisScale.of_axis(axis, decimals)
     value = min(low + share * length, low + length)
     number = scale.nearest(value)

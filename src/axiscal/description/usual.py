@@ -25,7 +25,7 @@ import numpy as np
 
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry, PlaneEntry, Sure, side_name
+from axiscal.machine.entry import ErrorEntry, Sure, side_name
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
 from axiscal_core.left_out import OFF
@@ -115,7 +115,7 @@ def _wave(entry: ErrorEntry) -> Iterator[ErrorEntry]:
         yield ErrorEntry(f"{entry.name}_pitch", PITCH.size * entry.std, period=entry.period, harmonics=1)
 
 
-def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[PlaneEntry]:
+def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[ErrorEntry]:
     """Yield what pairs of linear axes do together that move in one set-up.
 
     Machines with rotary axes yield none: it would add half as many unknowns again.
@@ -135,7 +135,7 @@ def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[PlaneEntry]
                     for name, axis in zip(names, axes, strict=True)
                 ]
                 name = f"{side_name(component, axes[0].name)}{axes[1].name}"
-                yield PlaneEntry(name, component, TOGETHER.size * std, (sides[0], sides[1]), usual=True)
+                yield ErrorEntry(name, TOGETHER.size * std, sides=tuple(sides), usual=True)
 
 
 def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
@@ -149,7 +149,7 @@ def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
     return replace(entry, rest=_usual_rest(entry), rest_estimated=False)
 
 
-def _usual_rest(entry: ErrorEntry | PlaneEntry) -> float:
+def _usual_rest(entry: ErrorEntry) -> float:
     """Return the white and the rough part of an error together, m or rad."""
     white = REST.size * entry.std if entry.rest is None else entry.rest
     return float(np.hypot(white, ROUGH.size * entry.std))
@@ -217,40 +217,32 @@ def _alike(entry: ErrorEntry, kind: Kind, machine: Machine) -> tuple[bool, ...] 
 
 def _rests(machine: Machine, usual: bool) -> list[tuple[str, ...]]:
     """Return the names of errors that share the size of their rough part: all with usual causes, else some."""
-    groups = dict[bool, list[str]]()
-    for entry in machine.errors:
+    groups = dict[object, list[str]]()
+    for entry in (*machine.errors, *machine.planes):
         if entry.first_rest > 0 and (usual or entry.rest_estimated):
-            groups.setdefault(machine.axis(entry.axis).rotary, []).append(entry.name)
-    planes = [entry.name for entry in machine.planes if entry.first_rest > 0 and (usual or entry.rest_estimated)]
-    return [tuple(names) for names in (*groups.values(), planes) if names]
+            alike = "together" if entry.sides else machine.axis(entry.axis).rotary
+            groups.setdefault(alike, []).append(entry.name)
+    return [tuple(names) for names in groups.values()]
 
 
 def rescaled_machine(machine: Machine, sizes: Mapping[tuple[Kind, str], float]) -> Machine:
     """Return the machine with its priors at other sizes.  sizes : factors by kind and owner"""
-    errors = tuple(_rescaled(entry, machine.axis(entry.axis), sizes) for entry in machine.errors)
-    lengths = [sizes.get(("length", entry.name), 1.0) for entry in machine.planes]
-    planes = tuple(
-        replace(
-            entry,
-            std=entry.std * sizes.get(("together", entry.name), 1.0),
-            rest=entry.first_rest * sizes.get(("rest", entry.name), 1.0),
-            stretch=(entry.stretch[0] * length, entry.stretch[1] * length),
-        )
-        for entry, length in zip(machine.planes, lengths, strict=True)
-    )
+    both = machine.errors, machine.planes
+    errors, planes = (tuple(_rescaled(each, machine.axis(each.axis), sizes) for each in entries) for entries in both)
     return replace(machine, errors=errors, planes=planes)
 
 
 def _rescaled(entry: ErrorEntry, axis: Axis, sizes: Mapping[tuple[Kind, str], float]) -> ErrorEntry:
-    kind: Kind = "reversal" if entry.kind == "reversal" else "std"
-    length = None if entry.length is None else entry.length * sizes.get(("length", entry.name), 1.0)
+    kind: Kind = "together" if entry.sides else "reversal" if entry.kind == "reversal" else "std"
+    longer = sizes.get(("length", entry.name), 1.0)
     # The knots stay where they were: a spline does not move because its prior was learnt.
-    knots = None if entry.constant else entry.knot_count(axis)
+    knots = None if entry.constant or entry.sides else entry.knot_count(axis)
     return replace(
         entry,
         std=entry.std * sizes.get((kind, entry.name), 1.0),
         scale=None if entry.scale is None else entry.scale * sizes.get(("scale", entry.name), 1.0),
-        length=length,
+        length=None if entry.length is None else entry.length * longer,
+        stretch=tuple(each * longer for each in entry.stretch),
         rest=entry.first_rest * sizes.get(("rest", entry.name), 1.0),
         knots=knots,
         spacing=None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import WORDS, later, said
 from axiscal.machine.axis import ROTARY_LETTERS, letter_direction
-from axiscal.machine.entry import parse_error_name, parse_plane_name
+from axiscal.machine.entry import parse_any_name
 
 _WORDS = WORDS["errors"]
 _PITCH = ("y", "x", "x")
@@ -17,15 +17,15 @@ def words(name: str) -> str:
 
     name : `EXX`, `C0Y`, `EXX_reversal`, `EZXY`; axis names may carry a digit (`EXX2`)
     """
-    if (plane := parse_plane_name(name)) is not None:
-        turn = later("turn about {way} that {first} and {second} make together")
-        shift = later("displacement in {way} that {first} and {second} make together")
-        first, second = plane.axes
-        return said(turn if plane.component >= 3 else shift, way="xyz"[plane.component % 3], first=first, second=second)
     try:
-        parts = parse_error_name(name)
+        parts = parse_any_name(name)
     except DescriptionError:
         return name
+    if parts.second is not None:
+        turn = later("turn about {way} that {first} and {second} make together")
+        shift = later("displacement in {way} that {first} and {second} make together")
+        way = "xyz"[parts.component % 3]
+        return said(turn if parts.angular else shift, way=way, first=parts.axis, second=parts.second)
     axis, turns, along = parts.axis, parts.axis[0] in ROTARY_LETTERS, letter_direction(parts.axis[0])
     own, way = parts.component % 3 == along, "xyz"[parts.component % 3]
     if parts.kind == "reversal":

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from axiscal.errors.term import Term, term_of
 from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry, PlaneEntry
 from axiscal.machine.kinematics import SmallMotions, frames
 from axiscal.numerics import Array
 from axiscal_core import refusals
@@ -64,9 +63,8 @@ class ErrorModel:
         if not isinstance(machine, Machine):
             raise refusals.InputError("ErrorModel", "machine", f"= {machine!r} is none", 'Give load_machine("dmu60")')
         self.machine = machine
-        entries: list[ErrorEntry | PlaneEntry] = [*machine.errors, *machine.planes]
         terms, self.size = list[Term](), 0
-        for entry in entries:
+        for entry in (*machine.errors, *machine.planes):
             terms.append(term_of(entry, machine, self.size))
             self.size = terms[-1].columns.stop
         self.terms, curves = tuple(terms), len(machine.errors)

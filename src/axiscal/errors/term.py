@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from axiscal.errors import prior
 from axiscal.errors.prior import Segments
 from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry, Kind, PlaneEntry
+from axiscal.machine.entry import ErrorEntry, Kind
 from axiscal.numerics import Array
 from axiscal_core.eigen import settled
 from axiscal_core.errors import ASIDE, CELLS
@@ -223,16 +223,16 @@ class Term:
         return result
 
 
-def term_of(entry: ErrorEntry | PlaneEntry, machine: Machine, start: int) -> Term:
+def term_of(entry: ErrorEntry, machine: Machine, start: int) -> Term:
     """Return the error of an entry, its unknowns from column `start` on."""
-    if isinstance(entry, PlaneEntry):
+    if entry.sides:
         return _plane(entry, machine, start)
     side = _side(entry, machine)
     columns, covariance = slice(start, start + side.spline.size), prior.covariance(entry, side.spline)
     return Term(entry.name, entry.kind, entry.component, (side,), covariance, entry.first_rest, columns)
 
 
-def _plane(entry: PlaneEntry, machine: Machine, start: int) -> Term:
+def _plane(entry: ErrorEntry, machine: Machine, start: int) -> Term:
     whole = [_with_eigenvectors(_side(side, machine)) for side in entry.sides]
     first, second = (side.shares(side.correlation(_SHORTER)) for side in whole)
     pairs = kept(first, second, _CUT)
@@ -240,7 +240,7 @@ def _plane(entry: PlaneEntry, machine: Machine, start: int) -> Term:
     parts, count = zip(whole, own.T, strict=True), len(own)
     sides = tuple(side._replace(which=mine) for side, mine in parts)
     bare = Term(
-        entry.name, "motion", entry.component, sides, np.eye(count), entry.first_rest, slice(start, start + count),
+        entry.name, entry.kind, entry.component, sides, np.eye(count), entry.first_rest, slice(start, start + count),
         entry.std, entry.stretch,
     )  # fmt: skip
     rest = float(np.hypot(entry.first_rest, entry.std * np.sqrt(_lost(bare))))

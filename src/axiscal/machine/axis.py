@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from axiscal.document import shown
@@ -39,62 +39,50 @@ def letter_direction(letter: str) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """An axis as the maker built it.
+    """An axis as the maker built it; kind and direction follow from its name.
 
     name : "X", "U2", "C"; letter : its kind, the name without the digit
     direction : unit vector in the machine frame, along the travel or the axis line, where the coordinate increases
     workpiece_side : primed in the chain, it carries the workpiece
-    travel : (lowest, highest) coordinate, m or rad; speed m/s or rad/s; acceleration m/s² or rad/s²
+    travel : (lowest, highest) coordinate, m or rad
+    speed, acceleration : m/s or rad/s, m/s² or rad/s²; the usual ones where none is given
     origin : a point on the axis line of a rotary axis, m, machine frame, all axes at zero
     stated_overrun : m or rad, None for the usual one
     stated_turns : whole turns below and above its travel of one turn that the control allows, None where nobody said
     counting : as stated, None where nothing is said, which means ISO 841
     diameters : of the cross slide of a lathe whose display shows diameters; coordinates here are radii all the same
+    Raises DescriptionError for a name that is not an ISO 841 letter with an optional digit.
     """
 
     name: str
-    letter: str
-    rotary: bool
-    direction: tuple[float, float, float]
     workpiece_side: bool
     travel: tuple[float, float]
-    speed: float
-    acceleration: float
+    speed: float = 0.0
+    acceleration: float = 0.0
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stated_overrun: float | None = None
     stated_turns: tuple[int, int] | None = None
     counting: Counting | None = None
     diameters: bool = False
+    letter: str = field(init=False)
+    rotary: bool = field(init=False)
+    direction: tuple[float, float, float] = field(init=False)
 
-    @classmethod
-    def named(
-        cls,
-        name: str,
-        workpiece_side: bool,
-        travel: tuple[float, float],
-        speed: float | None = None,
-        acceleration: float | None = None,
-        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
-        overrun: float | None = None,
-        turns: tuple[int, int] | None = None,
-        counting: Counting | None = None,
-        diameters: bool = False,
-    ) -> Axis:
-        """Return the axis whose kind and direction follow from its name, with the usual speed where none is given.
-
-        Raises DescriptionError for a name that is not an ISO 841 letter with an optional digit.
-        """
-        letter = name[:1]
+    def __post_init__(self) -> None:
+        letter = self.name[:1]
         if letter not in LINEAR_LETTERS + ROTARY_LETTERS or not letter:
             remedy = "Axis names begin with one of X Y Z U V W P Q R A B C"
-            raise DescriptionError("{name} is not an axis name", remedy, name=shown(name))
-        rotary = letter in ROTARY_LETTERS
-        speed = speed or (ROTARY_SPEED if rotary else LINEAR_SPEED)
-        acceleration = acceleration or (ROTARY_ACCELERATION if rotary else LINEAR_ACCELERATION)
-        way = -1.0 if counting == "reversed" else 1.0
-        x, y, z = (way if place == letter_direction(letter) else 0.0 for place in range(3))
-        kind = (name, letter, rotary, (x, y, z), workpiece_side)
-        return cls(*kind, travel, speed, acceleration, origin, overrun, turns, counting, diameters)
+            raise DescriptionError("{name} is not an axis name", remedy, name=shown(self.name))
+        rotary, way = letter in ROTARY_LETTERS, -1.0 if self.reversed else 1.0
+        found = {
+            "letter": letter,
+            "rotary": rotary,
+            "direction": tuple(way if place == letter_direction(letter) else 0.0 for place in range(3)),
+            "speed": self.speed or (ROTARY_SPEED if rotary else LINEAR_SPEED),
+            "acceleration": self.acceleration or (ROTARY_ACCELERATION if rotary else LINEAR_ACCELERATION),
+        }
+        for name, value in found.items():
+            object.__setattr__(self, name, value)
 
     @property
     def sign(self) -> int:
@@ -109,8 +97,7 @@ class Axis:
     @property
     def turned(self) -> Axis:
         """The axis if its coordinate grows the other way."""
-        x, y, z = self.direction
-        return replace(self, direction=(-x, -y, -z), counting="iso" if self.reversed else "reversed")
+        return replace(self, counting="iso" if self.reversed else "reversed")
 
     @property
     def positioning_error(self) -> str:

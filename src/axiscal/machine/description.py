@@ -20,7 +20,7 @@ from axiscal.document.validation import Stated
 from axiscal.exceptions import ChainError, DescriptionError, Faults, InputError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, Axis
-from axiscal.machine.entry import ErrorEntry, PlaneEntry, as_fine_as_is_cheap
+from axiscal.machine.entry import ErrorEntry, as_fine_as_is_cheap
 from axiscal.machine.errors_table import read_errors
 from axiscal.machine.machine_schema import AxisTable, MachineFile
 from axiscal.units import Dimension, format_quantity
@@ -115,7 +115,7 @@ def _check_tables(document: Document, tables: MachineFile, names: list[str]) -> 
 
 def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> Axis | None:
     """Return an axis; None where something in its table is wrong, which is noted, all of it."""
-    axis, before = Axis.named(link.name, link.workpiece_side, (0.0, 1.0)), len(faults.found)
+    axis, before = Axis(link.name, link.workpiece_side, (0.0, 1.0)), len(faults.found)
     stated, turns = Stated(document, table, ("axes", link.name)), axis.rotary
     speed = faults.tried(stated.within, "speed", "rotation_speed" if turns else "speed", 1e-9, 1e4)
     rate: Dimension = "rotation_acceleration" if turns else "acceleration"
@@ -127,7 +127,8 @@ def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> A
         return None
     travel, overrun, beyond = spans
     said = table.direction, table.shows == "diameter"
-    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, beyond, *said)
+    fast = speed or 0.0, acceleration or 0.0
+    return Axis(axis.name, axis.workpiece_side, travel, *fast, origin, overrun, beyond, *said)
 
 
 def _refuse_diameter(stated: Stated[AxisTable], axis: Axis) -> None:
@@ -164,7 +165,7 @@ def _turns(stated: Stated[AxisTable], axis: Axis, travel: Span) -> tuple[int, in
     if stated.table.limits is None:
         return None
     text = shown(stated.table.limits)
-    if not Axis.named(axis.name, False, travel).cyclic:
+    if not replace(axis, travel=travel).cyclic:
         what = "limits {text} of {axis}, whose travel is not one turn"
         remedy = "Take them out: its travel is where it may go"
         raise stated.misstated("limits", what, remedy, text=text, axis=axis.name)
@@ -309,7 +310,7 @@ class Machine:
     errors: tuple[ErrorEntry, ...]
     chain: str
     text: str
-    planes: tuple[PlaneEntry, ...] = ()
+    planes: tuple[ErrorEntry, ...] = ()
     tool_radius: float = TOOL_RADIUS
     stylus: float = 0.0
     reach: float = 0.05

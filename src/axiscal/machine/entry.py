@@ -19,8 +19,8 @@ from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 
 Kind = Literal["motion", "location", "reversal"]
-Shape = Literal["curve", "pitch", "step"]
-"""Any curve, one that repeats with a period, or one with steps at joints."""
+Shape = Literal["curve", "pitch", "step", "plane"]
+"""Any curve, one that repeats with a period, one with steps at joints; what two axes do together."""
 COMPONENTS = "XYZABC"
 
 AXIS_NAME = r"[XYZUVWPQRABC][1-9]?"
@@ -40,6 +40,7 @@ class ErrorName:
 
     canonical : "EXX", "C0Y", "EXX_reversal"; axis : name of the axis it belongs to
     component : 0…5 for x y z a b c; reference : the axis X of "C(0X)Y", where it was written
+    second : the other axis, Y of "EZXY"
     """
 
     canonical: str
@@ -47,6 +48,12 @@ class ErrorName:
     kind: Kind
     component: int
     reference: str | None = None
+    second: str | None = None
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """The names of the axis that it belongs to, or of both."""
+        return (self.axis,) if self.second is None else (self.axis, self.second)
 
     @property
     def angular(self) -> bool:
@@ -62,21 +69,17 @@ class ErrorName:
     def shape(self) -> Shape:
         """What kind of curve it is."""
         suffix = self.canonical.partition("_")[2]
+        if self.second is not None:
+            return "plane"
         return "pitch" if suffix == "pitch" else "step" if suffix == "step" else "curve"
 
 
-@dataclass(frozen=True, slots=True)
-class PlaneName:
-    """The parts of the name of a two-axis error, "EZXY".  component : 0…5 for x y z a b c; axes : in its order."""
-
-    component: int
-    axes: tuple[str, str]
-
-
-def parse_plane_name(text: str) -> PlaneName | None:
-    """Return the parts of the name of what two axes do together; None for any other text."""
-    found = _PLANE.fullmatch(text)
-    return None if found is None else PlaneName(COMPONENTS.index(found["component"]), (found["first"], found["second"]))
+def parse_any_name(text: str) -> ErrorName:
+    """Return the parts of the name of an error, also of what two axes do together, "EZXY"; raises DescriptionError."""
+    if found := _PLANE.fullmatch(text):
+        component = COMPONENTS.index(found["component"])
+        return ErrorName(text, found["first"], "motion", component, second=found["second"])
+    return parse_error_name(text)
 
 
 def parse_error_name(text: str) -> ErrorName:
@@ -109,43 +112,6 @@ def _likely(text: str) -> str | None:
     return None
 
 
-@dataclass(frozen=True, slots=True)
-class PlaneEntry:
-    """The prior of one error of two axes, beside the curves of each.
-
-    name : "EZXY"; component : 0…5; std : m or rad, of a plane that held its axes' own curves as well; 0 for a rest only
-    sides : knots and correlation lengths along each axis, as of an error of std 1
-    rest : of cells of the plane, m or rad; rest_estimated : it is to be learnt from the readings
-    usual : nobody stated it, it is what two axes usually do together; then its lengths stay
-    stretch : factor on the length along each axis that readings have taught; the splines stay those as stated
-    """
-
-    name: str
-    component: int
-    std: float
-    sides: tuple[ErrorEntry, ErrorEntry]
-    rest: float | None = None
-    rest_estimated: bool = False
-    stretch: tuple[float, float] = (1.0, 1.0)
-    usual: bool = False
-
-    @property
-    def axes(self) -> tuple[str, str]:
-        """Names of both axes."""
-        first, second = self.sides
-        return first.axis, second.axis
-
-    @property
-    def angular(self) -> bool:
-        """Whether it is a rotation."""
-        return self.component >= 3
-
-    @property
-    def first_rest(self) -> float:
-        """The rest before any reading, m or rad: as stated, a guess where it is to be learnt, else none."""
-        return GUESSED_REST * self.std if self.rest is None and self.rest_estimated else self.rest or 0.0
-
-
 def side_name(component: int, axis: str) -> str:
     """Return the name of the curve that an axis alone would have: "EZX" of "EZXY"."""
     return f"E{COMPONENTS[component]}{axis}"
@@ -172,9 +138,10 @@ GUESSED_REST = 0.05
 
 @dataclass(frozen=True, slots=True)
 class ErrorEntry:
-    """The prior of one error.
+    """The prior of one error, or of what two axes do together beside the curves of each.
 
-    name : canonical, "EXX", "C0Y", "EXX_reversal"; std : prior standard deviation, m or rad
+    name : canonical, "EXX", "C0Y", "EXX_reversal", "EZXY"
+    std : prior standard deviation, m or rad, of a plane that held its axes' own curves as well; 0 for a rest only
     knots, spacing : as written, spacing in m or rad; at most one of them
     length : correlation length in the axis' unit, m or rad; None for independent control values
     rest : standard deviation of what the spline cannot follow, m or rad
@@ -187,6 +154,9 @@ class ErrorEntry:
     sure : how well std and length are known; None for what the campaign says of all
     smoothness_averaged : an older file leaves the smoothness open; knots are as close as a rough curve needs them
     scale : of a positioning error, the strain by which the linear axis may be longer; None where none is said
+    sides : of a plane knots and correlation lengths along each axis, as of an error of std 1
+    stretch : factor on the length along each axis that readings have taught; the splines stay those as stated
+    usual : nobody stated it, it is what two axes usually do together; then its lengths stay
     """
 
     name: str
@@ -204,16 +174,24 @@ class ErrorEntry:
     smoothness_averaged: bool = False
     sure: Sure | None = None
     scale: float | None = None
+    sides: tuple[ErrorEntry, ...] = ()
+    stretch: tuple[float, ...] = (1.0, 1.0)
+    usual: bool = False
 
     @property
     def parts(self) -> ErrorName:
         """The name taken apart."""
-        return parse_error_name(self.name)
+        return parse_any_name(self.name)
 
     @property
     def axis(self) -> str:
-        """Name of the axis whose error this is."""
+        """Name of the axis whose error this is; of two the first."""
         return self.parts.axis
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the axis whose error this is, or of both."""
+        return self.parts.axes
 
     @property
     def kind(self) -> Kind:

@@ -25,10 +25,7 @@ from axiscal.machine.entry import (
     SMOOTH,
     ErrorEntry,
     ErrorName,
-    PlaneEntry,
-    PlaneName,
-    parse_error_name,
-    parse_plane_name,
+    parse_any_name,
     side_name,
 )
 from axiscal.machine.machine_schema import ErrorTable
@@ -52,7 +49,7 @@ _SHORTEST, _LONGEST = 1e-6, 1e4
 
 def read_errors(
     document: Document, tables: Mapping[str, ErrorTable], axes: Mapping[str, Axis], described: set[str], faults: Faults
-) -> tuple[tuple[ErrorEntry, ...], tuple[PlaneEntry, ...]]:
+) -> tuple[tuple[ErrorEntry, ...], tuple[ErrorEntry, ...]]:
     """Return what is known of errors of one axis, and of two together; each is there once, whatever its spelling.
 
     What is wrong is noted.
@@ -62,34 +59,31 @@ def read_errors(
     if not tables:
         remedy = 'Name at least one, such as EXX = { std = "10 um" }; an error that is not named is taken to be zero'
         faults.found.append(document.fault(DescriptionError("no error is named", remedy), "errors"))
-    found = dict[object, tuple[str, ErrorEntry | PlaneEntry]]()
+    found = dict[object, tuple[str, ErrorEntry]]()
     for key, table in tables.items():
         with faults.noted(), document.placed("errors", key):
-            name = parse_plane_name(key) or parse_error_name(key)
+            name = parse_any_name(key)
             if set(_needed(name)) & (described - axes.keys()):
                 continue
             stated = Stated(document, table, ("errors", key))
             own = _checked(name, key, table, axes)
-            entry = _of_two(key, name, stated, own) if isinstance(name, PlaneName) else _of_one(name, stated, own[0])
-            identity = (name.component, frozenset(name.axes)) if isinstance(name, PlaneName) else name.canonical
+            entry = _of_one(name, stated, own[0]) if name.second is None else _of_two(name, stated, own)
+            identity = name.kind, name.shape, name.component, frozenset(name.axes)
             first, before = found.setdefault(identity, (key, entry))
             if before is not entry:
                 earlier = document.line("errors", first)
                 what = "{key} is {name}, which is there already in line {earlier}"
                 raise DescriptionError(what, "Keep one of them", key=key, name=before.name, earlier=earlier)
     entries = [entry for _, entry in found.values()]
-    curves = tuple(entry for entry in entries if isinstance(entry, ErrorEntry))
-    return curves, tuple(entry for entry in entries if isinstance(entry, PlaneEntry))
+    return tuple(each for each in entries if not each.sides), tuple(each for each in entries if each.sides)
 
 
-def _needed(name: ErrorName | PlaneName) -> list[str]:
+def _needed(name: ErrorName) -> list[str]:
     """Return the axes that an error is of, or is measured from."""
-    if isinstance(name, PlaneName):
-        return [*name.axes]
-    return [name.axis] if name.reference is None else [name.axis, name.reference]
+    return [*name.axes] if name.reference is None else [name.axis, name.reference]
 
 
-def _checked(name: ErrorName | PlaneName, key: str, table: ErrorTable, axes: Mapping[str, Axis]) -> list[Axis]:
+def _checked(name: ErrorName, key: str, table: ErrorTable, axes: Mapping[str, Axis]) -> list[Axis]:
     """Return the axes of an error; raises DescriptionError where name, keys and axes do not fit each other."""
     needed = _needed(name)
     for wanted in needed:
@@ -98,12 +92,11 @@ def _checked(name: ErrorName | PlaneName, key: str, table: ErrorTable, axes: Map
             raise DescriptionError(what, "The axes are {known}", text=shown(wanted), known=", ".join(axes))
     if len(set(needed)) < len(needed):
         what, remedy = "{axis} cannot be its own reference", "Name another axis behind the 0"
-        if isinstance(name, PlaneName):
+        if name.second is not None:
             what, remedy = "{axis} is named twice", "Name the two axes that act together, such as EZXY"
         raise DescriptionError(what, remedy, axis=needed[0])
     own = [axes[each] for each in needed]
-    if isinstance(name, ErrorName):
-        _check_location(name, own[0])
+    _check_location(name, own[0])
     _check_keys(name, key, table)
     if table.scale is not None and (own[0].rotary or key != own[0].positioning_error):
         remedy = "Give it to the position error of a linear axis, such as EXX"
@@ -143,7 +136,7 @@ _KEYS = {
 """By kind of error: the keys that it may have, and what would be right for another."""
 
 
-def _check_keys(name: ErrorName | PlaneName, key: str, table: ErrorTable) -> None:
+def _check_keys(name: ErrorName, key: str, table: ErrorTable) -> None:
     """Raise DescriptionError unless the keys of an entry fit each other and the kind of error.  key : as it is named"""
     given = [key for key in ErrorTable.model_fields if key in table.model_fields_set]
     for one, other, remedy in (
@@ -160,7 +153,7 @@ def _check_keys(name: ErrorName | PlaneName, key: str, table: ErrorTable) -> Non
         if each not in allowed:
             what = "{key} = {value}: {name} has no {key}"
             raise DescriptionError(what, said(remedy, error=error), key=each, value=value, name=key)
-        if isinstance(name, ErrorName) and isinstance(getattr(table, each), tuple):
+        if name.second is None and isinstance(getattr(table, each), tuple):
             what = "{key} = {value}: {name} is an error of one axis"
             remedy = "Write one value; two belong to an error of two axes, such as EZXY"
             raise DescriptionError(what, remedy, key=each, value=value, name=key)
@@ -170,10 +163,8 @@ def _check_keys(name: ErrorName | PlaneName, key: str, table: ErrorTable) -> Non
             raise DescriptionError("knots = {text} is not possible", remedy, text=text, most=MOST_KNOTS)
 
 
-def _kind(name: ErrorName | PlaneName, given: Collection[str]) -> str:
+def _kind(name: ErrorName, given: Collection[str]) -> str:
     """Return the row of `_KEYS`: a reversal value with knots is a curve."""
-    if isinstance(name, PlaneName):
-        return "plane"
     curved = name.kind == "motion" or (name.kind == "reversal" and {"knots", "spacing"} & {*given})
     return name.shape if curved else name.kind
 
@@ -200,9 +191,9 @@ def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> ErrorEnt
     return entry
 
 
-def _of_two(key: str, name: PlaneName, stated: Stated[ErrorTable], axes: list[Axis]) -> PlaneEntry:
+def _of_two(name: ErrorName, stated: Stated[ErrorTable], axes: list[Axis]) -> ErrorEntry:
     """Return the prior of what two axes do together; its size may be zero where there is a rest."""
-    value: Dimension = "angle" if name.component >= 3 else "length"
+    value: Dimension = "angle" if name.angular else "length"
     rest = _rest(stated, value)
     std = _std(stated, value, SMALLEST_ERROR if rest is None else 0.0)
     first, second = (_side(side_name(name.component, axis.name), stated, axis, k) for k, axis in enumerate(axes))
@@ -211,7 +202,7 @@ def _of_two(key: str, name: PlaneName, stated: Stated[ErrorTable], axes: list[Ax
         remedy = "At most {most} are possible; give knots, spacing or length accordingly"
         raise DescriptionError("{count} knots in the plane are too many", remedy, count=count, most=MOST_PRODUCTS)
     estimated = rest is None and stated.table.rest is not None
-    return PlaneEntry(key, name.component, std, (first, second), rest, estimated)
+    return ErrorEntry(name.canonical, std, rest=rest, rest_estimated=estimated, sides=(first, second))
 
 
 def _side(name: str, stated: Stated[ErrorTable], axis: Axis, index: int, averaged: bool = False) -> ErrorEntry:

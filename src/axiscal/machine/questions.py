@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from axiscal.language.spoken import counted, joined, later, listed, said
 from axiscal.machine.description import Machine
-from axiscal.machine.entry import parse_error_name
 from axiscal.units import format_quantity, said_quantity
 
 _LONGEST, _SHORTEST, _TOOL = 50.0, 1e-3, 2.0
@@ -62,17 +61,13 @@ def _axes(machine: Machine) -> Iterator[str]:
 
 
 def _errors(machine: Machine) -> Iterator[str]:
-    for entry in machine.errors:
-        name = parse_error_name(entry.name)
+    for entry in (*machine.errors, *machine.planes):
+        name = entry.parts
         most = _LARGEST_ANGLE if name.angular else _LARGEST_OFFSET if name.kind == "location" else _LARGEST_LENGTH
-        if not _SMALLEST <= entry.std <= most:
+        if not _SMALLEST <= entry.std <= most and (entry.std or not entry.sides):
             unit = "mrad" if name.angular else "mm"
             yield said(_WIDE, name=entry.name, size=said_quantity(entry.std, unit))
-        axis = next(axis for axis in machine.axes if axis.name == entry.axis)
+        axis = machine.axis(entry.axis)
         if (entry.length or 0.0) > axis.length:
             size = format_quantity(axis.length / 4, axis.unit, 3)
             yield said(_STRAIGHT, name=entry.name, axis=axis.name, size=size)
-    for plane in machine.planes:
-        most, unit = (_LARGEST_ANGLE, "mrad") if plane.angular else (_LARGEST_LENGTH, "mm")
-        if plane.std and not _SMALLEST <= plane.std <= most:
-            yield said(_WIDE, name=plane.name, size=said_quantity(plane.std, unit))

@@ -240,7 +240,7 @@ def with_height(estimate: Estimate) -> Estimate:
     machine = estimate.machine
     if sorted(axis.name for axis in machine.axes) != ["X", "Y"]:
         return estimate
-    upright = Axis.named("Z", False, (0.0, 1e-3))
+    upright = Axis("Z", False, (0.0, 1e-3))
     taller = replace(machine, axes=(*machine.axes, upright), chain=f"{machine.chain.removesuffix('-t')}-Z-t")
     return Estimate(ErrorModel(taller), estimate.belief, (*estimate.box, (0.0, 0.0)), estimate.grid)
 

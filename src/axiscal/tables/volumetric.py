@@ -60,7 +60,7 @@ def curves(estimate: Estimate, grids: Mapping[int, Array], together: bool = Fals
         elif function.kind == "motion":
             at = grids[function.axis]
             hats = hats_along(estimate, function.axis, at)
-            values, name = hats.best(function.basis.rows(hats.nodes) @ control), _name(function)
+            values, name = hats.best(function.basis.rows(hats.nodes) @ control), _name(estimate.model, function)
             found[name] = SampledError(at, values + found[name].values if name in found else values)
     for plane in estimate.model.planes if together else ():
         _take_in(estimate, plane, grids, found)
@@ -69,7 +69,7 @@ def curves(estimate: Estimate, grids: Mapping[int, Array], together: bool = Fals
 
 def _take_in(estimate: Estimate, plane: Term, grids: Mapping[int, Array], found: dict[str, SampledError]) -> None:
     """Add what two axes do together to the motion of the later one, where that depends on no other axis yet."""
-    name, own = _plane_name(estimate.model, plane), plane.axis
+    name, own = _name(estimate.model, plane), plane.axis
     ((other, intervals),) = ((side.axis, len(side.spline.knots) - 1) for side in plane.sides if side.axis != own)
     fit = max(min(_POINTS_PER_INTERVAL * intervals, _RECORDS // len(grids[own]) - 1), intervals)
     across = np.linspace(*estimate.machine.axes[other].travel, fit + 1)
@@ -96,10 +96,12 @@ def anchored(model: ErrorModel, found: Mapping[str, SampledError]) -> dict[str, 
         return result
     at_zero = _deviation(model, found, np.array([model.machine.zero]))[0]
     for direction, constant in enumerate(at_zero):
-        own = [f for f in model.functions if f.kind == "motion" and f.component == direction and _name(f) in found]
+        own = [
+            f for f in model.functions if f.kind == "motion" and f.component == direction and _name(model, f) in found
+        ]
         for function in sorted(own, key=lambda f: f.name != model.machine.axes[f.axis].positioning_error)[:1]:
-            sign, curve = model.machine.axes[function.axis].sign, found[_name(function)]
-            result[_name(function)] = replace(curve, values=curve.values - sign * constant)
+            sign, curve = model.machine.axes[function.axis].sign, found[_name(model, function)]
+            result[_name(model, function)] = replace(curve, values=curve.values - sign * constant)
     return result
 
 
@@ -150,8 +152,7 @@ def tip_control(model: ErrorModel, found: Mapping[str, SampledError]) -> Control
 
 def _deviation(model: ErrorModel, found: Mapping[str, SampledError], poses: Array) -> Array:
     """Return what the errors do to the TCP, (m, 3), m."""
-    named = {_plane_name(model, plane): i for i, plane in enumerate(model.planes, len(model.functions))}
-    named |= {_name(f): i for i, f in enumerate(model.functions) if f.kind != "reversal"}
+    named = {_name(model, term): i for i, term in reversed([*enumerate(model.terms)]) if term.kind != "reversal"}
     chosen = {name: named[name] for name in found if name in named}
     values = []
     for name, index in chosen.items():
@@ -161,11 +162,7 @@ def _deviation(model: ErrorModel, found: Mapping[str, SampledError], poses: Arra
     return deviation
 
 
-def _plane_name(model: ErrorModel, plane: Term) -> str:
-    """Return the error motion of the later axis that an error of two axes is part of."""
-    return side_name(plane.component, model.machine.axes[plane.axis].name)
-
-
-def _name(function: Term) -> str:
-    """Return the name of the error motion that a function is, or is part of."""
-    return parse_error_name(function.name).bare
+def _name(model: ErrorModel, term: Term) -> str:
+    """Return the name of the error motion that a term is, or is part of: of two axes that of the later one."""
+    own = side_name(term.component, model.machine.axes[term.axis].name)
+    return own if term.kind == "motion" else term.name
