@@ -63,9 +63,9 @@ class Side(NamedTuple):
         """The columns of F that unknowns multiply."""
         return slice(None) if self.which is None else self.which
 
-    def rows(self, positions: Array, derivative: int = 0) -> Array:
-        """Return what of the rows runs along this axis, at positions, or its derivative, (m, c)."""
-        rows = self.spline.rows(positions, derivative)
+    def rows(self, positions: Array) -> Array:
+        """Return what of the rows runs along this axis, at positions, (m, c)."""
+        rows = self.spline.rows(positions)
         return rows if self.which is None else (rows @ self.basis)[:, self.which]
 
     def gram(self) -> Array:
@@ -176,13 +176,9 @@ class Term:
         """Return the positions of each of its axes at poses (m, q): (m,) each."""
         return [poses[:, side.axis] for side in self.sides]
 
-    def rows(self, *at: Array, along: int | None = None) -> Array:
-        """Return the rows at positions of each of its axes, (m,): (m, c).
-
-        along : the axis by whose position they are derived, per m or rad; None for none
-        """
-        each = zip(self.sides, at, strict=True)
-        return reduce(np.multiply, [side.rows(one, derivative=int(side.axis == along)) for side, one in each])
+    def rows(self, *at: Array) -> Array:
+        """Return the rows at positions of each of its axes, (m,): (m, c)."""
+        return reduce(np.multiply, [side.rows(one) for side, one in zip(self.sides, at, strict=True)])
 
     def cells(self, *at: Array) -> NDArray[np.int64]:
         """Return the number of the cell at positions of each of its axes, (m,)."""

@@ -28,7 +28,7 @@ from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, ad
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Kind, levers_of
 from axiscal.measurement.setup import About, Setup, Unknown
-from axiscal.measurement.travel import Way
+from axiscal.measurement.travel import heights, slope_rows
 from axiscal.numerics import Array
 from axiscal_core.instrument import At
 
@@ -198,7 +198,7 @@ class Observation:
     def _error_rows(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         if mounted.base is None:
             return self.errors.along(levers, poses, approaches)
-        return Way(self.errors, mounted, mounted.base).rows(poses)[None]
+        return slope_rows(self.errors, mounted, poses)[None]
 
     def numbers(self, setup: int, poses: Array, approaches: Array) -> JointRows:
         """Return what readings of a set-up would tell with all their numbers; arguments as for `rows`.
@@ -295,7 +295,7 @@ class Observation:
     def _levers(self, setup: int, at: At) -> Array:
         mounted = self.setups[setup]
         if mounted.base is not None:
-            return Way(self.errors, mounted, mounted.base).levers(at.poses)[None]
+            return heights(self.errors, mounted, at.poses)[None]
         return levers_of(self.errors, self._kinds[setup].slopes(at), at.poses)
 
     def _places(self, setup: int, poses: Array, approaches: Array | None = None) -> At:

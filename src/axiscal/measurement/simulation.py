@@ -33,7 +33,7 @@ from axiscal.measurement.readers.table_cells import Cell, Row
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.travel import belongs
+from axiscal.measurement.travel import SHORTEST, belongs
 from axiscal.numerics import Array
 from axiscal_core.eigen import unique_root
 from axiscal_core.refusals import finite, one, whole
@@ -94,8 +94,6 @@ def _fits(cell: Cell, name: ErrorName, dimension: str) -> None:
         raise cell.fail(what, remedy, column=cell.column.name, name=name.canonical, stem=cell.column.stem)
 
 
-_SHORTEST = 1e-4
-"""Stands for a base without length, m: the slope of so short a chord is that of the curve."""
 Curve = Callable[..., Array]
 """Positions of the error's axis, or of both of its axes, (m,) each -> values (m,), m or rad."""
 
@@ -207,7 +205,7 @@ class VirtualMachine:
         """Return by how much the way differs between the two feet of a level, per length between them."""
         (axis,) = setup.moves
         low, high = self.model.machine.axes[axis].travel
-        half = max(setup.base or 0.0, _SHORTEST) / 2
+        half = max(setup.base or 0.0, SHORTEST) / 2
         ends = [poses.copy(), poses.copy()]
         for end, sign in zip(ends, (1, -1), strict=True):
             end[:, axis] = np.clip(poses[:, axis] + sign * half, low, high)

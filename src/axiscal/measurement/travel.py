@@ -29,8 +29,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.short_way import route
 
-_HALF = 0.5
-"""Geometry: both feet, half a base away."""
+SHORTEST = 1e-4
+"""Stands for a base without length, m: the slope of so short a chord is that of the curve."""
 
 
 class Foot(NamedTuple):
@@ -40,14 +40,12 @@ class Foot(NamedTuple):
     weight: float
 
 
-def feet(base: float) -> tuple[Foot, Foot]:
-    """Return the feet of a base.  base : m, above zero"""
-    return Foot(base / 2, 1 / base), Foot(-base / 2, -1 / base)
-
-
 def feet_of(setup: Setup) -> tuple[Foot, ...]:
     """Return where a set-up stands: on two feet, or on one in the middle where it rides on what moves."""
-    return feet(setup.base) if setup.base else (Foot(0.0, 1.0),)
+    if setup.base is None:
+        return (Foot(0.0, 1.0),)
+    base = max(setup.base, SHORTEST)
+    return Foot(base / 2, 1 / base), Foot(-base / 2, -1 / base)
 
 
 def across(machine: Machine, setup: Setup, poses: Array) -> Array:
@@ -71,43 +69,21 @@ def belongs(function: Term, axis: int) -> bool:
     )
 
 
-class Way:
-    """What the errors do to the slope of one set-up's chord."""
+def heights(errors: ErrorModel, setup: Setup, poses: Array) -> Array:
+    """Return what a unit of each error of the way's shape adds to its height across, at poses, (terms, m)."""
+    (axis,) = setup.moves
+    own = np.array([belongs(term, axis) for term in errors.terms])
+    levers: Array = np.einsum("fmc,mc->fm", errors.levers(poses), across(errors.machine, setup, poses))
+    return levers * own[:, None]
 
-    def __init__(self, errors: ErrorModel, setup: Setup, base: float) -> None:
-        self._errors, self._setup, self._base = errors, setup, base
-        (self.axis,) = setup.moves
-        self.functions = [i for i, f in enumerate(errors.terms) if belongs(f, self.axis)]
 
-    def levers(self, poses: Array) -> Array:
-        """Return what a unit of each error does, (terms, m): of a straightness, of one end; of a squareness."""
-        result = np.zeros((len(self._errors.terms), len(poses)))
-        direction = across(self._errors.machine, self._setup, poses)
-        ends = [
-            np.einsum("fmc,mc->fm", self._errors.levers(shifted(poses, self.axis, shift)), direction)
-            for shift in (_HALF, -_HALF)
-        ]
-        for i in self.functions:
-            tilt = self._errors.terms[i].kind == "location"
-            result[i] = (ends[0][i] - ends[1][i]) if tilt else ends[0][i]
-        return result
-
-    def rows(self, poses: Array) -> Array:
-        """Return the rows of readings, (m, size): a chord, or the derivative where the base has no length."""
-        result, levers = np.zeros((len(poses), self._errors.size)), self.levers(poses)
-        for i in self.functions:
-            function = self._errors.terms[i]
-            tilt = function.kind == "location"
-            shape = function.rows(*function.at(poses)) if tilt else self._slopes(function, poses)
-            result[:, function.columns] = levers[i][:, None] * shape
-        return result
-
-    def _slopes(self, function: Term, poses: Array) -> Array:
-        if self._base == 0:
-            return function.rows(*function.at(poses), along=self.axis)
-        ends = (function.at(shifted(poses, self.axis, foot.shift)) for foot in feet(self._base))
-        front, back = (foot.weight * function.rows(*at) for foot, at in zip(feet(self._base), ends, strict=True))
-        return front + back
+def slope_rows(errors: ErrorModel, setup: Setup, poses: Array) -> Array:
+    """Return the rows of what feet show, the slope of their chord, (m, size)."""
+    rows = np.zeros((len(poses), errors.size))
+    for foot in feet_of(setup):
+        at = shifted(poses, setup.moves[0], foot.shift)
+        rows += foot.weight * errors.along(heights(errors, setup, at), at, np.zeros_like(at))
+    return rows
 
 
 _ROUNDS = 8

@@ -25,7 +25,7 @@ from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, frames
 from axiscal.measurement.setup import Figures, Setup
-from axiscal.measurement.travel import Way, across
+from axiscal.measurement.travel import across, slope_rows
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 from axiscal_core import rigid
@@ -181,7 +181,7 @@ def levers_of(errors: ErrorModel, seen: Slopes, poses: Array) -> Array:
 _ALONG = 1e-6
 """Rounding of a unit vector."""
 _UNSEEN = 1e-9
-"""Rounding of a lever, m/rad or 1."""
+"""Rounding of a row, 1/m or 1."""
 
 
 class Rotation(Kind):
@@ -227,9 +227,9 @@ def _refuse_other_moves(setup: Setup, machine: Machine) -> None:
 def _refuse_unseen(setup: Setup, machine: Machine) -> None:
     """Raise DescriptionError where the way has no shape, or a rest whose slope over such a short base nobody knows."""
     errors, base = ErrorModel(machine), setup.base or 0.0
-    levers = Way(errors, setup, base).levers(np.array([setup.park]))[:, 0]
+    (seen,) = np.abs(slope_rows(errors, setup, np.array([setup.park])))
     levelled = any(unknown.name == "zero" for unknown in setup.unknowns)
-    shown = [f for f, lever in zip(errors.terms, levers, strict=True) if abs(lever) > _UNSEEN]
+    shown = [term for term in errors.terms if seen[term.columns].max(initial=0.0) > _UNSEEN]
     axis = machine.axes[setup.moves[0]].name
     if all(function.kind == "location" and levelled for function in shown):
         what = "the machine states no straightness error of {axis} that a slope about this direction could show"
