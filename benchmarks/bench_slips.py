@@ -236,8 +236,9 @@ def off(slip: Slip, record: Path, seed: int) -> float:
         for asked in asked_rows(campaign.description, known.readings, whole=True):
             if (row := asked.own) is None:
                 continue
-            true, said = (each.rotation if row.angular else each.deviation for each in (person.machine, estimate))
-            away = row.row(true(row.poses, row.sides)) - row.row(said(row.poses, row.sides))
+            true = person.machine.does(row.poses, row.sides)
+            said = (estimate.rotation if row.angular else estimate.deviation)(row.poses, row.sides)
+            away = row.row(true.rotation if row.angular else true.displacement) - row.row(said)
             sizes = np.linalg.norm(away.reshape(-1, 1 if row.angular else row.dimensions), axis=1)
             allowed = known_row(asked, known.case, errors, True, known.without_readings).known
             found.append(float(np.quantile(sizes, 0.95) / allowed))

@@ -83,7 +83,7 @@ def _rows(known: Estimation, truth: VirtualMachine) -> Iterator[Held]:
         elif row.measured:
             where = asked.map.poses, asked.map.sides
             if asked.map.angular:
-                missed = asked.map.row(truth.rotation(*where)) - asked.map.rows(case.errors) @ estimate.mean
+                missed = asked.map.row(truth.does(*where).rotation) - asked.map.rows(case.errors) @ estimate.mean
             else:
                 missed = asked.map.row(truth.deviation(*where) - estimate.deviation(*where))
             yield Held(row.row.kind, _share(missed.reshape(-1, asked.map.dimensions), row.known))

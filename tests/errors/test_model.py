@@ -21,7 +21,7 @@ def test_rows_are_the_exact_derivative_on_random_machines(seed: int) -> None:
     """Any chain, primed axes, rotary origins, reversals and location errors; derivatives by complex steps."""
     model, rng = ErrorModel(random_machine(seed)), np.random.default_rng(seed)
     poses, approaches = random_poses(model.machine, 2, rng)
-    rows, angular = model.rows(poses, approaches), model.angular_rows(poses, approaches)
+    rows, angular = model.rows(poses, approaches), model.rows(poses, approaches, angular=True)
     for i, (pose, approach) in enumerate(zip(poses, approaches, strict=True)):
         position, turned = twin_derivative(model, pose, approach)
         assert np.abs(rows[i] - position).max() < 1e-13

@@ -86,7 +86,8 @@ def test_covariances_at_the_poses_their_worst_and_their_rms(zeroed: tuple[bool, 
         assert stick.rms_of(stick.root.criterion(known.factor)) == pytest.approx(found.rms, rel=1e-9)
     assert found.worst == pytest.approx(max(float(np.sqrt(traces.max())), found.rms), rel=1e-9)
     at, size = int(np.argmax(traces)), CASE.errors.size
-    rows = CASE.errors.rows(*(each[[at]] for each in stick.poses))[0]
+    poses, sides = (each[[at]] for each in stick.poses)
+    rows = CASE.errors.rows(poses, sides)[0]
     rows = np.array(counted)[:, None] * (rows - np.array(zeroed)[:, None] * stick.moments.mean)
     np.testing.assert_allclose(stick.worst_root(known).matrix, rows, atol=1e-12)
     assert stick.worst_root(known).unknowns == size

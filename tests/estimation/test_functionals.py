@@ -64,7 +64,7 @@ def test_squareness_is_the_angle_between_the_paths(pair: str, ways: tuple[int, i
 def test_angles_are_rotations_less_their_mean(name: str, about: int) -> None:
     rows, machine = _asked(f'"{name}"')
     functional = _map(rows[name])
-    turned = machine.rotation(functional.poses, functional.sides)
+    turned = machine.does(functional.poses, functional.sides).rotation
     np.testing.assert_allclose(functional.row(turned), turned[:, about] - turned[:, about].mean(), atol=1e-15)
 
 
@@ -75,7 +75,7 @@ def test_the_rest_of_a_cell_is_one_number_for_all_places_in_it(name: str) -> Non
     curve = 'EXX_reversal = { knots = 5, length = "150 mm", rest = "1 um", '
     mill = load_machine(MILL).text.replace("EXX_reversal = { ", curve)
     row, errors = _map(rows[name]), ErrorModel(machine_from_text(mill))
-    levers = (errors.angular_levers if row.angular else errors.levers)(row.poses)
+    levers = errors.levers(row.poses, row.angular)
     expected = np.zeros(len(row.weights))
     for term, lever in zip(errors.terms, levers, strict=True):
         sides = row.sides[:, [term.axis]] / 2 if term.kind == "reversal" else 1.0

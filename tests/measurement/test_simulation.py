@@ -90,9 +90,9 @@ def test_the_turn_that_is_read_is_the_turn_of_the_tool(seed: int) -> None:
     poses, approaches = random_poses(machine, 10, rng)
     small = np.zeros((10, 3))
     for i, (pose, approach) in enumerate(zip(poses, approaches, strict=True)):
-        levers = model.effects(model.angular_levers(pose[None])[:, 0], approach[None].repeat(3, axis=0))
+        levers = model.effects(model.levers(pose[None], angular=True)[:, 0], approach[None].repeat(3, axis=0))
         small[i] = virtual.values(pose[None])[:, 0] @ levers
-    assert np.abs(virtual.rotation(poses, approaches) - small).max() < 1e-7
+    assert np.abs(virtual.does(poses, approaches).rotation - small).max() < 1e-7
 
 
 def test_given_curves_are_followed_between_their_points() -> None:

@@ -226,7 +226,7 @@ def test_an_instrument_that_knows_commands_sees_where_the_control_sent_the_axes(
     turn = there.tool @ here.tool.transpose(0, 2, 1)
     turned = 0.5 * np.stack([turn[:, k - 1, k - 2] - turn[:, k - 2, k - 1] for k in range(3)], axis=1)
     assert np.abs(turned).max() > 30e-6
-    found = seen.rotation(poses, ways) - truth.rotation(poses + further, ways)
+    found = seen.does(poses, ways).rotation - truth.does(poses + further, ways).rotation
     np.testing.assert_allclose(found, turned, atol=1e-9)
 
 

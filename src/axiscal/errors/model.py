@@ -109,12 +109,15 @@ class ErrorModel:
         tilted = (self.functions[number].columns for number in self._moving.tilted)
         return [column for columns in tilted for column in range(columns.start, columns.stop)]
 
-    def levers(self, poses: Array) -> Array:
-        """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.  poses : (m, q)."""
-        shape = (len(self.terms), len(poses), 3)
-        if self._unmoved is not None:
-            return np.broadcast_to(self._unmoved, shape).copy()
-        return self._levers(frames(self.machine, poses), poses)
+    def levers(self, poses: Array, angular: bool = False) -> Array:
+        """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.
+
+        poses : (m, q); angular : the rotation of the tool relative to the workpiece instead
+        """
+        if not angular and self._unmoved is not None:
+            return np.broadcast_to(self._unmoved, (len(self.terms), len(poses), 3)).copy()
+        nominal = frames(self.machine, poses)
+        return self._turned(nominal) if angular else self._levers(nominal, poses)
 
     @cached_property
     def _unmoved(self) -> Array | None:
@@ -162,21 +165,18 @@ class ErrorModel:
             np.array([1.0 if aside else axis.sign for axis, aside in zip(axes, tilted, strict=True)]),
         )
 
-    def angular_levers(self, poses: Array) -> Array:
-        """Return the rotation of the tool relative to the workpiece per unit of each term, (terms, m, 3)."""
-        how, nominal = self._moving, frames(self.machine, poses)
-        result = np.zeros((len(self.terms), len(poses), 3))
+    def _turned(self, nominal: Frames) -> Array:
+        how, result = self._moving, np.zeros((len(self.terms), *nominal.tcp.shape))
         turned = nominal.rotations[how.axis[how.turning], :, :, how.along[how.turning]]
         result[how.turning] = how.sign[how.turning, None, None] * turned
         return result
 
-    def rows(self, poses: Array, approaches: Array) -> Array:
-        """Return H(t) (B&H eq. 1, 28), (m, 3, size).  poses : (m, q) m or rad; approaches : (m, q) of +1, −1, 0."""
-        return self.along(self.levers(poses).transpose(2, 0, 1), poses, approaches).swapaxes(0, 1)
+    def rows(self, poses: Array, approaches: Array, angular: bool = False) -> Array:
+        """Return H(t) (B&H eq. 1, 28), (m, 3, size).
 
-    def angular_rows(self, poses: Array, approaches: Array) -> Array:
-        """Return the rows of the tool's orientation deviation, (m, 3, size)."""
-        return self.along(self.angular_levers(poses).transpose(2, 0, 1), poses, approaches).swapaxes(0, 1)
+        poses : (m, q) m or rad; approaches : (m, q) of +1, −1, 0; angular : of the tool's orientation instead
+        """
+        return self.along(self.levers(poses, angular).transpose(2, 0, 1), poses, approaches).swapaxes(0, 1)
 
     def along(self, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return the rows of scalar readings with the given levers, (..., m, size).

@@ -86,13 +86,9 @@ class MovedErrors(ErrorModel):
         super().__init__(machine)
         self.point = point
 
-    def levers(self, poses: Array) -> Array:
-        """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.  poses : (m, q)."""
-        return levers_at(self, self.point, poses)[0]
-
-    def angular_levers(self, poses: Array) -> Array:
-        """Return the rotation of the tool relative to the workpiece per unit of each term, (terms, m, 3)."""
-        return levers_at(self, self.point, poses)[1]
+    def levers(self, poses: Array, angular: bool = False) -> Array:
+        """Return the TCP deviation, or the rotation of the tool, per unit of each term, (terms, m, 3)."""
+        return levers_at(self, self.point, poses)[angular]
 
     def motion(self, poses: Array) -> Motion:
         """Return orientation and TCP of the tool.  poses : (m, q)"""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import NamedTuple
@@ -135,16 +135,16 @@ class Estimate:
         poses, approaches : (m, q)
         """
         expected = deviation_of(self.model, self.mean, poses, approaches).displacement
-        return self._with_rests(expected, self.model.levers, poses)
+        return self._with_rests(expected, poses)
 
     def rotation(self, poses: Array, approaches: Array) -> Array:
         """Return the rotation of the tool that is expected by the exact chain, (m, 3), rad; arguments as above."""
         expected = deviation_of(self.model, self.mean, poses, approaches).rotation
-        return self._with_rests(expected, self.model.angular_levers, poses)
+        return self._with_rests(expected, poses, angular=True)
 
-    def _with_rests(self, expected: Array, levers_at: Callable[[Array], Array], poses: Array) -> Array:
+    def _with_rests(self, expected: Array, poses: Array, angular: bool = False) -> Array:
         if self.rests:
-            levers = levers_at(poses)
+            levers = self.model.levers(poses, angular)
             for index in self.rests:
                 at = self.model.terms[index].at(poses)
                 expected = expected + self.rest_at(index, *at)[:, None] * levers[index]

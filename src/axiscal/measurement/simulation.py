@@ -129,15 +129,10 @@ class VirtualMachine:
 
     def deviation(self, poses: Array, approaches: Array) -> Array:
         """Return the TCP deviation in the workpiece frame, m.  poses, approaches : (m, q); returns (m, 3)."""
-        return self._deviation(poses, approaches).displacement
+        return self.does(poses, approaches).displacement
 
-    def rotation(self, poses: Array, approaches: Array) -> Array:
-        """Return the orientation deviation of the tool in the workpiece frame, rad, to second order.  Returns (m,
-        3).
-        """
-        return self._deviation(poses, approaches).rotation
-
-    def _deviation(self, poses: Array, approaches: Array) -> Deviation:
+    def does(self, poses: Array, approaches: Array) -> Deviation:
+        """Return how the tool deviates in the workpiece frame.  poses, approaches : (m, q)"""
         return actual_deviation(self.model.machine, poses, self.model.compose(self.values(poses), approaches))
 
     def read_all(
@@ -154,7 +149,7 @@ class VirtualMachine:
         """
         at, come = np.array([pose]), np.array([approach], dtype=float)
         stepped = setup.base is not None
-        actual = self._chord(setup, at) if stepped else Deviation(self.deviation(at, come), self.rotation(at, come))
+        actual = self._chord(setup, at) if stepped else self.does(at, come)
         shown = self.exactly(setup, at, actual, come)
         wander = self.drifts.get(setup.name)
         moved = np.zeros(values_of(setup)) if wander is None else wander(seconds)

@@ -73,8 +73,8 @@ def heights(errors: ErrorModel, setup: Setup, poses: Array) -> Array:
     """Return what a unit of each error of the way's shape adds to its height across, at poses, (terms, m)."""
     (axis,) = setup.moves
     own = np.array([belongs(term, axis) for term in errors.terms])
-    levers: Array = np.einsum("fmc,mc->fm", errors.levers(poses), across(errors.machine, setup, poses))
-    return levers * own[:, None]
+    levers = np.einsum("fmc,mc->fm", errors.levers(poses), across(errors.machine, setup, poses))
+    return np.asarray(levers * own[:, None], dtype=np.float64)
 
 
 def slope_rows(errors: ErrorModel, setup: Setup, poses: Array) -> Array:

@@ -79,7 +79,7 @@ def turned(model: ErrorModel, box: Box, axis: int, positions: Array, sign: int) 
     direction = frames(model.machine, poses).rotations[axis] @ np.array(model.machine.axes[axis].direction)
     levers = np.zeros((len(model.terms), len(poses)))
     own = [i for i, f in enumerate(model.functions) if f.axis == axis]
-    levers[own] = np.einsum("fmc,mc->fm", model.angular_levers(poses)[own], direction)
+    levers[own] = np.einsum("fmc,mc->fm", model.levers(poses, angular=True)[own], direction)
     approaches = np.zeros_like(poses)
     approaches[:, axis] = sign
     return model.along(levers, poses, approaches)

@@ -21,7 +21,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames, solved, turn_between
+from axiscal.machine.kinematics import Deviation, frames, solved, turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -34,7 +34,7 @@ from axiscal_core.splines import gauss
 Sent = Callable[[Array, Array], Array]
 """(commands (m, q), approaches (m, q)) -> where the axes are sent, (m, q), m or rad."""
 
-Deviation = Callable[[Array, Array], Array]
+Field = Callable[[Array, Array], Array]
 """(poses (m, q), approaches (m, q)) -> TCP deviation (m, 3), m."""
 
 Control = Callable[[Array, Array], Array]
@@ -53,7 +53,7 @@ class Effect(NamedTuple):
 
 def effect_of_control(
     machine: Machine,
-    deviation: Deviation,
+    deviation: Field,
     control: Control,
     poses: Array,
     box: Box,
@@ -80,14 +80,14 @@ def tour(poses: Array, box: Box) -> tuple[Array, Array]:
     return inside, approaches
 
 
-def left_by(machine: Machine, deviation: Deviation, control: Control, poses: Array, approaches: Array) -> Array:
+def left_by(machine: Machine, deviation: Field, control: Control, poses: Array, approaches: Array) -> Array:
     """Return the TCP deviation (m, 3) that is left when the control sends the axes elsewhere."""
     sent = poses + control(poses, approaches)
     shifted: Array = frames(machine, sent).tcp - frames(machine, poses).tcp
     return shifted + deviation(sent, approaches)
 
 
-def turned_by(machine: Machine, rotation: Deviation, control: Control, poses: Array, approaches: Array) -> Array:
+def turned_by(machine: Machine, rotation: Field, control: Control, poses: Array, approaches: Array) -> Array:
     """Return the rotation of the tool (m, 3) that is left when the control sends the axes elsewhere, rad."""
     sent = poses + control(poses, approaches)
     turned: Array = turn_between(frames(machine, poses).tool, frames(machine, sent).tool)
@@ -164,20 +164,16 @@ class CommandedMachine(VirtualMachine):
         """Return the machine behind a control that adds to commands."""
         return cls.behind(truth, lambda poses, approaches: poses + control(poses, approaches))
 
-    def deviation(self, poses: Array, approaches: Array) -> Array:
-        """Return the TCP deviation from the command, workpiece frame, (m, 3), m.  poses : commands (m, q)."""
+    def does(self, poses: Array, approaches: Array) -> Deviation:
+        """Return how the tool deviates from commands (m, q), turns to first order in what the control adds."""
         sent, machine = self.sent(poses, approaches), self.model.machine
-        shift: Array = frames(machine, sent).tcp - frames(machine, poses).tcp
-        return shift + VirtualMachine.deviation(self, sent, approaches)
-
-    def rotation(self, poses: Array, approaches: Array) -> Array:
-        """Return the orientation deviation from the command, (m, 3), rad, to first order in what the control adds."""
-        sent, nominal = self.sent(poses, approaches), frames(self.model.machine, poses).rotations
-        turned = VirtualMachine.rotation(self, sent, approaches)
-        for k, axis in enumerate(self.model.machine.axes):
+        straight, turned = VirtualMachine.does(self, sent, approaches)
+        nominal = frames(machine, poses)
+        for k, axis in enumerate(machine.axes):
             if axis.rotary:
-                turned = turned + (sent[:, k] - poses[:, k])[:, None] * (nominal[k] @ np.array(axis.direction))
-        return turned
+                ways = nominal.rotations[k] @ np.array(axis.direction)
+                turned = turned + (sent[:, k] - poses[:, k])[:, None] * ways
+        return Deviation(frames(machine, sent).tcp - nominal.tcp + straight, turned)
 
 
 _GAUSS = 6

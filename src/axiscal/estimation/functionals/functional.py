@@ -75,8 +75,8 @@ class Functional:
     @remembered
     def rows(self, errors: ErrorModel) -> Array:
         """Return the row as a map of the error coefficients, (k, size)."""
-        found = errors.angular_rows if self.angular else errors.rows
-        mapped: Array = np.einsum("kmc,mcs->ks", self.weights, found(self.poses, self.sides))
+        rows = errors.rows(self.poses, self.sides, self.angular)
+        mapped: Array = np.einsum("kmc,mcs->ks", self.weights, rows)
         return mapped
 
     def spectra(self, errors: ErrorModel, factor: Array) -> Array:
@@ -92,7 +92,7 @@ class Functional:
     @remembered
     def _rests(self, errors: ErrorModel) -> Array:
         """Return what one standard deviation of the rest of each cell of each term does to the row, (k, cells)."""
-        levers = (errors.angular_levers if self.angular else errors.levers)(self.poses)
+        levers = errors.levers(self.poses, self.angular)
         ways = errors.effects(levers.transpose(2, 0, 1), self.sides)  # which halve those of reversals
         effects = np.einsum("kmc,ctm->tkm", self.weights, ways)
         parts = [np.zeros((len(self.weights), 0))]

@@ -170,9 +170,9 @@ def need_station(setup: Setup, what: str) -> None:
 def levers_of(errors: ErrorModel, seen: Slopes, poses: Array) -> Array:
     """Return what a unit of each error adds to each number of readings, sides apart, (k, terms, m).  poses : (m, q)"""
     result = np.zeros((seen.moved.shape[1], len(errors.terms), len(poses)))
-    for ways, levers in ((seen.moved, errors.levers), (seen.turned, errors.angular_levers)):
+    for angular, ways in enumerate(seen):
         if ways.any():
-            field = levers(poses)
+            field = errors.levers(poses, bool(angular))
             for number, lever in enumerate(result):
                 lever += np.einsum("fmc,mc->fm", field, ways[:, number])
     return result
