@@ -126,7 +126,7 @@ def rests_left_out(count: int) -> None:
     every = posed(case, readings)
     estimate_problem.MOST_COLUMNS = most
     kinds, volume = [size.kind for size in few.sizes.of], case.yardstick
-    stated = sum(term.rest**2 * volume.moments.levers[term.name] for term in case.errors.terms)
+    stated = volume.moments.rest
     for factor in (1.0, 3.0):
         theta = np.log(factor) * np.array([kind == "rest" for kind in kinds])
         true, promised = _squares(every, few, theta, volume.root.matrix) + factor**2 * stated

@@ -117,8 +117,8 @@ def machine_of(machine: Machine, usual: bool = True) -> ac.Machine:
     by_name = dict(zip([axis.name for axis in machine.axes], axes, strict=True))
     planes = [
         ac.Plane(
-            each.name, each.std, [by_name[name] for name in each.axes], [side.length or 0.0 for side in each.sides],
-            [side.knots or 0 for side in each.sides],
+            each.name, each.std, [by_name[name] for name in each.parts.axes],
+            [side.length or 0.0 for side in each.sides], [side.knots or 0 for side in each.sides],
         )
         for each in machine.planes
     ]  # fmt: skip

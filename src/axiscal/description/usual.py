@@ -90,9 +90,7 @@ def usual_machine(machine: Machine, setups: Sequence[Setup], printer: bool = Fal
     stated = {entry.name for entry in errors}
     waves = [wave for entry in errors for wave in _wave(entry) if wave.name not in stated]
     planes = [replace(entry, rest=_usual_rest(entry), rest_estimated=False) for entry in machine.planes]
-    known = {frozenset((entry.component, *entry.axes)) for entry in planes}
-    together = [plane for plane in _together(machine, setups) if frozenset((plane.component, *plane.axes)) not in known]
-    return replace(machine, errors=(*errors, *waves), planes=(*planes, *together))
+    return replace(machine, errors=(*errors, *waves), planes=(*planes, *_together(machine, setups)))
 
 
 def _angles(machine: Machine, setups: Sequence[Setup]) -> list[str]:
@@ -116,7 +114,7 @@ def _wave(entry: ErrorEntry) -> Iterator[ErrorEntry]:
 
 
 def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[ErrorEntry]:
-    """Yield what pairs of linear axes do together that move in one set-up.
+    """Yield what pairs of linear axes do together that move in one set-up, where nobody stated it.
 
     Machines with rotary axes yield none: it would add half as many unknowns again.
     """
@@ -124,17 +122,18 @@ def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[ErrorEntry]
         return
     pairs = dict.fromkeys(pair for setup in setups for pair in combinations(setup.moves, 2))
     stds = {entry.name: entry.std for entry in machine.errors if entry.kind == "motion"}
+    stated = {entry.name for entry in machine.planes}
     for pair in pairs:
         axes = [machine.axes[k] for k in pair]
         for component in range(3):
             names = [side_name(component, axis.name) for axis in axes]
             std = max((stds[name] for name in names if name in stds), default=0.0)
-            if std:
+            name, turned = f"{names[0]}{axes[1].name}", f"{names[1]}{axes[0].name}"
+            if std and not {name, turned} & stated:
                 sides = [
                     ErrorEntry(name, 1.0, knots=_TOGETHER_KNOTS, length=_TOGETHER_LENGTH * axis.length)
                     for name, axis in zip(names, axes, strict=True)
                 ]
-                name = f"{side_name(component, axes[0].name)}{axes[1].name}"
                 yield ErrorEntry(name, TOGETHER.size * std, sides=tuple(sides), usual=True)
 
 

@@ -16,13 +16,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.term import Term
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, actual_deviation, tool_motion, turn_between
 from axiscal.numerics import Array
@@ -106,14 +104,14 @@ class VolumeMoments:
     """Means over the volume; with H the rows of the directions that count, P H.
 
     mean : (3, size) E[H], of every direction; gram : (size, size) E[HᵀPH]
-    levers : by term E|P h|², h what a unit of it does to the TCP (of a reversal: half a unit, either way), no alignment
-        taken off: what is as fine as a rest, a step or a twist is none of the part's rigid motion
+    squares : (terms,) E|P h|², h what a unit of a term does to the TCP, no alignment taken off: what is as fine as a
+        rest, a step or a twist is none of the part's rigid motion
     rest : E of the rest's share of the TCP variance, m²; counted : the directions that count
     """
 
     mean: Array
     gram: Array
-    levers: Mapping[str, float]
+    squares: Array
     rest: float
     counted: Counted = EVERY_WAY
 
@@ -170,7 +168,7 @@ def volume_moments(model: ErrorModel, box: Box, counted: Counted = EVERY_WAY) ->
             weight[np.ix_(first.columns, second.columns)] = (block + block.T) / 2 if first is second else block
     _separate_reversals(model, mean, weight)
     squares = averaged([a.plain for a in axes], np.einsum("fc...,fc...->f...", counts, counts), ())
-    return VolumeMoments(mean, weight, *levers_and_rest(model, squares), counted)
+    return VolumeMoments(mean, weight, squares, rest_of(model, squares), counted)
 
 
 def along_axis(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> AlongAxis:
@@ -192,13 +190,9 @@ def _same_axes(model: ErrorModel, axes: Sequence[AlongAxis], own: tuple[int, ...
     each = [model.terms[i] for i in terms]
     columns = [np.arange(term.columns.start, term.columns.stop) for term in each]
     owner = np.repeat(np.arange(len(terms)), [len(mine) for mine in columns])
-    rows = {axis: np.hstack([_factor(term, axis, axes[axis].positions) for term in each]) for axis in own}
+    sides = [{side.axis: side for side in term.sides} for term in each]
+    rows = {axis: np.hstack([mine[axis].rows(axes[axis].positions) for mine in sides]) for axis in own}
     return SameAxes(terms, owner, np.concatenate(columns), rows)
-
-
-def _factor(term: Term, axis: int, positions: Array) -> Array:
-    """Return what of a term's rows runs along one of its axes, (p, c)."""
-    return next(side.rows(positions) for side in term.sides if side.axis == axis)
 
 
 def _mean(axes: Sequence[AlongAxis], levers: Array, mine: SameAxes) -> Array:
@@ -238,25 +232,15 @@ def _separate_reversals(model: ErrorModel, mean: Array, weight: Array) -> None:
     weight[np.ix_(reversal, reversal)] /= 4.0
 
 
-def levers_and_rest(model: ErrorModel, squares: Array) -> tuple[Mapping[str, float], float]:
-    """Return the mean square levers of the terms by name, and the rests' share of the TCP variance, m².
-
-    squares : (terms,) mean squares of the levers
-    """
-    levers = dict(zip((term.name for term in model.terms), (_sides(model) * squares).tolist(), strict=True))
-    return MappingProxyType(levers), float(model.rests**2 @ squares)
+def rest_of(model: ErrorModel, squares: Array) -> float:
+    """Return the rests' share of the TCP variance, m².  squares : (terms,) mean squares of the levers"""
+    return float(model.rests**2 @ squares)
 
 
 def of_rests(model: ErrorModel, moments: VolumeMoments) -> VolumeMoments:
     """Return the means of a model that differs from theirs in the rests of its errors: nothing else follows these."""
-    squares = np.array([moments.levers[term.name] for term in model.terms]) / _sides(model)
-    rest = float(model.rests**2 @ squares)
+    rest = rest_of(model, moments.squares)
     return moments if rest == moments.rest else replace(moments, rest=rest)
-
-
-def _sides(model: ErrorModel) -> Array:
-    """Return what half a unit, either way, makes of the square of a lever, (terms,)."""
-    return np.array([0.25 if term.kind == "reversal" else 1.0 for term in model.terms])
 
 
 _GAUSS = 10

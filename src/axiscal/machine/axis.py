@@ -73,7 +73,7 @@ class Axis:
         if letter not in LINEAR_LETTERS + ROTARY_LETTERS or not letter:
             remedy = "Axis names begin with one of X Y Z U V W P Q R A B C"
             raise DescriptionError("{name} is not an axis name", remedy, name=shown(self.name))
-        rotary, way = letter in ROTARY_LETTERS, -1.0 if self.reversed else 1.0
+        rotary, way = letter in ROTARY_LETTERS, -1.0 if self.counting == "reversed" else 1.0
         found = {
             "letter": letter,
             "rotary": rotary,

@@ -189,11 +189,6 @@ class ErrorEntry:
         return self.parts.axis
 
     @property
-    def axes(self) -> tuple[str, ...]:
-        """Names of the axis whose error this is, or of both."""
-        return self.parts.axes
-
-    @property
     def kind(self) -> Kind:
         """ "motion", "location" or "reversal"."""
         return self.parts.kind

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import EVERY_WAY, Counted, VolumeMoments, levers_and_rest
+from axiscal.errors.volume import EVERY_WAY, Counted, VolumeMoments, rest_of
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal_core import rigid
@@ -96,7 +96,8 @@ def sampled_moments(
     if alignment is not None:
         mean[:] = 0.0
     count = len(poses)
-    return VolumeMoments(mean / count, gram / count, *levers_and_rest(errors, squares / count), counted)
+    squares /= count
+    return VolumeMoments(mean / count, gram / count, squares, rest_of(errors, squares), counted)
 
 
 def _reversals(errors: ErrorModel) -> list[list[int]]:
