@@ -121,7 +121,8 @@ class Side(NamedTuple):
 class Term:
     """One error, a function of one axis or of two.
 
-    component : 0-2 displacement along x y z, 3-5 rotation about x y z; sides : in the order of its name
+    component : 0-2 displacement along x y z, 3-5 rotation about x y z
+    axis : whose frame it moves, of two the later one in the chain; sides : in the order of its name
     covariance : (c, c) prior of the unknowns; columns : where they stand in A
     rest : standard deviation of what the rows do not follow, m or rad, shared by readings in one cell
     std, stretch : of products, m or rad, and the factor on the length along each side that readings have taught
@@ -130,6 +131,7 @@ class Term:
     name: str
     kind: Kind
     component: int
+    axis: int
     sides: tuple[Side, ...]
     covariance: Array
     rest: float
@@ -141,11 +143,6 @@ class Term:
     def axes(self) -> tuple[int, ...]:
         """The axes whose positions it is a function of."""
         return tuple(side.axis for side in self.sides)
-
-    @property
-    def axis(self) -> int:
-        """The axis whose frame it moves: of two the later one in the chain."""
-        return max(self.axes)
 
     @property
     def entry(self) -> ErrorEntry:
@@ -178,7 +175,8 @@ class Term:
 
     def rows(self, *at: Array) -> Array:
         """Return the rows at positions of each of its axes, (m,): (m, c)."""
-        return reduce(np.multiply, [side.rows(one) for side, one in zip(self.sides, at, strict=True)])
+        first, *others = map(Side.rows, self.sides, at)
+        return reduce(np.multiply, others, first) if others else first
 
     def cells(self, *at: Array) -> NDArray[np.int64]:
         """Return the number of the cell at positions of each of its axes, (m,)."""
@@ -225,7 +223,7 @@ def term_of(entry: ErrorEntry, machine: Machine, start: int) -> Term:
         return _plane(entry, machine, start)
     side = _side(entry, machine)
     columns, covariance = slice(start, start + side.spline.size), prior.covariance(entry, side.spline)
-    return Term(entry.name, entry.kind, entry.component, (side,), covariance, entry.first_rest, columns)
+    return Term(entry.name, entry.kind, entry.component, side.axis, (side,), covariance, entry.first_rest, columns)
 
 
 def _plane(entry: ErrorEntry, machine: Machine, start: int) -> Term:
@@ -236,8 +234,8 @@ def _plane(entry: ErrorEntry, machine: Machine, start: int) -> Term:
     parts, count = zip(whole, own.T, strict=True), len(own)
     sides = tuple(side._replace(which=mine) for side, mine in parts)
     bare = Term(
-        entry.name, entry.kind, entry.component, sides, np.eye(count), entry.first_rest, slice(start, start + count),
-        entry.std, entry.stretch,
+        entry.name, entry.kind, entry.component, max(side.axis for side in sides), sides, np.eye(count),
+        entry.first_rest, slice(start, start + count), entry.std, entry.stretch,
     )  # fmt: skip
     rest = float(np.hypot(entry.first_rest, entry.std * np.sqrt(_lost(bare))))
     return replace(bare, covariance=bare.prior(entry.std, entry.stretch), rest=rest)
