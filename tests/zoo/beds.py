@@ -120,11 +120,13 @@ probe_count: 7,7
 #*# min_y = 15
 #*# max_y = 285
 """
+_JUMPED = r"(anew|jumped) before reading 29"
 _BESIDE = r"beside the (nozzle|tool point)"
 BEDS = (
     Animal("sag of a beam: mesh of 7 x 7", JOB, probed(sag, grid)),
     Animal("sag of a beam: 36 planned", JOB, probed(sag, as_planned)),
-    Animal("zero that jumps at a row: 7 x 7", JOB, probed(sag, grid, 120.0), "anew before reading 29", asked=True),
+    Animal("zero that jumps at a row: 7 x 7", JOB, probed(sag, grid, 120.0), _JUMPED, asked=True),
+    Animal("zero that jumps at a row: of a flat bed", JOB, probed(flat, grid, 60.0), _JUMPED, asked=True),
     Animal("half-probed bed: 7 x 4", JOB, probed(one_sided, lambda: grid(150.0, 4)), r"not read|not probed|15 to 150"),
     Animal("rail that rolls under a probe: 46 mm in front", JOB, rolled(1.2e-3, 1, (-33.0, -46.0)), _BESIDE),
     Animal("rail that rolls under a probe: 24 mm behind", JOB, rolled(8e-4, 3, (12.0, 24.0)), _BESIDE),

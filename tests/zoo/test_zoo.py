@@ -36,7 +36,7 @@ LATER = (
     "frame of a tracker: x and y",
     "slip: sides from a run on",
     "servo that lags: backlash by circles",
-    "zero that jumps at a row: 7 x 7",
+    "zero that jumps at a row: of a flat bed",
     "lead error: 100 um/m by laser",
     "pitch: even",
     "circles of a ball bar: backlash",

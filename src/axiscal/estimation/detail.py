@@ -22,7 +22,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.located import taken_as_normal
-from axiscal.estimation.promise.mistaken import as_stated_or_larger, gains_of_columns, log_odds_of
+from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
 from axiscal.estimation.type_prior import carried_over
 from axiscal.machine.description import Machine
 from axiscal.measurement.setup import About
@@ -72,7 +72,7 @@ def _uneven(known: Estimation, problem: Problem) -> list[str]:
     """Return the reversals of one number each that seem to differ from place to place."""
     errors, found = known.case.errors, list[str]()
     terms = [term for term in errors.functions if term.kind == "reversal" and term.basis.size == 1]
-    each = as_stated_or_larger(problem) if terms else []
+    each = as_stated_or_not(problem) if terms else []
     poses = np.array([known.readings[reading].pose for reading in problem.reading])
     for term in terms:
         whole = problem.rows[:, problem.rows.shape[1] - problem.answered + term.columns.start]

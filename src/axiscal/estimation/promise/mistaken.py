@@ -39,8 +39,8 @@ _TWICE = 2.0
 """Standard deviations of a backlash that is turned round."""
 _FEED = (3.0, 30.0), (1.0, 3.0)
 """Standard deviations at feed: of a lag, noises; of what is missing of a reversal that has just turned, itself."""
-_LARGER = float(np.log(3.0))
-"""Of θ: the one factor that errors are usually off by."""
+_OFF = tuple(np.log([0.1, 1 / 3, 3.0]).tolist())
+"""Of θ: factors that stated sizes are off by. Far larger ones than the machine's swallow what is wrong."""
 _DIGITS = 6
 """Of log odds: what is as likely before a reading as behind it is said of the later ones."""
 
@@ -71,13 +71,12 @@ def _of_kinds(problem: Problem, *kinds: Kind) -> NDArray[np.bool_]:
     return np.isin(problem.size_at, [i for i, size in enumerate(problem.sizes.of) if size.kind in kinds])
 
 
-def as_stated_or_larger(problem: Problem, stated: Given | None = None) -> list[Given]:
-    """Return everything at sizes as stated, and at three times these.  stated : the former"""
+def as_stated_or_not(problem: Problem, stated: Given | None = None) -> list[Given]:
+    """Return everything at sizes as stated, and at a tenth, a third and three times these.  stated : the former"""
     space = space_of(problem)
     kept = np.array([size.kind in ("length", "noise") for size in problem.sizes.of], dtype=bool)
-    larger = space.given(np.where(kept, 0.0, _LARGER))
-    stated = stated or as_stated(space)
-    return [stated] if larger is None else [stated, larger]
+    others = [space.given(np.where(kept, 0.0, off)) for off in _OFF]
+    return [stated or as_stated(space), *(other for other in others if other is not None)]
 
 
 def log_odds_of(each: Sequence[Given], gains: Array) -> Array:
@@ -168,7 +167,7 @@ def with_feed(problem: Problem, circles: Iterable[AtFeed]) -> Problem:
     circles : of `problem`
     """
     for circle in (circle for circle in circles if circle.both):
-        each, both = as_stated_or_larger(problem), [some / problem.noise for some in (circle.lag, circle.late)]
+        each, both = as_stated_or_not(problem), [some / problem.noise for some in (circle.lag, circle.late)]
         tried = [std * some for some, stds in zip(both, _FEED, strict=True) for std in stds]
         gains = [[gains_of_columns(given, some[None], problem.values, [1.0])[0, 0] for some in tried] for given in each]
         log_odds = log_odds_of(each, np.array(gains))
