@@ -43,6 +43,11 @@ def grid(high: float = HIGH, columns: int = 7) -> Array:
     return np.column_stack([x.ravel(), y.ravel()])
 
 
+def again() -> Array:
+    """Return a mesh with its first, middle and last row once more, out and back, (m, 2) mm."""
+    return np.vstack([grid(), [[150.0, y] for y in (LOW, 150.0, HIGH, 150.0, LOW)]])
+
+
 def as_planned() -> Array:
     """Return the places that a plan asks for, (m, 2) mm."""
     return np.array([[float(point["position"][axis]) for axis in "XY"] for point in planned(JOB, 36)])
@@ -127,6 +132,8 @@ BEDS = (
     Animal("sag of a beam: 36 planned", JOB, probed(sag, as_planned)),
     Animal("zero that jumps at a row: 7 x 7", JOB, probed(sag, grid, 120.0), _JUMPED, asked=True),
     Animal("zero that jumps at a row: of a flat bed", JOB, probed(flat, grid, 60.0), _JUMPED, asked=True),
+    Animal("zero that jumps at a row: by 60 um", JOB, probed(sag, grid, 60.0), "changes meanwhile", asked=True),
+    Animal("zero that jumps at a row: rows read again", JOB, probed(sag, again, 60.0), _JUMPED, asked=True),
     Animal("half-probed bed: 7 x 4", JOB, probed(one_sided, lambda: grid(150.0, 4)), r"not read|not probed|15 to 150"),
     Animal("rail that rolls under a probe: 46 mm in front", JOB, rolled(1.2e-3, 1, (-33.0, -46.0)), _BESIDE),
     Animal("rail that rolls under a probe: 24 mm behind", JOB, rolled(8e-4, 3, (12.0, 24.0)), _BESIDE),

@@ -202,7 +202,7 @@ ONCE = Animal(
     "zero that comes back: out and back once",
     PERFECT,
     read(bowed, _EXACT, _out_and_back, returning),
-    "drifts meanwhile",
+    "changes meanwhile",
     asked=True,
 )
 AGAIN = Animal("zero that comes back: three places again", PERFECT, read(bowed, _EXACT, _three_again, returning))

@@ -259,12 +259,14 @@ def turned_alike(estimation: Estimation) -> Iterator[Finding]:
 def once_over(estimation: Estimation) -> Iterator[Finding]:
     """Yield a warning for each set-up that went along its axis once, or once out and back: there time is place."""
     text = (
-        '"{setup}" went along {axis} once, or once out and back. A zero that drifts meanwhile looks like an error of '
-        "the axis, or like its backlash. To tell them apart, read {places} once more, out and back without a pause."
+        '"{setup}" went along {axis} once, or once out and back. A zero or scale of the instrument that changes '
+        "meanwhile looks like an error of the axis, or like its backlash. To tell them apart, read {places} once more, "
+        "out and back without a pause."
     )
-    axes = estimation.case.description.machine.axes
-    for setup in estimation.case.description.setups:
-        for k in setup.moves if setup.drift_said == "usual" else ():
+    described, axes = estimation.case.description, estimation.case.description.machine.axes
+    for setup in described.setups:
+        alone = described.usual and setup.drift_said == "nothing" and values_of(setup) == 1
+        for k in setup.moves if alone or setup.drift_said == "usual" else ():
             at, turns = _turns(estimation, setup, k)
             if len(set(at.tolist())) >= _PLACES and len(turns) <= 1:
                 again = np.quantile(at, (0.0, 0.5, 1.0), method="nearest").tolist()
