@@ -26,6 +26,7 @@ from axiscal_core import Known as Known
 from axiscal_core import Laser as Laser
 from axiscal_core import Level as Level
 from axiscal_core import Machine as Machine
+from axiscal_core import Mounting as Mounting
 from axiscal_core import Normal as Normal
 from axiscal_core import Offset as Offset
 from axiscal_core import Places as Places

@@ -19,8 +19,8 @@ from importlib import import_module
 
 __all__ = [
     "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",
-    "Known", "Laser", "Level", "Machine", "Normal", "Offset", "Places", "Plan", "Plane", "RTest", "Readings",
-    "Tracker", "Unknowns", "angle", "cross", "length",
+    "Known", "Laser", "Level", "Machine", "Mounting", "Normal", "Offset", "Places", "Plan", "Plane", "RTest",
+    "Readings", "Tracker", "Unknowns", "angle", "cross", "length",
 ]  # fmt: skip
 
 _FILES = (

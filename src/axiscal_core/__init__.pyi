@@ -9,6 +9,7 @@ from axiscal_core.errors import Offset as Offset
 from axiscal_core.errors import Plane as Plane
 from axiscal_core.instrument import At as At
 from axiscal_core.instrument import Instrument as Instrument
+from axiscal_core.instrument import Mounting as Mounting
 from axiscal_core.instrument import Unknowns as Unknowns
 from axiscal_core.instrument import angle as angle
 from axiscal_core.instrument import length as length
@@ -30,6 +31,6 @@ from axiscal_core.rigid import cross as cross
 
 __all__ = [
     "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",
-    "Known", "Laser", "Level", "Machine", "Normal", "Offset", "Places", "Plan", "Plane", "RTest", "Readings",
-    "Tracker", "Unknowns", "angle", "cross", "length",
+    "Known", "Laser", "Level", "Machine", "Mounting", "Normal", "Offset", "Places", "Plan", "Plane", "RTest",
+    "Readings", "Tracker", "Unknowns", "angle", "cross", "length",
 ]  # fmt: skip

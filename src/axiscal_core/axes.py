@@ -12,15 +12,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from axiscal_core import rigid
-from axiscal_core.refusals import Array, InputError, finite, named, one_of, within
+from axiscal_core.refusals import Array, InputError, finite, named, one, one_of, within
 from axiscal_core.units import METRES, RADIANS, Of, Quantity, quantities, si
 
 DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+Link = Any
+"""An axis of whoever has `rotary`, `direction`, `origin` and `workpiece_side`, ours or the product's."""
+_LONGEST = {METRES: 200.0, RADIANS: 40.0}  # no axis goes farther
 Direction = str | Sequence[float]
 """ "x", "-y", or three numbers."""
 
@@ -76,9 +79,13 @@ class Axis:
         on_workpiece: bool, origin: Sequence[Quantity], overrun: Quantity | None,
     ) -> Axis:  # fmt: skip
         of = RADIANS if rotary else METRES
+        one(function, "on_workpiece", on_workpiece, bool, "True or False")
         low, high = quantities(travel, function, "travel", (2,), [of]).tolist()
         if low >= high:
             raise InputError(function, "travel", f"goes from {low:g} to {high:g}", "Give the lower end first")
+        if high - low > _LONGEST[of]:
+            remedy = 'Numbers are m and rad: write "400 mm", "90 deg"'
+            raise InputError(function, "travel", f"goes from {low:g} to {high:g} {of[0]}", remedy)
         # 1 mm or 1 deg is usual, but no more than a hundredth of the travel
         usual = min(np.pi / 180 if rotary else 1e-3, (high - low) / 100)
         over = usual if overrun is None else within(function, "overrun", si(overrun, function, "overrun", of), 0.0)
@@ -100,26 +107,6 @@ class Axis:
     def cyclic(self) -> bool:
         """True for one whole turn: both ends are one place."""
         return self.rotary and abs(self.length - 2 * np.pi) < 1e-9
-
-
-class Link(Protocol):
-    """What the chain has to know of an axis."""
-
-    @property
-    def rotary(self) -> bool:
-        """Whether it turns."""
-
-    @property
-    def direction(self) -> Array | tuple[float, float, float]:
-        """Of travel or turn, (3,), a unit vector."""
-
-    @property
-    def origin(self) -> Array | tuple[float, float, float]:
-        """A point on a rotary axis, m."""
-
-    @property
-    def workpiece_side(self) -> bool:
-        """Whether it carries the workpiece."""
 
 
 class Frames(NamedTuple):

@@ -43,7 +43,8 @@ class Case(Model):
         """Return the readings that serve best together; at least one of the first three says when it ends.
 
         readings : so many; minutes : as fit; rms : the fewest with an RMS over the volume of no more, m
-        criterion : what is made small; candidates : where readings may be taken, or how many even places are tried
+        criterion : what is made small: "volume", "joint", V (w, size) of the unknowns as `names`, or f(covariance)
+        candidates : where readings may be taken, or how many even places are tried
         after : readings that are there already; keep : places that are among those of the plan
         """
         case, before = self._begun(after, "Case.plan")
@@ -67,7 +68,7 @@ class Case(Model):
         if isinstance(readings, Readings):
             return estimated(self, readings)
         if not isinstance(readings, Mapping) and not hasattr(readings, "columns"):
-            raise InputError("Case.estimate", "readings", f"= {readings!r} are none", "Give Readings, or a table")
+            raise InputError("Case.estimate", "readings", f"= {readings!r} are none", "Give Readings, or a DataFrame")
         return estimated(self, self.readings(readings))
 
     def known(self, mean: ArrayLike, covariance: ArrayLike) -> Known:

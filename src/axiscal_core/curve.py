@@ -95,8 +95,8 @@ class Curve:
     def _refuse_outside(self, function: str, t: Array) -> None:
         start, stop = self.spline.knots[[0, -1]]
         for place in np.flatnonzero((t < start) | (t > stop)).tolist():
-            what = f"{t[place]:g} is outside the travel"
-            raise InputError(function, "t =", what, f"It goes from {start:g} to {stop:g}", place)
+            what = f"= {t[place]:g} is outside the travel"
+            raise InputError(function, "t", what, f"It goes from {start:g} to {stop:g}", place)
 
     def __repr__(self) -> str:
         start, stop = self.spline.knots[[0, -1]]

@@ -123,6 +123,9 @@ class Error:
         wave, more = self.period is not None, (self.knots or 1) > 1
         idle = {"knots": more and (wave or self.kind == "location"), "waves": self.waves > 1 and not wave}
         idle["length"] = self.length is not None and (wave or self.count < 2)
+        idle["scale"] = bool(self.scale) and not self.positioning
+        if self.name.endswith("_pitch") and not wave:
+            raise InputError("Error", "period", f"of {self.name} is not stated", "Say after what way it repeats")
         for field in (field for field, stated in idle.items() if stated):
             raise InputError("Error", field, f"changes nothing of {self.name}", "Leave it out")
 

@@ -19,11 +19,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Literal, NamedTuple, Protocol, TypedDict, Unpack, cast
+from typing import Any, Literal, NamedTuple, TypedDict, Unpack, cast
 
 import numpy as np
 
 from axiscal_core import rigid
+from axiscal_core.axes import chain
 from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
 from axiscal_core.refusals import Array, InputError, computed, each_once, listed, named, one, one_of, within
@@ -41,7 +42,7 @@ _ANALYTIC = 1e-4  # by so much of the largest slope both may differ: a second de
 
 
 class At(NamedTuple):
-    """Places of readings, and the deviations of the machine there.
+    """Places of readings, and the deviations of the machine there, in the frame of the workpiece, which a table turns.
 
     poses, sides : (m, q); tcp : (m, 3) nominal, m; tool : (m, 3, 3) nominal turn of the tool
     moved, turned : (m, 3) what errors do to the tool point and to the tool, m and rad
@@ -94,6 +95,7 @@ class Mounting(TypedDict, total=False):
 class Instrument:
     """One instrument, mounted one way.  Derive from it and write `sees`.
 
+    names, units, noise : of the numbers of a reading; unknowns : of the set-up, each with its standard deviation
     name : of the set-up; moves : axes that move while it is read, "XY" or a list; mounting : see `Mounting`
     """
 
@@ -126,6 +128,8 @@ class Instrument:
             one_of(where, "units", unit, ("m", "rad"))
         for argument in ("unknowns", "type_b", "park"):
             one(where, argument, getattr(self, argument), Mapping, '{"name": "1 mm"}')
+        if moving := {*self.park} & {*self.moves}:
+            raise InputError(where, "park", f"names {min(moving)}, which moves", "Take it out here, or out of moves")
         for known in (*self.names, *self.unknowns, *self.type_b):
             named(where, "names", known)
         if shared := {*self.unknowns} & {*self.type_b}:
@@ -160,17 +164,6 @@ class Instrument:
         return f"<{type(self).__name__} {self.name}: moves {moves}; shows {shows}>"
 
 
-class Seeing(Protocol):
-    """What an instrument is to those who ask what it sees: names of its numbers, and the function."""
-
-    @property
-    def names(self) -> Sequence[str]:
-        """Of each number of a reading."""
-
-    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
-        """Return the numbers of a reading, (m,) each, in m or rad."""
-
-
 class Slopes(NamedTuple):
     """Derivatives of what an instrument shows by what the tool is displaced and turned, (m, k, 3) each."""
 
@@ -178,8 +171,8 @@ class Slopes(NamedTuple):
     turned: Array
 
 
-def numbers(instrument: Seeing, at: At, u: Unknowns) -> Array:
-    """Return what an instrument shows, (m, k); raises InputError where `sees` gives something else."""
+def numbers(instrument: Any, at: At, u: Unknowns) -> Array:
+    """Return what whoever has `names` and `sees` shows, (m, k); raises InputError where `sees` gives something else."""
     where = f"{type(instrument).__name__}.sees"
     try:
         found = computed(where, "result", instrument.sees, at, u)
@@ -199,7 +192,7 @@ def numbers(instrument: Seeing, at: At, u: Unknowns) -> Array:
         raise InputError(where, "result", f"has shapes {shapes}", f"Give ({len(at.poses)},) each") from None
 
 
-def slopes(instrument: Seeing, at: At, u: Unknowns) -> Slopes:
+def slopes(instrument: Any, at: At, u: Unknowns) -> Slopes:
     """Return the derivatives by complex steps, exact to rounding."""
     # six readings for each, of which one is displaced or turned along one way
     every = At(*(np.concatenate([part] * 6) for part in at))
@@ -210,7 +203,7 @@ def slopes(instrument: Seeing, at: At, u: Unknowns) -> Slopes:
     return Slopes(ways[:, :, :3], ways[:, :, 3:])
 
 
-def own_slopes(instrument: Seeing, at: At, u: Unknowns, names: Sequence[str]) -> Array:
+def own_slopes(instrument: Any, at: At, u: Unknowns, names: Sequence[str]) -> Array:
     """Return the derivatives by some of its own unknowns, (m, k, names), likewise."""
     result = np.empty((len(at.poses), len(instrument.names), len(names)))
     for column, name in enumerate(names):
@@ -242,7 +235,7 @@ def sight(
 
     poses, sides : (m, q); errors : (n,) of the machine at which it is linear; unknowns : (u,); zero where not given
     """
-    frames = machine.frames(poses)
+    frames = chain(machine.axes, poses, machine.tool, machine.held)  # a step of a climb may leave the travel
     rows = machine.rows(poses, sides, frames)
     still = np.zeros((2, len(poses), 3))
     moved, turned = still if errors is None else (rows.displacement @ errors, rows.rotation @ errors)
@@ -288,8 +281,8 @@ def refuse_what_is_not_analytic(instrument: Instrument, at: At) -> None:
     for part, here, mirrored in zip(Slopes._fields, exact, there, strict=True):
         if np.abs(here - mirrored).max() > _KINK * max(1.0, float(np.abs(here).max())):
             raise InputError(f"{where}.sees", "result", f"has a kink in at.{part}", "No maximum, where, clip of errors")
-    changes = [(f"at.moved[:, {i}]", exact.moved[:, :, i], "moved", way) for i, way in enumerate(np.eye(3))]
-    changes += [(f"at.turned[:, {i}]", exact.turned[:, :, i], "turned", way) for i, way in enumerate(np.eye(3))]
+    ways = [(part, each, i) for part, each in zip(Slopes._fields, exact, strict=True) for i in range(3)]
+    changes = [(f"at.{part}[:, {i}]", each[:, :, i], part, np.eye(3)[i]) for part, each, i in ways]
     changes += [(f"u[{name!r}]", own[:, :, i], name, np.zeros(3)) for i, name in enumerate(u)]
     for what, slope, of, way in changes:
         rough = _difference(instrument, at, u, of, way)
@@ -299,6 +292,9 @@ def refuse_what_is_not_analytic(instrument: Instrument, at: At) -> None:
             both = f"a complex step gives {slope[pose, k]:g}, a difference {rough[pose, k]:g}"
             remedy = "Use ac.length, ac.cross, ac.angle; no abs, norm, arctan2"
             raise InputError(f"{where}.sees", "result", f"is not analytic in {what}: {both}", remedy, pose)
+    for i, name in enumerate(u):
+        if not own[:, :, i].any():
+            raise InputError(f"{where}.sees", f"u[{name!r}]", "changes nothing", "Use it, or take its name out")
     if not exact.moved.any() and not exact.turned.any():
         blind = "changes with neither at.moved nor at.turned"
         raise InputError(f"{where}.sees", "result", blind, "Return what errors of the machine do to it")

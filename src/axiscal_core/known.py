@@ -11,7 +11,7 @@ array([2.8e-06])
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,12 +19,13 @@ from numpy.typing import ArrayLike
 
 from axiscal_core.curve import Curve
 from axiscal_core.errors import Curved
+from axiscal_core.machine import come
 from axiscal_core.model import Model
 from axiscal_core.normal import Normal
-from axiscal_core.places import Readings, sided
+from axiscal_core.places import Readings
 from axiscal_core.plan import expanded
-from axiscal_core.refusals import Array, finite, one, one_of, spread, whole
-from axiscal_core.units import Quantity
+from axiscal_core.refusals import Array, InputError, finite, one, one_of, spread, whole
+from axiscal_core.units import Poses
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +99,7 @@ class Known:
         found = Normal(self.mean, self.covariance).read(n.rows, values - n.shown + n.rows @ self.mean, noise)
         return Known.of(self.case, found.mean, found.covariance)
 
-    def deviation(
-        self, poses: Sequence[Sequence[Quantity]] | Array, joint: bool = False,
-        sides: Sequence[Sequence[float]] | Array | None = None,
-    ) -> Normal:  # fmt: skip
+    def deviation(self, poses: Poses = (), joint: bool = False, sides: Poses | None = None) -> Normal:
         """Return the deviation of the tool point, a normal (m, 3) with covariances (m, 3, 3), m.
 
         joint : of all poses at once instead, mean (3 m,) and covariance (3 m, 3 m)
@@ -109,9 +107,8 @@ class Known:
         Rests count as before any reading: what was learnt of a cell is not used elsewhere.
         """
         one("Known.deviation", "joint", joint, bool, "True or False")
-        at = self.case.machine.poses(poses, "Known.deviation")
-        came = None if sides is None else sided("Known.deviation", sides, at.shape)
         machine = self.case.machine
+        at, came = come(machine, poses, sides, "Known.deviation")
         own = machine.rows(at, came).displacement
         rows = np.concatenate([own, np.zeros((*own.shape[:2], self.case.size - machine.size))], axis=2)
         rests = np.array([term.rest for _, term in machine.curves])
@@ -125,9 +122,14 @@ class Known:
             found = Normal(found.mean, found.covariance + same * np.outer(lever, lever))
         return found
 
+    def __iter__(self) -> Iterator[str]:
+        return (term.name for _, term in self.case.machine.curves)
+
     def __getitem__(self, name: str) -> Curve:
         """Return one error as a curve: `known["EXX"](positions)` is a normal; bases of one's own: `table`."""
         terms = {term.name: i for i, term in self.case.machine.curves}
+        if name not in terms and name in (term.name for term in self.case.machine.terms):
+            raise InputError("Known", "name", f"= {name!r} is a basis of one's own, no curve", "See Known.table")
         i = terms[one_of("Known", "name", name, [*terms])]
         term, columns, every = self.case.machine.terms[i], self.case.machine.columns[i], self.covariance
         assert isinstance(term, Curved), "a curve is one"

@@ -19,8 +19,8 @@ import numpy as np
 from axiscal_core.axes import Axis, Frames, chain
 from axiscal_core.dh import links
 from axiscal_core.errors import Basis, Curved, Error, Own, Plane, as_usual, curved
-from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one
-from axiscal_core.units import METRES, Quantity, quantities, si
+from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one, sided
+from axiscal_core.units import METRES, Poses, Quantity, quantities, si
 
 _CHECKED = 0.0, 0.3, 0.5, 1.0  # of the travels: where the rows of a basis of one's own are looked at first
 
@@ -38,6 +38,16 @@ class Rows(NamedTuple):
 
     displacement: Array
     rotation: Array
+
+
+def come(
+    machine: Machine, poses: Poses, sides: Poses | None, function: str, nominal: Frames | None = None
+) -> tuple[Array, Array | None]:
+    """Return poses and sides as arrays, refused where they make no sense; at known frames they are those."""
+    if nominal is not None:
+        return np.asarray(poses), None if sides is None else np.asarray(sides)
+    at = machine.poses(poses, function)
+    return at, None if sides is None else sided(function, sides, at.shape)
 
 
 class Machine:
@@ -98,16 +108,17 @@ class Machine:
                 raise InputError(function, "poses", what, f"{axis.name} goes from {low:g} to {high:g}", i)
         return poses
 
-    def frames(self, poses: Array) -> Frames:
+    def frames(self, poses: Poses) -> Frames:
         """Return the nominal chain.  poses : (m, q)"""
-        return chain(self.axes, poses, self.tool, self.held)
+        return chain(self.axes, self.poses(poses, "Machine.frames"), self.tool, self.held)
 
-    def rows(self, poses: Array, sides: Array | None = None, nominal: Frames | None = None) -> Rows:
-        """Return H.
+    def rows(self, poses: Poses, sides: Poses | None = None, nominal: Frames | None = None) -> Rows:
+        """Return H, what each coefficient does to the tool: displacement and rotation, (m, 3, n) each.
 
         poses : (m, q); sides : (m, q), from where each axis came: +1, -1, 0 where nobody knows
-        nominal : the frames there, where they are known
+        nominal : the frames at these, where somebody has looked at both
         """
+        poses, sides = come(self, poses, sides, "Machine.rows", nominal)
         frames, shape = nominal or self.frames(poses), (len(poses), 3, self.size)
         result = Rows(np.zeros(shape), np.zeros(shape))
         alike = dict[tuple[int, int, bytes], Array]()  # most errors of an axis have the same knots
@@ -123,8 +134,9 @@ class Machine:
                 out[:, :, columns] = part
         return result
 
-    def levers(self, poses: Array, sides: Array | None = None, nominal: Frames | None = None) -> tuple[Array, Array]:
+    def levers(self, poses: Poses, sides: Poses | None = None, nominal: Frames | None = None) -> tuple[Array, Array]:
         """Return what a unit of each curve's value does to displacement and rotation of the tool, (curves, m, 3)."""
+        poses, sides = come(self, poses, sides, "Machine.levers", nominal)
         frames = nominal or self.frames(poses)
         moved, turned = np.zeros((2, len(self.curves), len(poses), 3))
         for i, (_, term) in enumerate(self.curves):

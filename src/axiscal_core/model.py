@@ -78,11 +78,19 @@ class Model:
                 raise InputError(where, argument, f"names an axis {name!r} that is not there", f"Axes are {known}")
         if not instrument.moves:
             raise InputError(type(instrument).__name__, "moves", "names no axis", f"Axes are {known}")
-        some = self.lattice_of(instrument, 6)
+        if taken := {*self._columns} & {*instrument.names}:
+            raise InputError(type(instrument).__name__, "names", f"hold {min(taken)!r}, a column", "Take another name")
+        some = self.lattice_of(instrument, 1000)  # for an unknown may count at few places, as of a polygon's face
         frames, still = self.machine.frames(some.poses), np.zeros((len(some.poses), 3))
         at = At(some.poses, some.sides, frames.tcp, frames.tool, still, still)
         refuse_what_is_not_analytic(instrument, at)
         return instrument.name
+
+    @cached_property
+    def _columns(self) -> tuple[str, ...]:
+        """The columns of a table of readings, beside their numbers."""
+        axes = self.machine.names
+        return "instrument", *axes, *(f"{name}_side" for name in axes), "std", "time"
 
     @cached_property
     def own(self) -> list[slice]:
@@ -214,10 +222,13 @@ class Model:
 
         table : columns "instrument", each axis, those of the instrument's numbers; with sides "X_side", "std", "time"
         """
-        missing = [name for name in ("instrument", *self.machine.names) if name not in table]
-        if missing:
-            known = ", ".join(("instrument", *self.machine.names))
-            raise InputError("Case.readings", "table", f"has no column {missing[0]!r}", f"It needs {known}")
+        known = ", ".join(needed := ("instrument", *self.machine.names))
+        for name in needed:
+            if name not in table:
+                raise InputError("Case.readings", "table", f"has no column {name!r}", f"It needs {known}")
+        every = [*dict.fromkeys((*self._columns, *(number for each in self.instruments for number in each.names)))]
+        for name in table:
+            one_of("Case.readings", "table", name, every)
         names = [str(name) for name in np.ravel(np.array(table["instrument"], dtype=object))]
 
         def given(name: str) -> list[object]:

@@ -10,33 +10,13 @@ array([1.2e-06, 3.4e-06])
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol, cast
+from typing import Any, cast
 
 import numpy as np
 
 from axiscal_core.instrument import Instrument
-from axiscal_core.normal import Normal
-from axiscal_core.refusals import Array, InputError, finite, named, one, whole
-from axiscal_core.units import SECONDS, Quantity, as_given, quantities
-
-
-class Showing(Protocol):
-    """What says what a machine would show: a case."""
-
-    @property
-    def prior(self) -> Normal:
-        """What is known of the unknowns before any reading."""
-
-    def shows(self, places: Places, x: Array) -> Normal:
-        """Return what readings show of unknowns x, with noise and rests."""
-
-
-def sided(function: str, sides: object, shape: tuple[int, ...]) -> Array:
-    """Return from where axes come, (m, q)."""
-    found = finite(function, "sides", sides, shape, posed=True)
-    for i in np.flatnonzero(~np.isin(found, (-1, 0, 1)).all(axis=1)).tolist():
-        raise InputError(function, "sides", f"are {found[i]}", "Give +1, -1 or 0 for each axis", i)
-    return found
+from axiscal_core.refusals import Array, InputError, finite, named, one, sided, whole
+from axiscal_core.units import SECONDS, Poses, Quantity, as_given, quantities
 
 
 class Places:
@@ -48,9 +28,8 @@ class Places:
     """
 
     def __init__(
-        self, instrument: str | Instrument | Sequence[str | Instrument],
-        poses: Sequence[Sequence[Quantity]] | Array, sides: Sequence[Sequence[float]] | Array | None = None,
-    ) -> None:  # fmt: skip
+        self, instrument: str | Instrument | Sequence[str | Instrument], poses: Poses, sides: Poses | None = None
+    ) -> None:
         self.poses = quantities(poses, "Places", "poses", (None, None), posed=True)
         self.given = as_given(poses, self.poses)
         several = isinstance(instrument, Sequence) and not isinstance(instrument, str)
@@ -108,10 +87,10 @@ class Readings:
         self.time = None if time is None else quantities(time, "Readings", "time", each, [SECONDS], posed=True)
 
     @classmethod
-    def simulated(cls, case: Showing, places: Places, seed: int, truth: Array | None = None) -> Readings:
+    def simulated(cls, case: Any, places: Places, seed: int, truth: Array | None = None) -> Readings:
         """Return what a machine would show that is drawn as the case believes machines to be.
 
-        truth : (n,) the unknowns, where they are to be these
+        case : of either package; truth : (n,) the unknowns, where they are to be these
         """
         if not hasattr(case, "shows"):
             raise InputError("Readings.simulated", "case", f"= {case!r} is none", "Give Case(machine, instruments)")

@@ -116,6 +116,14 @@ def finite(function: str, argument: str, values: object, shape: tuple[int | None
     return result
 
 
+def sided(function: str, sides: object, shape: tuple[int, ...]) -> Array:
+    """Return from where axes come, (m, q)."""
+    found = finite(function, "sides", sides, shape, posed=True)
+    for i in np.flatnonzero(~np.isin(found, (-1, 0, 1)).all(axis=1)).tolist():
+        raise InputError(function, "sides", f"are {found[i]}", "Give +1, -1 or 0 for each axis", i)
+    return found
+
+
 def spread(function: str, argument: str, values: object, size: int | None) -> Array:
     """Return a covariance, (size, size)."""
     result = finite(function, argument, values, (size, size))

@@ -68,6 +68,5 @@ def one_thread() -> Iterator[None]:
         _LIMIT.leave()
 
 
-def hold_loaded_libraries() -> None:
-    """Apply the limit to a library with a separate BLAS that has been loaded just now."""
-    _LIMIT.look_again()
+hold_loaded_libraries = _LIMIT.look_again
+"""Apply the limit to a library with a separate BLAS that has been loaded just now."""

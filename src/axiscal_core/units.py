@@ -15,6 +15,8 @@ from axiscal_core.refusals import LARGEST, Array, InputError, finite, within
 
 Quantity = float | str
 """A number in m, rad, s or 1/s of them, or a text such as "12 um"."""
+Poses = Sequence[Sequence[Quantity]] | Array
+"""(m, q) in the order of the axes, m and rad or texts; as sides +1, -1, 0: from where each axis comes."""
 Of = Sequence[str]
 """What a text may be a quantity of."""
 METRES, RADIANS, SECONDS, EITHER, WANDER = ("m",), ("rad",), ("s",), ("m", "rad"), ("m/s", "rad/s")

@@ -150,7 +150,7 @@ def error_of(entry: ErrorEntry, machine: Machine, usual: bool = True) -> ac.Erro
 def instrument_of(setup: Setup, machine: Machine) -> ac.Instrument:
     """Return a set-up as a stranger's instrument."""
     axes = machine.axes
-    park = {axis.name: place for axis, place in zip(axes, setup.park, strict=True)}
+    park = {axes[k].name: place for k, place in enumerate(setup.park) if k not in setup.moves}
     made = CLASSES[setup.instrument](
         setup.name, [axes[k].name for k in setup.moves], noise=setup.noise, park=park, approach=setup.approach,
         unknowns={unknown.name: unknown.std for unknown in setup.unknowns}, drift=setup.drift,

@@ -80,7 +80,21 @@ def _one_value() -> ac.Readings:
     return ac.Readings(_places(0.1, 0.2), [0.0])
 
 
+def _two() -> ac.Machine:
+    return ac.Machine([*_machine().axes, ac.Axis.linear("Y", "y", (0, "400 mm"))], [ac.Error("EXX", "10 um")])
+
+
+def _moved(at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+    return [at.moved[:, 0]]
+
+
+def _of_a_bend() -> ac.Known:
+    case = ac.Case(_with(_bend(6, UNIT)), [_seeing("Seen", _moved)], usual="off")
+    return case.known(np.zeros(case.size), np.eye(case.size))
+
+
 _WITHOUT: dict[str, list[object]] = {"instrument": ["laser"], "X": [0.1]}
+_TABLE: dict[str, list[object]] = {**_WITHOUT, "length": [0.0]}
 MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "noise below zero": (lambda: ac.Laser("laser", "X", noise=-1e-6), "Laser", "noise"),
     "noise of zero": (lambda: ac.Laser("laser", "X", noise=0.0), "Laser", "noise"),
@@ -138,7 +152,26 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "two of one name": (lambda: ac.Case(_machine(), [ac.Laser("laser", "X")] * 2), "Case", "instruments"),
     "an axis that is not there": (lambda: _mounted(ac.Laser("laser", "Y")), "Laser", "moves"),
     "no axis moves": (lambda: _mounted(ac.Laser("laser", "")), "Laser", "moves"),
-    "parked outside": (lambda: _mounted(ac.Laser("laser", "X", park={"X": 2.0})), "Laser", "poses"),
+    "parked outside": (lambda: ac.Case(_two(), [ac.Laser("laser", "X", park={"Y": 2.0})]), "Laser", "poses"),
+    "parked and moved": (lambda: ac.Laser("laser", "X", park={"X": 0.2}), "Laser", "park"),
+    "an idle unknown": (lambda: _mounted(_seeing("Idle", _moved, unknowns={"a": 1e-3})), "Idle.sees", "u['a']"),
+    "an idle cause": (lambda: _mounted(_seeing("Idle", _moved, type_b={"a": 1e-6})), "Idle.sees", "u['a']"),
+    "a number named as an axis": (lambda: _mounted(_seeing("Axis", _moved, names=("X",))), "Axis", "names"),
+    "a number named as a column": (lambda: _mounted(_seeing("Std", _moved, names=("std",))), "Std", "names"),
+    "a table with a slip": (lambda: _case().estimate(_TABLE | {"sdt": [1e-6]}), "Case.readings", "table"),
+    "rows at a list of one pose": (lambda: anything.Machine.rows(_machine(), [0.1]), "Machine.rows", "poses"),
+    "rows at a mapping": (lambda: anything.Machine.rows(_machine(), {"X": 0.1}), "Machine.rows", "poses"),
+    "rows outside": (lambda: _machine().rows([[0.1], [2.0]]), "Machine.rows", "poses"),
+    "rows from a side of two": (lambda: _machine().rows([[0.1]], [[2.0]]), "Machine.rows", "sides"),
+    "levers outside": (lambda: _machine().levers([[2.0]]), "Machine.levers", "poses"),
+    "frames of two coordinates": (lambda: _machine().frames([[0.1, 0.2]]), "Machine.frames", "poses"),
+    "a deviation nowhere": (lambda: _known().deviation(), "Known.deviation", "poses"),
+    "a curve of a basis": (lambda: _of_a_bend()["bend"], "Known", "name"),
+    "millimetres as metres": (lambda: ac.Axis.linear("X", "x", (0, 600)), "Axis.linear", "travel"),
+    "degrees as radians": (lambda: ac.Axis.turning("C", "z", (-90, 90)), "Axis.turning", "travel"),
+    "a side that is a word": (lambda: anything.Axis.linear("X", "x", (0, 1), "no"), "Axis.linear", "on_workpiece"),
+    "a pitch without period": (lambda: ac.Error("EXX_pitch", 1e-6), "Error", "period"),
+    "a scale of straightness": (lambda: ac.Error("EYX", 1e-6, scale=1e-5), "Error", "scale"),
     "an unknown mounting": (lambda: anything.Laser("laser", "X", nosie=1e-6), "Laser", "mounting"),
     "an unknown approach": (lambda: anything.Laser("laser", "X", approach="left"), "Laser", "approach"),
     "abs": (lambda: _mounted(_seeing("Norm", lambda at, u: [np.abs(at.moved[:, 0])])), "Norm.sees", "result"),
@@ -180,7 +213,7 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "an unknown error": (lambda: _known()["EYX"], "Known", "name"),
     "a deviation outside the travel": (lambda: _known().deviation([[0.1], [2.0]]), "Known.deviation", "poses"),
     "no sample": (lambda: _known().sample(0), "Known.sample", "count"),
-    "a curve read outside": (lambda: ac.Curve((0, 1), 1.0).read(2.0, 0.0, 0.1), "Curve.read", "t ="),
+    "a curve read outside": (lambda: ac.Curve((0, 1), 1.0).read(2.0, 0.0, 0.1), "Curve.read", "t"),
     "a curve read without noise": (lambda: ac.Curve((0, 1), 1.0).read(0.5, 0.0, 0.0), "Curve.read", "noise"),
     "a curve of one knot": (lambda: ac.Curve((0, 1), 1.0, knots=1), "Curve", "knots"),
 }  # fmt: skip
@@ -202,7 +235,27 @@ def test_the_pose_is_named() -> None:
     assert refused.value.pose == 1
 
 
+def test_a_face_that_is_seldom_seen_has_an_unknown() -> None:
+    """Of a polygon of 100 faces each unknown counts in a hundredth of the travel: none of them is taken for idle."""
+
+    def faces(at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        which = np.minimum(at.poses[:, 0] // 6e-3, 99).astype(int)
+        return [at.moved[:, 0] + np.array([u[f"face{i}"] for i in which])]
+
+    polygon = _seeing("Polygon", faces, unknowns={f"face{i}": 1e-6 for i in range(100)})
+    assert len(_mounted(polygon).names) == _case().machine.size + 100
+
+
+def test_what_is_known_says_which_curves_it_has() -> None:
+    assert [*_known()] == ["EXX"]
+    assert "EYX" not in _known()
+
+
 def test_lists_are_as_good_as_arrays() -> None:
+    machine = _machine()
+    assert np.array_equal(
+        machine.rows([["100 mm"], [0.2]]).displacement, machine.rows(np.array([[0.1], [0.2]])).displacement
+    )
     listed, array = ac.Places("laser", [["100 mm"], [0.2]]), ac.Places("laser", np.array([[0.1], [0.2]]))
     assert np.array_equal(listed.poses, array.poses)
     assert _case().evaluate(listed).J == _case().evaluate(array).J

@@ -34,8 +34,7 @@ from axiscal.units import format_quantity, to_unit
 from axiscal_core import curve as own
 from axiscal_core import refusals
 from axiscal_core.normal import Normal
-from axiscal_core.places import sided
-from axiscal_core.refusals import Array, finite, one, whole
+from axiscal_core.refusals import Array, finite, one, sided, whole
 from axiscal_core.units import EITHER, METRES, RADIANS, Quantity, quantities, si
 
 

@@ -34,8 +34,8 @@ from axiscal_core.units import Quantity, si
 
 PORTS = "axiscal.instruments"
 """Group of the entry points by which packages bring instruments."""
-_TRIED = 20
-"""Poses at which a class is tried when a set-up names it: of time."""
+_TRIED = 1000
+"""Poses at which a class is tried when a set-up names it: an unknown may count at a few of them only."""
 _ROUNDING = 1e-9
 """Of derivatives, which are m/m or m/rad."""
 _NAME = re.compile(r"(?!(?:reading|setup|approach|time|check|std|used|surprise)$)[a-z]\w*", re.ASCII)
