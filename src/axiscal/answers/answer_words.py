@@ -11,15 +11,7 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import NamedTuple, TypeVar
 
-from axiscal.answers.answer import (
-    Aim,
-    AnswerRow,
-    NextStep,
-    PlannedAnswer,
-    PlannedRow,
-    ResultAnswer,
-    TablesChecked,
-)
+from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedAnswer, PlannedRow, ResultAnswer, TablesChecked
 from axiscal.answers.row_words import (
     half_read_sentence,
     lacking,

@@ -74,10 +74,7 @@ _GROUPS = {
 }
 _Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
 """The file of each command; of a group what it is for, and the files of its commands."""
-_SECTIONS: Mapping[str, _Places] = {
-    "Commands": _MAIN,
-    "More commands, in groups": {**_GROUPS, "machine": "machine"},
-}
+_SECTIONS: Mapping[str, _Places] = {"Commands": _MAIN, "More commands, in groups": {**_GROUPS, "machine": "machine"}}
 _UNGROUPED = {**_STEP, **_DATA, **_SHOP}
 """The names that commands had before there were groups: they work, and no help lists them."""
 

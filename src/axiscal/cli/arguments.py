@@ -57,8 +57,7 @@ def length_unit(text: str | None) -> str:
 
 
 RecordFile = Annotated[
-    Path,
-    typer.Argument(metavar="RECORD", help="The campaign record, a file *.axiscal.", autocompletion=records_here),
+    Path, typer.Argument(metavar="RECORD", help="The campaign record, a file *.axiscal.", autocompletion=records_here)
 ]
 OwnRecord = Annotated[
     Path,
@@ -108,8 +107,7 @@ Details = Annotated[
     bool, typer.Option("--details", help="Say before the last screen what U holds for, and all warnings.")
 ]
 Unit = Annotated[
-    str | None,
-    typer.Option("--unit", metavar="UNIT", help="Of lengths without one, such as inch; default: mm."),
+    str | None, typer.Option("--unit", metavar="UNIT", help="Of lengths without one, such as inch; default: mm.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 ResultsFolder = Annotated[

@@ -109,8 +109,7 @@ def export(
     origin: Annotated[
         str | None,
         typer.Option(
-            metavar="PLACE",
-            help="program: where X, Y and Z of the machine stand at its zero, with the tool in.",
+            metavar="PLACE", help="program: where X, Y and Z of the machine stand at its zero, with the tool in."
         ),
     ] = None,
     chord: Annotated[

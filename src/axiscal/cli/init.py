@@ -66,8 +66,7 @@ def init(
         typer.Option(metavar="NAME", help=f"Of {', '.join(offered_names().values())}, or grid.py:Grid; several times."),
     ] = None,
     target: Annotated[
-        str | None,
-        typer.Option(metavar="U", help='The uncertainty wanted, such as "10 um"; "" for none.'),
+        str | None, typer.Option(metavar="U", help='The uncertainty wanted, such as "10 um"; "" for none.')
     ] = None,
 ) -> None:
     """Write a first machine.toml and campaign.toml.
@@ -219,9 +218,7 @@ def _limits(letter: str, numbers: str) -> tuple[str, tuple[float, float]]:
     return letter.upper(), (low, high)
 
 
-def schema(
-    file: Annotated[str, typer.Argument(metavar="FILE", help=f"Which file: {' or '.join(SCHEMAS)}.")],
-) -> None:
+def schema(file: Annotated[str, typer.Argument(metavar="FILE", help=f"Which file: {' or '.join(SCHEMAS)}.")]) -> None:
     """Print the JSON schema of machine.toml or campaign.toml.
 
     Editors complete and check both files by it.

@@ -247,11 +247,7 @@ def headline(campaign: Campaign, question: Question) -> str:
     done = (
         campaign.description.machine.name,
         said("reading {number} of {last}", number=question.number, last=question.number + now.coming - 1),
-        said(
-            "{done} min done, about {left} left",
-            done=minutes_text(now.minutes),
-            left=minutes_text(now.left_minutes),
-        ),
+        said("{done} min done, about {left} left", done=minutes_text(now.minutes), left=minutes_text(now.left_minutes)),
     )
     sizes = {"figure": said(now.figure), "before": um_text(now.before_um), "now": um_text(now.now_um)}
     known = (
@@ -284,11 +280,7 @@ def _plain(shown: float) -> str:
     return decimals(f"{round(shown, digits) + 0.0:.{digits}f}")
 
 
-def measure(
-    record: OwnRecord,
-    out: ResultsFolder = None,
-    language: Language = None,
-) -> None:
+def measure(record: OwnRecord, out: ResultsFolder = None, language: Language = None) -> None:
     """Take the readings of a campaign at one prompt.
 
     It says where to go and what to expect; you type what you read. Each reading is on the disk before the next question

@@ -35,8 +35,7 @@ _ASK = later("Ask for the next one: axiscal step next {record}")
 def record(
     record: RecordFile,
     value: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".'),
+        list[str] | None, typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".')
     ] = None,
     std: Annotated[str | None, typer.Option(metavar="STD", help="Standard deviation; default: the set-up's.")] = None,
     at: Annotated[str | None, typer.Option(metavar="PLACE", help="Where it was taken, if not where asked.")] = None,

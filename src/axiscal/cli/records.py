@@ -25,8 +25,7 @@ from axiscal.record.store import Record
 def copy_record(
     record: RecordFile,
     to: Annotated[
-        Path | None,
-        typer.Argument(metavar="TO", help="A file or a folder that exists; default: RECORD.copy."),
+        Path | None, typer.Argument(metavar="TO", help="A file or a folder that exists; default: RECORD.copy.")
     ] = None,
     json: Json = False,
 ) -> None:

@@ -27,8 +27,7 @@ def sync(
         typer.Argument(metavar="RECORD", autocompletion=records_here, help="The record; default: the only one here."),
     ] = None,
     store: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="postgresql://USER@HOST/DATABASE; default: AXISCAL_STORE."),
+        str | None, typer.Option(metavar="ADDRESS", help="postgresql://USER@HOST/DATABASE; default: AXISCAL_STORE.")
     ] = None,
     name: Annotated[
         str | None, typer.Option(metavar="NAME", help="Of a campaign that is new there; default: that of the file.")

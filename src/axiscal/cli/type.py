@@ -40,8 +40,7 @@ def learn(
     ],
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE.type.json", help="Keep what was learnt.")] = None,
     machine: Annotated[
-        str | None,
-        typer.Option(metavar="FILE|NAME", help="Learn over these errors; default: those most records have."),
+        str | None, typer.Option(metavar="FILE|NAME", help="Learn over these errors; default: those most records have.")
     ] = None,
     named: Annotated[
         str | None, typer.Option("--of", metavar="NAME", help="Of machines that machine.toml calls so alone.")

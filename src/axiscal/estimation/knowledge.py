@@ -74,10 +74,7 @@ class Block(NamedTuple):
 
 
 def block(
-    knowledge: Knowledge,
-    readings: Sequence[Reading],
-    counts: NDArray[np.bool_],
-    among: Collection[Cell] | None = None,
+    knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.bool_], among: Collection[Cell] | None = None
 ) -> tuple[Block, Knowledge]:
     """Return readings, all at once, and what they make of knowledge.
 

@@ -101,11 +101,7 @@ class Program:
 
 
 def programs(
-    machine: Machine,
-    setups: Sequence[Setup],
-    places: Sequence[Place],
-    dialect: Dialect,
-    log: bool = False,
+    machine: Machine, setups: Sequence[Setup], places: Sequence[Place], dialect: Dialect, log: bool = False
 ) -> tuple[Program, ...]:
     """Return a program for each set-up, in the order in which the plan first uses them.
 

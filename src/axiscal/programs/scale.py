@@ -109,11 +109,7 @@ class ReadingTarget:
 
 
 def target(
-    scales: Sequence[AxisScale],
-    setup: str,
-    number: int,
-    pose: Sequence[float],
-    approach: Sequence[int],
+    scales: Sequence[AxisScale], setup: str, number: int, pose: Sequence[float], approach: Sequence[int]
 ) -> ReadingTarget:
     """Return a reading in the numbers of a program; raises TravelError for one outside the travel, or without room."""
     label = said("reading {number} of the set-up {setup}", number=number, setup=shown(setup))

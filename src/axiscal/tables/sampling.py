@@ -61,10 +61,7 @@ Multiples = tuple[float | None, float | None]
 
 
 def axis_tables(
-    estimate: Estimate,
-    spacing: Spacing = None,
-    most: int = MOST_POINTS,
-    multiples: Multiples = (None, None),
+    estimate: Estimate, spacing: Spacing = None, most: int = MOST_POINTS, multiples: Multiples = (None, None)
 ) -> tuple[CompensationTable, ...]:
     """Return a table for every axis whose positioning deviation the belief knows.
 

@@ -50,12 +50,7 @@ _FAR = 40
 
 
 def renewed(
-    task: Task,
-    limits: Limits,
-    left: Places,
-    patience: float = 0.0,
-    goal: Goal | None = None,
-    usual: bool = False,
+    task: Task, limits: Limits, left: Places, patience: float = 0.0, goal: Goal | None = None, usual: bool = False
 ) -> Places:
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 

@@ -23,17 +23,7 @@ from axiscal.estimation.data_equation import DataEquation
 from axiscal.language.stages import staged
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
-from axiscal.ports.fleet.hierarchy import (
-    CERTAINTY,
-    LEVEL,
-    MEANS,
-    SCALE,
-    SHAPE,
-    SPREAD,
-    Hierarchy,
-    Sisters,
-    usual,
-)
+from axiscal.ports.fleet.hierarchy import CERTAINTY, LEVEL, MEANS, SCALE, SHAPE, SPREAD, Hierarchy, Sisters, usual
 from axiscal_core.from_scipy import back_solution, inverse_of_product, solution
 from axiscal_core.threads import one_thread
 
@@ -187,11 +177,7 @@ class SisterPrior:
 
 
 @one_thread()
-def sister_prior(
-    data: Sequence[DataEquation],
-    hierarchy: Hierarchy,
-    seed: Sequence[int],
-) -> SisterPrior:
+def sister_prior(data: Sequence[DataEquation], hierarchy: Hierarchy, seed: Sequence[int]) -> SisterPrior:
     """Return the prior of the next machine: a mixture over sweeps, by its moments.
 
     m̄ = mean P⁻¹h,    C̄ = mean(P⁻¹ + Σ) + scatter of P⁻¹h

@@ -56,11 +56,7 @@ class LiveSource:
     """
 
     def __init__(
-        self,
-        connection: Connection,
-        machine: Machine,
-        in_force: InForce,
-        asked: Callable[[str], str] | None = None,
+        self, connection: Connection, machine: Machine, in_force: InForce, asked: Callable[[str], str] | None = None
     ) -> None:
         self._line, self._machine, self._in_force = connection, machine, in_force
         self._asked = asked or at_the_terminal
