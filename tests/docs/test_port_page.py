@@ -84,6 +84,100 @@ def test_a_sign_that_is_wrong_is_seen(package: Path, monkeypatch: pytest.MonkeyP
         round_trip(exporter("acme"), drawn_and_known(load_machine("three-axis-mill")))
 
 
+BROKEN = {
+    "no load": ("acme_control.py", "def load", "def lode", "acme = acme_control:Acme of axiscal.exporters cannot be"),
+    "no base": ("acme_control.py", "Acme(TableFormat)", "Acme", "acme is a Acme, no Exporter"),
+    "no holds": ("acme_control.py", "    holds =", "    held =", "Acme.holds is a NoneType, no str"),
+    "files alone": (
+        "acme_control.py",
+        "Written(files, steps",
+        "(files, steps",
+        "the result of Acme.write is a tuple, no",
+    ),
+    "tables alone": (
+        "acme_control.py",
+        "Loaded(tuple(tables))",
+        "tables",
+        "the result of Acme.load is a list, no Loaded",
+    ),
+    "bytes": (
+        "acme_control.py",
+        "machine) for table",
+        "machine).encode() for table",
+        "A defect in acme_control, line ",
+    ),
+    "a folder": ("acme_control.py", '{f"{table', '{f"../{table', '"../X.ACM" is no file beside README.txt'),
+    "one note": ("acme_control.py", 'and on.",)', 'and on.")', "Written.notes is a str, no tuple"),
+    "a step in words": (
+        "acme_control.py",
+        "float(from_unit(1e-4, axis.unit))",
+        "'1 um'",
+        "Written.steps['X'] is a str",
+    ),
+    "a slip": ("acme_control.py", "for line in lines]", "for line in line]", "A defect in acme_control, line "),
+    "a value alone": (
+        "acme_source.py",
+        'Answer(self.scale * place["X"])',
+        "1e-6",
+        "the answer of the source is a float",
+    ),
+    "a value in words": (
+        "acme_source.py",
+        'Answer(self.scale * place["X"])',
+        "Answer('1 um')",
+        "Answer.value is a str",
+    ),
+    "no end": ("acme_source.py", "def close", "def shut", "acme is a Slide, no Source"),
+    "an axis that is not there": ("acme_source.py", 'place["X"])', 'place["Q"])', "A defect in acme_source, line "),
+    "no readings": (
+        "acme_gauge.py",
+        "return tuple(found)",
+        "return None",
+        "the result of Gauge.read is a NoneType, no",
+    ),
+    "numbers alone": (
+        "acme_gauge.py",
+        "return tuple(found)",
+        "return [1.0]",
+        "each of Gauge.read is a float, no RawReading",
+    ),
+    "no reader": ("acme_gauge.py", "def knows", "def nose", "acme is a Gauge, no FileReader"),
+    "a gauge that fails": ("acme_gauge.py", "words = text.split()", "words = 1 / 0", "A defect in acme_gauge, line "),
+    "words that are none": ("acme_words.py", "replace(\n    LINUXCNC,", "dict(", "acme is a dict, no Dialect"),
+    "an unknown blank": ("acme_words.py", "{s:.2f}", "{t:.2f}", "A defect in axiscal or acme_words: KeyError: 't'"),
+}
+"""What somebody may write in the files of the page, and what is said of it: who failed and where, not that we did."""
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("finished")
+    (folder / "campaign.toml").write_text(CAMPAIGN)
+    (folder / "gauge.txt").write_text("ACME GAUGE 2\nEXX\n0 + 0\n50 + 1\n")
+    assert run(["run", str(folder / "campaign.toml"), "--source", "sim:1", "--out", str(folder / "out")]) == 0
+    return folder
+
+
+@pytest.mark.parametrize("slip", BROKEN)
+def test_a_slip_of_its_author_is_his(
+    slip: str, package: Path, finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, right, wrong, says = BROKEN[slip]
+    text = (package / file).read_text()
+    assert right in text
+    (package / file).write_text(text.replace(right, wrong))
+    campaign, out = str(finished / "campaign.toml"), ["--out", str(tmp_path / "out")]
+    asked = {
+        "acme_control.py": ["export", str(finished / "out" / "campaign.axiscal"), "--to", "acme"],
+        "acme_source.py": ["run", campaign, "--source", "acme:40"],
+        "acme_gauge.py": ["estimate", campaign, str(finished / "gauge.txt")],
+        "acme_words.py": ["plan", campaign, "--readings", "2", "--gcode", "acme"],
+    }
+    assert run([*asked[file], *out]) == 1
+    assert says in " ".join(capsys.readouterr().err.split())
+    assert not [*tmp_path.glob("*.ACM")]
+
+
 def test_a_package_that_is_broken_is_named(package: Path) -> None:
     (package / "acme_control.py").write_text("import nothing_of_the_kind\n")
     with pytest.raises(PortError, match=r"acme = acme_control:Acme of axiscal\.exporters cannot be loaded"):

@@ -30,7 +30,7 @@ from axiscal.campaign.ending import (
 )
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.possible import beginning_of, described, jump_told, kept_text, note_told, refuse_unreadable
-from axiscal.campaign.sources import Request, Skip, Source
+from axiscal.campaign.sources import Request, Skip, Source, answered
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document.durable import Closing
 from axiscal.estimation.case import Case, Timed, elapsed, timed
@@ -335,7 +335,7 @@ class Campaign(Closing):
         with noted_interrupts() as heeding:
             while not isinstance(asked := self._next_of_run(path), Ended):
                 with heeding():
-                    answer = source.read(self.request(asked))
+                    answer = answered(source, self.request(asked))
                 if isinstance(answer, Skip):
                     self.skip(answer.reason)
                     in_a_row += 1

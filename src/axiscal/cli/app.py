@@ -22,6 +22,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 from axiscal.cli.printing import complain, say
+from axiscal.document.ports import culprit
 from axiscal.exceptions import AxiscalError, InputError, PortError
 from axiscal.language.spoken import WORDS, said, speaking
 from axiscal.present.whose_language import chosen
@@ -243,7 +244,7 @@ def run(arguments: Sequence[str]) -> int:
             raise
         kind = type(failure).__name__
         complain(
-            f"A defect in axiscal: {kind}: {failure}. Nothing that was recorded is lost. "
+            f"A defect in {culprit(failure)}: {kind}: {failure}. Nothing that was recorded is lost. "
             "Please report it with the output that AXISCAL_TRACEBACK=1 gives."
         )
     return 1

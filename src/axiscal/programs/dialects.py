@@ -9,7 +9,7 @@ from importlib import resources
 from typing import Any
 
 from axiscal.document import meant, shown
-from axiscal.document.ports import names, one_of
+from axiscal.document.ports import names, of_class, one_of
 from axiscal.exceptions import ProgramError
 from axiscal.language.spoken import later
 from axiscal.programs.dialect import Dialect, Log
@@ -48,9 +48,10 @@ def controllers() -> tuple[str, ...]:
 
 def dialect(controller: str) -> Dialect:
     """Return the words of a control; raises ProgramError for one that is not known."""
-    found: Dialect | None = _DIALECTS.get(controller.casefold()) or one_of(PORTS, controller)
+    found = _DIALECTS.get(controller.casefold()) or one_of(PORTS, controller)
     if found is None:
         remedy = meant(controller, (*_DIALECTS, *names(PORTS)), quoted="{}")
         what = "{name} is not a controller that programs can be written for"
         raise ProgramError(what, remedy, name=shown(controller))
-    return found
+    words: Dialect = of_class(controller, found, Dialect)
+    return words

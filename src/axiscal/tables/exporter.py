@@ -19,7 +19,7 @@ from typing import ClassVar
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document import shown
-from axiscal.document.ports import rendered
+from axiscal.document.ports import of_class, rendered
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
@@ -126,13 +126,10 @@ def asked_about(controller: str, instead: Mapping[str, str], draft: Draft, optio
 
 _ON_TOP = later("give the files that were active: axiscal export ... --on-top-of OLD")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
-
 _HASH = re.compile(r"[0-9a-f]{0,128}")
 _LARGEST_MESH = 50
 """Points a side; more is a slip, for no probe of a printer takes them."""
 _USUAL = "XYZABCUVWPQR"
-
-
 _ALIKE = ("spacing", "unit", "template", "name", "mesh", "zero", "flip", "pivots")
 _OPTIONS = {name: f"--{name}" for name in _ALIKE} | {
     "numbers": "--number",
@@ -335,9 +332,13 @@ class Exporter(ABC):
         tables: tuple[CompensationTable, ...] = (),
     ) -> Draft:
         """Return files that were just written, read back, beside what they are meant to do."""
-        said = written.notes, written.holds or self.holds, written.left_out or self.left_out, written.first
-        held = self.load([OldFile(*file) for file in written.files.items()], machine, options).control(machine)
-        tried = self.tried
+        name = type(self).__name__
+        of_class(f"the result of {name}.write", written, Written)
+        own = {what: getattr(written, what) or getattr(self, what, None) for what in ("holds", "left_out")}
+        texts = [of_class(f"{name}.{what}", text, str) for what, text in own.items()]
+        said = written.notes, *texts, written.first
+        loaded = self.load([OldFile(*file) for file in written.files.items()], machine, options)
+        held, tried = of_class(f"the result of {name}.load", loaded, Loaded).control(machine), self.tried
         return Draft(written.files, written.steps, *said, control=held, wanted=wanted, tables=tables, tried=tried)
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
-from axiscal.document.ports import rendered
+from axiscal.document import shown
+from axiscal.document.ports import of_class, rendered
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, put, said
@@ -24,7 +26,7 @@ from axiscal.units import digits, format_quantity, to_unit
 
 POSES = 1000
 """Poses at which a file is tried: a file that adds the wrong thing does so at almost every pose."""
-_DEFECT = "do not load it: this is a defect of axiscal, please report it"
+_DEFECT = "do not load it: this is a defect of what writes or reads it, please report it"
 _BEYOND = later("read more of the travel: beyond what was read they stay as they are at its end")
 _PART = 0.05
 """Of the largest deviation: a table that moves an axis by less is none of those that more readings are for."""
@@ -71,6 +73,13 @@ class Export:
 
 def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
     """Return what files do over the box of axes; raises TableError when they would not do what they are meant to."""
+    of_class("Written.notes", draft.notes, tuple)
+    for axis, step in draft.steps.items():
+        of_class(f"Written.steps[{axis!r}]", step, float, int)
+    for name in draft.files:
+        if Path(name).name != name:
+            remedy = "Give files names without folders"
+            raise TableError("{name} is no file beside README.txt", remedy, name=shown(name))
     if not draft.files:
         raise TableError("there is no deviation that these files could hold", _nothing_held(estimate))
     estimate = draft.about or estimate

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from axiscal.description.fields import CONTROLS
 from axiscal.document import meant, shown
-from axiscal.document.ports import names, one_of
+from axiscal.document.ports import made_by, names, of_class
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, Faults, TableError
@@ -38,22 +38,22 @@ def export(estimate: Estimate, controller: str, options: ExportOptions) -> Expor
 def _drafted(estimate: Estimate, name: str, options: ExportOptions) -> Draft:
     """Return the files for a controller before they are tried; raises as `export`."""
     refuse_untaken(name, options.given)
-    made = exporter(name)
+    control = exporter(name)
     for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
         estimate.machine.index(axis)
     if not options.old_files:
-        return asked_about(name, made.instead, made.make(estimate, options), options)
+        return asked_about(name, control.instead, control.make(estimate, options), options)
     old = loaded(name, estimate.machine, options)
-    return on_top(estimate, made.make(estimate, replace(options, old=old)), old, options)
+    return on_top(estimate, control.make(estimate, replace(options, old=old)), old, options)
 
 
 def refuse_untaken(controller: str, given: Sequence[str]) -> None:
     """Raise TableError for the first option of the command line that a control has no use for."""
-    made = exporter(controller)
+    control = exporter(controller)
     for option in given:
-        if option not in made.takes:
+        if option not in control.takes:
             takers = joined([name for name in controllers() if option in exporter(name).takes]) or "program"
-            what, remedy = "{controller} does not take {option}", made.instead.get(option, _OTHERS)
+            what, remedy = "{controller} does not take {option}", control.instead.get(option, _OTHERS)
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 
 
@@ -92,7 +92,7 @@ def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
         refuse_long_numbers(file.text, file.name)
     named = ", ".join(dict.fromkeys(file.name for file in options.old_files))
     try:
-        found = load(options.old_files, machine, options)
+        found: Loaded = of_class(f"the result of {controller}.load", load(options.old_files, machine, options), Loaded)
     except AxiscalError:
         raise
     except (LookupError, ArithmeticError, ValueError) as fault:
@@ -120,9 +120,9 @@ def controllers() -> tuple[str, ...]:
 
 def exporter(controller: str) -> Exporter:
     """Return what writes for a control and reads its files; raises TableError for one that is not known."""
-    brought: Callable[[], Exporter] | None = one_of(CONTROLS, controller)
+    brought: Exporter | None = made_by(CONTROLS, controller, Exporter)
     if brought is None:
         remedy = meant(controller, controllers(), quoted="{}")
         what = "{controller} is not a controller that tables can be made for"
         raise TableError(what, remedy, controller=shown(controller))
-    return brought()
+    return brought

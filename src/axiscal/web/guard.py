@@ -32,6 +32,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from axiscal.answers.answer import AnswerDocument
+from axiscal.document.ports import culprit
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import messages, spoken_now
 from axiscal.present.guide.slips import SurprisingError
@@ -133,7 +134,7 @@ async def _not_here(request: Request, failure: Exception) -> Response:
 
 async def _defect(request: Request, failure: Exception) -> Response:
     kind = type(failure).__name__
-    said = f"A defect in axiscal: {kind}: {failure}. What is on the disk is kept; look at the last readings"
+    said = f"A defect in {culprit(failure)}: {kind}: {failure}. What is on the disk is kept; look at the last readings"
     return problem(500, "defect", said)
 
 

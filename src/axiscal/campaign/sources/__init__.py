@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from axiscal.campaign.sources.source import Answer, CsvSource, Request, SimulatedSource, Skip, Source
-from axiscal.document.ports import one_of
+from axiscal.document.ports import made_by, of_class, one_of
 from axiscal.exceptions import SourceError
 from axiscal.record.events import Note
 
@@ -51,10 +51,16 @@ def open_source(
     if (runs := one_of("axiscal.running", kind)) is not None:
         running: Source = runs(rest.strip(), simulator.machine, active)
         return running
-    if (brought := one_of("axiscal.sources", kind)) is not None:
-        made: Source = brought(rest)
-        return made
+    if (brought := made_by("axiscal.sources", kind, Source, rest)) is not None:
+        source: Source = brought
+        return source
     raise SourceError("'{text}' is not a source", _KINDS, text=text)
+
+
+def answered(source: Source, request: Request) -> Answer | Skip:
+    """Return what a source answers; raises PortError for what is no answer."""
+    found: Answer | Skip = of_class("the answer of the source", source.read(request), Answer, Skip)
+    return found
 
 
 _KINDS = (

@@ -12,8 +12,9 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+from axiscal.document.ports import of_class
 from axiscal.exceptions import ReadingError, SourceError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
@@ -87,6 +88,10 @@ class Answer:
     others: tuple[float, ...] = ()
     live: bool = field(default=False, compare=False)
 
+    def __post_init__(self) -> None:
+        for value in (self.value, *self.others):
+            of_class("Answer.value", value, float, int)
+
 
 @dataclass(frozen=True, slots=True)
 class Skip:
@@ -95,6 +100,7 @@ class Skip:
     reason: str
 
 
+@runtime_checkable
 class Source(Protocol):
     """Something that takes readings. `read` raises SourceError when it cannot go on at all."""
 

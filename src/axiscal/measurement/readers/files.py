@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
-from axiscal.document.ports import all_of
+from axiscal.document.ports import names, of_class, one_of
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import counted, joined, later, put, said
 from axiscal.machine.axis import Axis
@@ -25,6 +25,7 @@ PORTS = "axiscal.readers"
 """Group of the entry points by which packages bring readers."""
 
 
+@runtime_checkable
 class FileReader(Protocol):
     """What reads the files of an instrument."""
 
@@ -96,10 +97,14 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
     """Return what a file is, and its readings; raises ReadingError.  unit : of lengths, where the file names none"""
     file = bed_map.read_part(path, unit)
     own = next((each for each in FORMATS if each.knows(file)), None)
-    brought: list[FileReader] = [] if own else all_of(PORTS)
-    reader = next((each for each in brought if _knows(each, file)), None)
+    brought = [] if own else [of_class(name, one_of(PORTS, name), FileReader) for name in names(PORTS)]
+    reader = next((each for each in brought if each.knows(file)), None)
     if reader is not None:
-        return Recognised(file.name, type(reader).__qualname__, Found(tuple(reader.read(file))))
+        title = type(reader).__qualname__
+        read = of_class(f"the result of {title}.read", reader.read(file), Sequence)
+        return Recognised(
+            file.name, title, Found(tuple(of_class(f"each of {title}.read", each, RawReading) for each in read))
+        )
     kind = own or _TABLE
     if unit and not kind.unitless:
         what, remedy = "this is {title}, whose units are known, and --unit names another", "leave --unit out"
@@ -125,12 +130,3 @@ def title_of(path: str | Path) -> str:
 def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup] = ()) -> tuple[RawReading, ...]:
     """Return the readings of a file of any kind, in its order; raises ReadingError, with the header for these axes."""
     return recognised(path, Around(axes, setups)).found.readings
-
-
-def _knows(reader: FileReader, file: TextFile) -> bool:
-    try:
-        return reader.knows(file)
-    except Exception as fault:
-        what, name = "the reader {name} of another package fails at this file ({why})", type(reader).__qualname__
-        remedy, why = "Repair that package, or uninstall it", f"{type(fault).__name__}: {fault}"
-        raise file.fail(what, remedy, name=name, why=why) from fault
