@@ -1,23 +1,30 @@
 """Names of the library, as editors and type checkers see them."""
 
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, Self, overload
+
 from axiscal.campaign.campaign import Campaign as Campaign
 from axiscal.description.campaign import read_campaign as read_campaign
 from axiscal.errors.model import ErrorModel as ErrorModel
 from axiscal.estimation.belief import Belief as Belief
 from axiscal.estimation.knowledge import Knowledge as Knowledge
+from axiscal.machine.description import Machine as _Machine
 from axiscal.machine.description import load_machine as load_machine
 from axiscal.measurement.observation import Observation as Observation
 from axiscal.measurement.setup import Setup as Setup
 from axiscal.measurement.simulation import Simulator as Simulator
 from axiscal.python.estimated import Curve as Curve
+from axiscal.python.estimated import Estimated
+from axiscal.python.given import GivenReadings
 from axiscal.python.given import setup as setup
-from axiscal.python.measured_case import Case as Case
-from axiscal.python.measured_case import estimate as estimate
+from axiscal.python.measured_case import Case as _Case
 from axiscal_core import Array as Array
 from axiscal_core import At as At
 from axiscal_core import Axis as Axis
 from axiscal_core import BallBar as BallBar
 from axiscal_core import Basis as Basis
+from axiscal_core import Case as _OwnCase
 from axiscal_core import Error as Error
 from axiscal_core import Evaluation as Evaluation
 from axiscal_core import InputError as InputError
@@ -44,6 +51,38 @@ from axiscal_core.splines import CyclicSpline as CyclicSpline
 from axiscal_core.splines import NaturalSpline as NaturalSpline
 
 __version__: str
+
+class Case(_Case):
+    """The case of a machine of `load_machine`; one of a machine that is made in Python is the core's."""
+
+    @overload
+    def __new__(  # type: ignore[misc]
+        cls,
+        machine: Machine,
+        setups: Sequence[Instrument],
+        *,
+        usual: Literal["on", "off"] = "on",
+        sure: Literal["exactly", "well", "roughly"] = "well",
+        aligned: bool = True,
+    ) -> _OwnCase: ...
+    @overload
+    def __new__(
+        cls,
+        machine: _Machine,
+        setups: Sequence[Mapping[str, Any] | Instrument],
+        target: Mapping[str, Any] | None = None,
+        learn: bool = False,
+        *,
+        usual: Literal["on", "off"] = "on",
+        sure: Literal["exactly", "well", "roughly"] | None = None,
+    ) -> Self: ...
+
+@overload
+def estimate(campaign: _OwnCase, readings: Readings | Mapping[str, Sequence[object]]) -> Known: ...
+@overload
+def estimate(campaign: _Case | str | Path, readings: GivenReadings) -> Estimated:
+    """Return what readings make known of a machine."""
+
 __all__ = [
     "Axis",
     "Belief",

@@ -230,7 +230,7 @@ def test_what_is_known_already_makes_curves_and_tables(tmp_path: Path) -> None:
         (lambda one: one.estimate([]).deviation(LINE.poses, approach="both"), r"approach = 'both' is none"),
         (lambda one: one.estimate([]).export("linuxcnc", None), r"Estimated\.export: folder = None is none"),
         (lambda one: one.next(after=ac.Case(ac.load_machine("one-axis"), [LASER]).estimate([])), "of another machine"),
-        (lambda _: ac.Case(ac.load_machine("one-axis"), [LASER], learn="yes"), "learn = 'yes'"),  # type: ignore[arg-type]
+        (lambda _: ac.Case(ac.load_machine("one-axis"), [LASER], learn="yes"), "learn = 'yes'"),  # type: ignore[call-overload]
         (lambda _: ac.Case(ac.load_machine("one-axis"), ["laser"]), "setups = 'laser' is none"),  # type: ignore[list-item]
         (lambda _: ac.setup("interferometer", "x", moves=3), "moves = 3 is none"),  # type: ignore[arg-type]
     ],

@@ -184,6 +184,14 @@ MISUSES: dict[str, tuple[Callable[[], object], str]] = {
         lambda: own().evaluate(SHORT + ac.Places("laser", [["1 rad"]])),
         "Case.evaluate: poses, pose 2 = '1 rad' is no length",
     ),
+    "own: a target": (
+        lambda: anything.Case(own().machine, [ac.Laser("laser", "X")], {"rms": "2 um"}),
+        "Case: target and",
+    ),
+    "own: learnt": (
+        lambda: anything.Case(own().machine, [ac.Laser("laser", "X")], learn=True),
+        "Case: target and learn",
+    ),
     "own: read places": (lambda: own_known().read(SHORT), "Known.read: readings"),
     "own: read of another machine": (lambda: own_known().read(read()), "Known.read: poses"),
     "own: read with a std of its own": (lambda: own_known().read(read(SHORT, std=[1e-6] * 2)), "Readings: std"),

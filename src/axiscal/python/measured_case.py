@@ -158,9 +158,14 @@ class Case:
     Of a machine that is made in Python it is the case of the core, which takes the same instruments.
     """
 
-    def __new__(cls, machine: Machine | OwnMachine, *given: Any, **named: Any) -> Any:
+    def __new__(cls, machine: Machine | OwnMachine, setups: Any = (), *more: Any, **named: Any) -> Any:
         """Return the case."""
-        return OwnCase(machine, *given, **named) if isinstance(machine, OwnMachine) else super().__new__(cls)
+        if not isinstance(machine, OwnMachine):
+            return super().__new__(cls)
+        if more or {"target", "learn"} & {*named}:
+            remedy = "Give a criterion to its plans; its sizes are learnt as `sure` says"
+            raise refusals.InputError("Case", "target", "and learn are for machines of load_machine", remedy)
+        return OwnCase(machine, setups, **named)
 
     def __init__(
         self,
