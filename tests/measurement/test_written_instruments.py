@@ -111,6 +111,41 @@ def test_a_grid_goes_from_its_file_to_a_report_by_the_command_line(tmp_path: Pat
     assert (first.value, *first.others) == pytest.approx((0.2e-6, -0.4e-6))
 
 
+STRAY = {
+    'station = ["0 mm", "0 mm", "0 mm"]': "says itself what it reads. Take station out",
+    'artefact = "board"': "says itself what it reads. Take artefact out",
+    "mounted = 2": "says itself what it reads. Take mounted out",
+    'length = "100 mm"': "says itself what it reads. Take length out",
+    'type_b = { scale = "1 um/m" }': "is not known of an instrument such as this own.py:Idle. Take it out",
+    "": "changes nothing. Use it, or take its name out",
+}
+IDLE = GRID.replace("class Grid", "class Idle").replace('- u["turn"] * y', "").replace('+ u["turn"] * x', "")
+
+
+@pytest.mark.parametrize("key", STRAY)
+def test_a_key_or_an_unknown_without_effect_is_refused(tmp_path: Path, key: str) -> None:
+    with pytest.raises(DescriptionError) as refused:
+        described(tmp_path, IDLE, f'name = "idle"\ninstrument = "own.py:Idle"\nmoves = ["X", "Y"]\n{key}\n')
+    assert STRAY[key] in str(refused.value)
+
+
+def test_a_set_up_that_is_not_there_is_named_and_rows_read_by_a_grid_count_no_places(
+    tmp_path: Path, command: Command
+) -> None:
+    campaign, out, readings = plate(tmp_path), tmp_path / "out", tmp_path / "readings.csv"
+    campaign.write_text(campaign.read_text().replace("readings = 8", 'wants = ["positioning X"]\nreadings = 8'))
+    readings.write_text("setup,X_mm,Y_mm,approach,dx_um,dy_um\ntable,20,20,X+ Y+,1,2\n")
+    command("data", "estimate", campaign, readings, "--out", out).refused(
+        'there is no set-up "table"', "Known are plate"
+    )
+    rows = [f"plate,{x},200,X+ Y+,{1e-2 * x},{-2e-2 * x}" for x in range(20, 600, 40)]
+    readings.write_text("\n".join(["setup,X_mm,Y_mm,approach,dx_um,dy_um", *rows]))
+    assert command("data", "estimate", campaign, readings, "--out", out).status == 0
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "shows the first of them" in page
+    assert "0 places" not in page
+
+
 def test_its_readings_are_told_by_name_unit_and_count(tmp_path: Path) -> None:
     six = described(tmp_path, SIX, 'name = "six"\ninstrument = "own.py:SixDegrees"\nmoves = ["X"]\n')
     file = tmp_path / "r.csv"

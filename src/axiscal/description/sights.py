@@ -26,6 +26,7 @@ from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instrument import LENGTH, instrument_of
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.kind import Rotation
+from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
@@ -228,6 +229,8 @@ def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
     elif not issubclass(model, Displacement):
         what = later("a {instrument} reads the tool point itself")
         refuse("offset", what, later("State its length as that of the tool"))
+    if issubclass(model, Foreign):
+        refuse("station artefact ball mounted length", later("a {instrument} says itself what it reads"), out)
     if not issubclass(model, Rotation):
         what = later("a {instrument} has no feet that are stepped along a way")
         refuse("base", what, later("Take base out; a level and the mirror of an autocollimator have one"))

@@ -57,7 +57,7 @@ def meant(word: str, known: Iterable[str], otherwise: str = "", quoted: str = '"
     near = nearest(word, words)
     if near:
         return said("Perhaps {word} is meant", word=quoted.format(near))
-    return otherwise or said("Known are {words}", words=", ".join(words))
+    return otherwise or (said("Known are {words}", words=", ".join(words)) if words else said("Take it out"))
 
 
 def shown(value: object) -> str:

@@ -67,7 +67,7 @@ def render(summary: Summary) -> str:
 def report_values(summary: Summary) -> dict[str, Any]:
     """Return what both reports, the page and the PDF, are filled with, in the language that is spoken."""
     listed_rows, others_words = listed(summary)
-    first_number = said("A reading with several numbers shows the first, along x.")
+    first_number = said("A reading with several numbers shows the first of them.")
     return {
         "s": summary,
         "groups": groups(summary.curves, summary.chain),

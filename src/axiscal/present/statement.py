@@ -155,6 +155,8 @@ def _rows(summary: Summary) -> Iterator[list[str]]:
             others = ", ".join(f"{axis} {coordinate(value)}" for axis, value in line.at.items())
             where.append(said("{along} at {others}", along=along, others=others) if others else along)
         places = said(" and ").join(_places(line) for line in row.lines)
+        if row.measured and row.lines and not any(line.read for line in row.lines):
+            places = "–"  # readings of several numbers, or of several axes, are no places of a line
         yield [row_names([row]), "; ".join(where), places, found, *(f"± {size}" for size in sizes)]
 
 

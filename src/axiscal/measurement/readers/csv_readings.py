@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Literal
 
+from axiscal.document import meant, shown
 from axiscal.exceptions import Faults, UnitError
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of
@@ -153,11 +154,11 @@ def table_readings(file: TextFile, around: Around) -> Found:
     """
     header = ",".join(heading(around.axes, columns_of(around.setups))) if around.axes else EXAMPLE
     table, bare = table_of(file, header), around.bare
-    own = {each.name: own_columns(each) for each in around.setups if each.written}
+    own = {each.name: own_columns(each) if each.written else {} for each in around.setups}
     table.allow(_LAYOUT | {stem: units for each in own.values() for stem, units in each.items()} | table.axis_layout)
     if not bare:
         table.one_of("setup", "setup")
-    if not any(table.all_of(first) for first, *_ in (*_FORMS, *own.values())):
+    if not any(table.all_of(first) for first, *_ in (*_FORMS, *filter(None, own.values()))):
         table.one_of("value", "value_um")
     table = replace(table, rows=tuple(row for row in table.rows if row.of("used").text != "no"))
     if not table.rows:
@@ -202,6 +203,8 @@ def _reading(table: CsvTable, row: Row, bare: bool, instruments: Mapping[str, Ma
     own = instruments.get(pose.setup, {})
     stems = tuple(own) or next((each for each in _FORMS if first.text and each[0] == first.column.stem), ())
     if not stems:
+        if pose.setup and any(instruments.values()) and pose.setup not in instruments:
+            raise row.fail("there is no set-up {name}", meant(pose.setup, instruments), name=shown(pose.setup))
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
     if not (pose.setup or bare):
         raise row.fail("the line has no set-up", "write the name of the set-up as the campaign has it")
