@@ -65,14 +65,6 @@ def test_kept_places_stay_and_own_candidates_are_not_left() -> None:
     assert found - {("x", 0.123, 0.2)} <= allowed
 
 
-def test_readings_that_are_there_count() -> None:
-    case = mill()
-    first = case.plan(readings=4).places
-    more = case.plan(readings=3, after=first)
-    assert pytest.approx(case.evaluate(first + more.places).J, rel=1e-9, abs=0) == more.J
-    assert pytest.approx(more.J, rel=1e-9, abs=0) == case.evaluate(more.places, after=first).J
-
-
 def test_minutes_are_kept_and_more_of_them_leave_less() -> None:
     mounted = [ac.Laser("dial", "X", noise="9 um", setup_time="1 min"), ac.Laser("laser", "X", setup_time="6 min")]
     limits, case = np.array([2, 4, 6.5, 8]), ac.Case(mill().stated, mounted)
@@ -130,17 +122,6 @@ def test_a_station_250_mm_off_is_found() -> None:
     truth[station] = 0.2, -0.25, 0.18
     known = case.estimate(ac.Readings.simulated(case, case.lattice(60), 1, truth))
     assert np.abs(known.mean - truth)[station].max() < 5 * known.normal.std[station].max() < 2e-4
-
-
-def test_a_slip_is_taken_out() -> None:
-    case = mill()
-    places = ac.Places("x", np.column_stack([np.linspace(0, 0.4, 21), np.full(21, 0.2)]), [[1, 0]] * 21)
-    readings, _ = _told(case, places)
-    values = readings.values.copy()
-    values[7] += 60e-6
-    known = case.estimate(ac.Readings(places, values))
-    assert known.bad == (7,)
-    assert max(known.z.values()) < 4
 
 
 def test_causes_of_type_b_move_no_mean_and_widen_every_figure() -> None:

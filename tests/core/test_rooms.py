@@ -27,28 +27,6 @@ def _problem(seed: int) -> tuple[Problem, ac.Array]:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_slopes_are_those_of_the_dense_formula(seed: int) -> None:
-    problem, theta = _problem(seed)
-    step = np.eye(len(theta)) * 1e-4
-
-    def covariance(at: ac.Array) -> ac.Array:
-        return Numbers(problem).covariance(at, [curves.roots(at) for curves in problem.curves])
-
-    inverse = np.linalg.inv(covariance(theta))
-    bends = [inverse @ (covariance(theta + one) - covariance(theta - one)) / 2e-4 for one in step]
-    fisher = [[0.5 * np.sum(one * other.T) for other in bends] for one in bends]
-    for room in (Numbers(problem), Unknowns(problem)):
-        given = room.given(theta)
-        assert given is not None
-        slope = given.slope()
-        around = [[room.given(theta + sign * one) for sign in (1, -1)] for one in step]
-        rises = [above.value - below.value for above, below in around if above and below]
-        assert slope.gradient == pytest.approx(np.array(rises) / 2e-4, rel=1e-4, abs=1e-4)
-        assert slope.information == pytest.approx(np.array(fisher), abs=1e-5)
-        assert given.square == pytest.approx(problem.values @ inverse @ problem.values)
-
-
-@pytest.mark.parametrize("seed", range(3))
 def test_what_each_source_leaves_adds_up_to_the_variance(seed: int) -> None:
     problem, theta = _problem(seed)
     figures = np.random.default_rng(seed).normal(size=(4, problem.answered))

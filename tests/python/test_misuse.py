@@ -37,6 +37,13 @@ OUTSIDE, NO_PLACE = ac.Places("laser", [[9.0, 0.1, 0.2]]), ac.Places("laser", np
 ELSEWHERE, TURNED = ac.Places("dial", [[0.1, 0.1, 0.2]]), ac.Places("laser", [["1 rad", 0.1, 0.2]])
 
 
+TABLE = {"setup": ["laser"], "X_mm": [100.0], "value_um": [1.0]}
+
+
+def elsewhere() -> Any:
+    return ac.Case(ac.load_machine("one-axis"), [ac.setup("interferometer", "x")]).estimate([])
+
+
 def size(case: Any) -> int:
     return len(case.prior.mean)
 
@@ -92,6 +99,11 @@ MISUSES: dict[str, tuple[Callable[[], object], str]] = {
     "plan: a billion readings": (lambda: mill().plan(10**9), "Case.plan: a plan of 1,000,000,000 readings"),
     "plan: a billion places": (lambda: mill().plan(3, candidates=10**9), "Case.plan: a choice among 1,000,000,000"),
     "plan: a life of minutes": (lambda: mill().plan(minutes=1e9), "Case.plan: 1.67e+07 h are time for"),
+    "plan: half a reading": (lambda: mill().plan(2.5), "Case.plan: readings = 2.5 is no whole number"),
+    "plan: −1 readings": (lambda: mill().plan(-1), "Case.plan: readings = -1 is below 1"),
+    "plan: an RMS below zero": (lambda: mill().plan(rms=-1e-6), "Case.plan: rms = -1e-06 makes no sense"),
+    "plan: minutes that are a length": (lambda: mill().plan(minutes="3 mm"), "Case.plan: minutes = '3 mm' is no time"),
+    "plan: 0 candidates": (lambda: mill().plan(3, candidates=0), "Case.plan: candidates = 0 is below 1"),
     "plan: NaN minutes": (lambda: mill().plan(minutes=NAN), "Case.plan: minutes"),
     "plan: minutes of a list": (lambda: mill().plan(minutes=[3]), "Case.plan: minutes"),
     "plan: too few minutes": (lambda: mill().plan(minutes=0.1), "Case.plan: 0.1 min is less than the 30"),
@@ -112,6 +124,10 @@ MISUSES: dict[str, tuple[Callable[[], object], str]] = {
         lambda: mill().estimate(anything.Readings(LINE, ["1 urad", 0.0, 0.0])),
         "Case.estimate: values = '1 urad' is no length",
     ),
+    "estimate: a table outside": (lambda: mill().estimate(TABLE | {"X_mm": [9e3]}), "readings, line 2: X = 9000 mm"),
+    "estimate: a short column": (lambda: mill().estimate(TABLE | {"X_mm": []}), "readings: the table has columns of"),
+    "estimate: a name for a column": (lambda: mill().estimate(TABLE | {"setup": "l"}), "readings: the table has col"),
+    "estimate: another unit": (lambda: mill().estimate(ac.Readings(LINE, [9.0] * 3)), "readings: 3 of 3 readings are"),
     "estimate: of another machine": (lambda: mill().estimate(read(SHORT)), "Case.estimate: places, line 1"),
     "read: None": (lambda: known().read(None), "Estimated.read: readings"),
     "read: places": (lambda: known().read(LINE), "Estimated.read: readings"),
@@ -129,6 +145,19 @@ MISUSES: dict[str, tuple[Callable[[], object], str]] = {
     "deviation: no such axis": (lambda: known().deviation({"Q": 1}), "Estimated.deviation: poses: the machine has no"),
     "known: a covariance below zero": (lambda: mill().known(np.zeros(168), -np.eye(168)), "Case.known: covariance"),
     "known: NaN": (lambda: mill().known(np.full(168, NAN), np.eye(168)), "Case.known: mean"),
+    "known: too short": (lambda: mill().known([0.0], [[1.0]]), "Case.known: mean has the shape (1,)"),
+    "known: no such error": (lambda: known()["EXQ"], "Estimated: name = 'EXQ' is no error. Errors are EXX, "),
+    "deviation: both sides": (lambda: known().deviation(LINE.poses, approach="both"), "Estimated.deviation: approach"),
+    "export: nowhere": (lambda: known().export("linuxcnc", None), "Estimated.export: folder = None is none"),
+    "case: learn of a word": (
+        lambda: anything.Case(mill().description.machine, [], learn="yes"),
+        "Case: learn = 'yes'",
+    ),
+    "case: set-ups of names": (lambda: anything.Case(mill().description.machine, ["a"]), "Case: setups = 'a' is none"),
+    "next: after another machine": (
+        lambda: mill().next(after=elsewhere()),
+        "Case.next: after is an estimate of another",
+    ),
     "shows: None": (lambda: mill().shows(LINE, None), "Case.shows: x"),
     "curve: a ragged list": (lambda: known()["EXX"]([[1, 2], [3]]), "Curve: t"),
     "curve: a billion knots": (lambda: ac.Curve([0, 1], 1e-6, knots=10**9), "Spline: knots"),
