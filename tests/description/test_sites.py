@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts, read_campaign
-from axiscal.exceptions import DescriptionError, InputError
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.exceptions import InputError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from tests.generators.campaigns import built_in
@@ -67,14 +67,6 @@ def test_a_plane_of_two_directions_and_the_cone_of_an_artefact_hold_for_a_bar() 
     assert setup.chart.cone == pytest.approx(math.radians(40))
 
 
-def test_errors_of_two_axes_count_against_a_stroke_where_no_other_is_stated() -> None:
-    source = load_machine("three-axis-mill").text.partition("[errors]")[0]
-    source += '[errors]\nEZXY = { std = "500 um", knots = [5, 5], length = ["100 mm", "100 mm"] }\n'
-    bar = BAR.replace('["0 mm", "0 mm", "100 mm"]', '["300 mm", "200 mm", "30 mm"]') + 'stroke = "20 um"\n'
-    with pytest.raises(DescriptionError, match="the machine may deviate by"):
-        campaign_from_texts(f'machine = "m"\n{bar}', "campaign.toml", source, "m")
-
-
 def test_a_nest_is_read_at_one_ball_in_touch() -> None:
     (setup,) = described(SPHERES + TOUCHED.replace("sphere", "rtest", 1) + 'ball = "high"\nmoves = ["C"]\n').setups
     assert isinstance(setup.chart, Held)
@@ -126,32 +118,8 @@ def test_more_balls_than_a_plan_can_choose_from_are_refused() -> None:
         described(f"{MANY}\n{TOUCHED}")
 
 
-def test_a_ball_beside_the_plane_of_two_slides_is_refused_in_words(tmp_path: Path) -> None:
-    """A lathe: no turn of C brings a ball far off its plane into it, and nothing is nearest."""
-    (tmp_path / "lathe.toml").write_text(
-        """chain = "w-C'-b-Z-X-t"
-axes.C = { travel = ["-30 deg", "30 deg"], origin = ["0 mm", "0 mm", "0 mm"] }
-axes.X = { travel = ["-300 mm", "300 mm"] }
-axes.Z = { travel = ["-300 mm", "300 mm"] }
-errors.EXX = { std = "5 um" }
-"""
-    )
-    path = tmp_path / "campaign.toml"
-    balls = 'balls = { low = ["20 mm", "90 mm", "40 mm"] }\n'
-    path.write_text(
-        f'machine = "lathe.toml"\n[target]\nreadings = 5\n[[artefacts]]\nname = "spheres"\n{balls}{TOUCHED}'
-    )
-    with pytest.raises(InputError) as refused:
-        read_campaign(path)
-    assert "Z and X alone never carry the tool point so far aside" in str(refused.value)
-
-
-def test_a_sphere_without_a_ball_is_refused_where_readings_are_asked_for_and_opens_where_they_exist(
-    tmp_path: Path,
-) -> None:
+def test_a_sphere_without_a_ball_opens_where_readings_exist(tmp_path: Path) -> None:
     path = tmp_path / "campaign.toml"
     path.write_text('machine = "dmu60"\n[target]\nreadings = 9\n[[setups]]\nname = "s"\ninstrument = "sphere"\n')
-    with pytest.raises(DescriptionError, match=r'where the sphere of "s" reads\. .*with its place'):
-        read_campaign(path)
     (setup,) = read_campaign(path, asking=False).setups
     assert setup.lacks is not None

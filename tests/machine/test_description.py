@@ -125,15 +125,6 @@ def test_spacing_and_length_give_equidistant_knots(entry: ErrorEntry, count: int
     assert gaps == pytest.approx([0.6 / (count - 1)] * (count - 1))
 
 
-def test_too_many_knots_are_refused() -> None:
-    axis = Axis("X", False, (0.0, 1.0))
-    assert ErrorEntry("EXX", 1e-6, spacing=1 / 399).knot_count(axis) == 400
-    with pytest.raises(DescriptionError, match="401 knots are too many"):
-        ErrorEntry("EXX", 1e-6, spacing=1 / 400).knot_count(axis)
-    with pytest.raises(DescriptionError, match="3 knots over a full turn are too few"):
-        ErrorEntry("ECC", 1e-6, knots=3).knot_count(Axis("C", False, (0.0, math.tau)))
-
-
 def test_a_full_turn_is_cyclic_to_a_nanoradian_and_a_linear_axis_never() -> None:
     assert Axis("C", True, (1.0, 1.0 + math.tau + 5e-10)).cyclic
     assert not Axis("C", True, (1.0, 1.0 + math.tau - 5e-9)).cyclic

@@ -140,16 +140,9 @@ def test_a_mesh_in_a_file_that_is_included_is_read(tmp_path: Path) -> None:
     assert len(places(tmp_path / "mesh.cfg")) == X.size * Y.size
 
 
-def test_touches_of_an_earlier_gantry_are_no_map_and_two_maps_are_refused(tmp_path: Path) -> None:
+def test_touches_of_an_earlier_gantry_are_no_map(tmp_path: Path) -> None:
     map_of_four = "".join(f"// probe at {x},{y} is z=0.0{x}\n" for x in (10, 20) for y in (30, 40))
     before = "// probe at 10,30 is z=9\n// Making the following Z adjustments:\n// stepper_z = 0.1\n"
     end, path = "// Mesh Bed Leveling Complete\n", tmp_path / "console.txt"
     path.write_text(before + map_of_four + end)
     assert places(path) == {(x, y): pytest.approx(x / 1000) for x in (10, 20) for y in (30, 40)}
-    path.write_text(map_of_four + end + map_of_four + end)
-    with pytest.raises(ReadingError, match="2 maps"):
-        read_any(path)
-    bed_of_marlin = "Recv: G29 Auto Bed Leveling\nRecv: Bed X: 10.000 Y: 30.000 Z: 0.078\n"
-    path.write_text(bed_of_marlin + bed_of_marlin)
-    with pytest.raises(ReadingError, match="2 maps"):
-        read_any(path)
