@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from axiscal.answers.answer_of_campaign import answered
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -19,7 +18,8 @@ from axiscal.numerics import Array
 from axiscal.planning.unseen import uniform_parts
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.campaigns import on
+from tests.generators.texts import machine_text, setup_text
 
 LASER = setup_text("laser", "interferometer", direction="x", moves=["X"], approach="both", unknowns={"zero": "1 mm"})
 EDGE = setup_text("edge", "indicator", direction="y", moves=["X"], approach="both", unknowns={"zero": "1 mm"})
@@ -31,7 +31,7 @@ CURVE = 'std = "10 um", length = "150 mm"'
 
 def _case(chain: str, travels: dict[str, tuple[float, float]], errors: dict[str, str], *setups: str) -> Case:
     machine = machine_text(chain, travels, errors, name="m")
-    return Case(campaign_from_texts(campaign_text("m", *setups, target={"U": "5 um"}), "c.toml", machine, "m"))
+    return Case(on(machine, *setups, target={"U": "5 um"}))
 
 
 def _straight() -> Case:

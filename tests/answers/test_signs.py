@@ -23,6 +23,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.summarising import iso230_blocks
+from tests.generators.campaigns import on
 from tests.generators.texts import Said, campaign_text, setup_text
 
 TOO_FAR, OPENS, LAGS = 40e-6, 25e-6, 6e-6
@@ -62,8 +63,7 @@ def laser(machine: Machine, stands: Mapping[str, float], against: bool) -> str:
 
 def described(machine: Machine, setup: str, *wants: str) -> CampaignDescription:
     """Return a campaign of one set-up."""
-    text = campaign_text("m", setup, target={"readings": 60, "wants": list(wants)})
-    return campaign_from_texts(text, "c.toml", machine.text, "m")
+    return on(machine.text, setup, target={"readings": 60, "wants": list(wants)})
 
 
 @pytest.mark.parametrize("against", [False, True])

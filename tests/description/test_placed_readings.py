@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.placed_readings import placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.csv_readings import Around, RawReading
 from axiscal.measurement.readers.files import recognised
-from tests.generators.campaigns import built_in
-from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
+from tests.generators.campaigns import built_in, on
+from tests.generators.texts import artefact_text, machine_text, setup_text
 
 MILL = setup_text(
     "laser", "interferometer", direction="x", moves=["X"], park={"Y": "250 mm", "Z": "100 mm"}
@@ -130,7 +129,7 @@ WIDE = machine_text("w-b-X-t", {"X": (-350, 600)}, {"EXX": "10 um"})
 def placed_x(tmp_path: Path, unit: str, text: str) -> float:
     """Return where a table has X, m, on a travel from -350 mm to 600 mm."""
     laser = setup_text("laser", "interferometer", direction="x", moves=["X"])
-    campaign = campaign_from_texts(campaign_text("m", laser), "c.toml", WIDE, "m")
+    campaign = on(WIDE, laser)
     file = tmp_path / "readings.csv"
     file.write_text(f"setup,X_{unit},approach,value_um\nlaser,{text},X+,1\n")
     raw = recognised(file, Around(campaign.machine.axes, campaign.setups)).found.readings

@@ -5,22 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine.description import machine_from_text
 from axiscal.measurement.reading import Reading
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.campaigns import on
+from tests.generators.texts import machine_text, setup_text
 
 _MACHINE = machine_text("w-b-X-t", {"X": (0, 600)}, {"EXX": 'std = "8 um", length = "200 mm"'})
 _PITCH = 'EXX_pitch = { std = "5 um", period = "50 mm", harmonics = 2 }\n'
-_CAMPAIGN = campaign_text(
-    "m",
-    setup_text("laser", "interferometer", direction="x", noise="0.5 um", unknowns={}),
-    target={"readings": 14},
-    usual="off",
-)
+_LASER = setup_text("laser", "interferometer", direction="x", noise="0.5 um", unknowns={})
 
 
 def test_a_pitch_is_a_sum_of_waves_of_falling_size() -> None:
@@ -42,7 +37,7 @@ def test_steps_are_independent_of_each_other() -> None:
 
 
 def test_readings_find_a_pitch_between_what_a_curve_can_follow() -> None:
-    case = Case(campaign_from_texts(_CAMPAIGN, "c.toml", _MACHINE + _PITCH, "m.toml"))
+    case = Case(on(_MACHINE + _PITCH, _LASER, target={"readings": 14}, usual="off"))
     places = np.linspace(0.004, 0.596, 23)
     truth = 5e-6 * np.sin(2 * np.pi * places / 0.05 + 0.4) + 3e-6 * (places / 0.3 - 1)
     readings = [Reading("laser", (float(x),), (1,), float(v)) for x, v in zip(places, truth, strict=True)]

@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.agreement_words import agreement_words
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of, rows_at
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.campaigns import on
+from tests.generators.texts import machine_text, setup_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", knots = 21'})
 LASER = setup_text("laser", "interferometer", direction="x", noise="0.5 um", unknowns={"zero": "100 um"})
-CAMPAIGN = campaign_text("m", LASER, target={"readings": 20}, usual="off", sure="exactly")
-CASE = Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
+CASE = Case(on(MACHINE, LASER, target={"readings": 20}, usual="off", sure="exactly"))
 EVEN = np.linspace(0.02, 0.98, 13)
 DRAWN = np.array([0.131, 0.377, 0.528, 0.816])
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.volume import Counted
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.numerics import Array
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.campaigns import on
+from tests.generators.texts import machine_text, setup_text
 
 MACHINE = machine_text(
     "w-X'-b-Z-t",
@@ -26,13 +26,8 @@ MACHINE = machine_text(
     },
     tool=100,
 )
-CAMPAIGN = campaign_text(
-    "machine.toml",
-    setup_text("laser", "interferometer", direction="x", moves=["X"], approach="both", unknowns={"zero": "1 mm"}),
-    target={"readings": 12, "aligned": False},
-    usual="off",
-)
-CASE = Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
+LASER = setup_text("laser", "interferometer", direction="x", moves=["X"], approach="both", unknowns={"zero": "1 mm"})
+CASE = Case(on(MACHINE, LASER, target={"readings": 12, "aligned": False}, usual="off"))
 ALL: Counted = (True, True, True)
 WAYS = [
     ((False, False, False), ALL),

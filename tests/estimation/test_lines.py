@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import RowName
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.functional import PLACES, line_of, seen_by, through_the_volume
-from axiscal.estimation.known_rows import KnownRow, _turned
-from axiscal.machine import load_machine
+from axiscal.estimation.known_rows import KnownRow
 from axiscal.measurement.reading import Reading
+from tests.generators.campaigns import built_in
 from tests.generators.texts import Said, campaign_text, setup_text
 
 
@@ -28,8 +28,7 @@ def described(*setups: tuple[str, str, str], **target: Said) -> CampaignDescript
         )
         for name, moves, direction in setups
     ]  # fmt: skip
-    text = campaign_text("m", *texts, target={"readings": 5, **target})
-    return campaign_from_texts(text, "c.toml", load_machine("three-axis-mill").text, "m")
+    return built_in(campaign_text("three-axis-mill", *texts, target={"readings": 5, **target}))
 
 
 def at(name: str, *places: tuple[tuple[float, float, float], int]) -> list[Reading]:
@@ -74,8 +73,7 @@ def test_places_a_micrometre_apart_are_one() -> None:
 def test_a_line_through_the_volume_is_in_its_middle_and_rotary_axes_stand_at_nought() -> None:
     volume: dict[str, Said] = {"X": ["10 mm", "50 mm"], "Z": ["150 mm", "250 mm"], "B": ["10 deg", "50 deg"]}
     nest = setup_text("nest", "rtest", station=["150 mm", "0 mm", "100 mm"])
-    text = campaign_text("m", nest, target={"readings": 5, "volume": volume})
-    found = campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "m")
+    found = built_in(campaign_text("dmu60", nest, target={"readings": 5, "volume": volume}))
     names = [axis.name for axis in found.machine.axes]
     middle = {name: sum(bounds) / 2 for name, bounds in zip(names, found.target.volume, strict=True)} | {"C": 0.0}
     line = through_the_volume(found, names.index("X"), [])
@@ -180,13 +178,3 @@ def test_a_row_is_measured_at_half_of_what_it_was_and_reached_at_its_limit() -> 
     assert [row(known=known).settled for known in (5e-6, 5.1e-6)] == [True, False]
     described_by = ((0.0, None), (2e-12, None), (0.0, 1e-6))
     assert [row(before=before, limit=limit).described for before, limit in described_by] == [False, True, True]
-
-
-def test_the_same_reading_once_more_comes_from_the_other_side_ten_seconds_later() -> None:
-    (setup,) = described(("laser", "X", "x")).setups
-    taken = at("laser", ((0.1, 0.0, 0.0), 1), ((0.3, 0.0, 0.0), 1))
-    readings = [replace(each, time=60.0 * i) for i, each in enumerate(taken)]
-    line = line_of(setup, readings, described(("laser", "X", "x")).machine)
-    after = [*readings, Reading("other", (0.0, 0.0, 0.0), (1, 1, 1), 0.0)]
-    assert _turned(after, line) == replace(readings[1], approach=(-1, 1, 1), time=70.0, accepted=True)
-    assert _turned([replace(readings[1], time=None)], line).time is None

@@ -7,30 +7,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.term import Term
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import unit_guess
-from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.findings import findings
+from tests.generators.campaigns import built_in
 from tests.generators.texts import campaign_text, setup_text
 
-CAMPAIGN = campaign_text(
-    "one-axis", setup_text("laser", "interferometer", direction="x", approach="both"), target={"readings": 40}
-)
+LASER = setup_text("laser", "interferometer", direction="x", approach="both")
+CASE = Case(built_in(campaign_text("one-axis", LASER, target={"readings": 40})))
 
 
-def _description(head: str = "") -> CampaignDescription:
-    return campaign_from_texts(head + CAMPAIGN, "campaign.toml", load_machine("one-axis").text, "one-axis")
-
-
-def _readings(seed: int, count: int = 30, head: str = "") -> list[Reading]:
-    """Return readings of a machine that is drawn.  head : first lines of its campaign"""
-    description, rng = _description(head), np.random.default_rng(seed)
+def _readings(seed: int, count: int = 30) -> list[Reading]:
+    """Return readings of a machine that is drawn."""
+    description, rng = CASE.description, np.random.default_rng(seed)
     machine = Simulator(description.machine, description.setups).drawn(seed)
     setup = description.setups[0]
 
@@ -42,11 +36,11 @@ def _readings(seed: int, count: int = 30, head: str = "") -> list[Reading]:
 
 
 def _calibrated(readings: list[Reading]) -> Estimation:
-    return estimated(Case(_description()), readings)
+    return estimated(CASE, readings)
 
 
 def _estimated(readings: list[Reading]) -> Estimation:
-    return concluded(Case(_description()), readings)
+    return concluded(CASE, readings)
 
 
 def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma() -> None:

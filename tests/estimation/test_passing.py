@@ -11,16 +11,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.passing import passing_columns
-from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
-from tests.generators.campaigns import drawn, mixed
+from tests.generators.campaigns import built_in, drawn, mixed
 from tests.generators.laser_axis import CASE, machine, read
 from tests.generators.texts import campaign_text, setup_text
 
@@ -31,8 +29,7 @@ SIDES = (1, 1, 1, 1, -1, -1, -1)
 def axis(approach: str = "both", usual: str = "on") -> Case:
     """Return an axis with a reversal of 4 um under a laser."""
     laser = setup_text("laser", "interferometer", direction="x", approach=approach, noise="0.5 um")
-    text = campaign_text("m", laser, target={"readings": 20}, usual=usual)
-    return Case(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis"))
+    return Case(built_in(campaign_text("one-axis", laser, target={"readings": 20}, usual=usual)))
 
 
 OUT_AND_BACK = [

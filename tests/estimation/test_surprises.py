@@ -15,14 +15,13 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.judged import bent, limit, nearest_first, surprises
 from axiscal.estimation.stations import tips
 from axiscal.exceptions import ReadingError
-from axiscal.machine import load_machine
 from axiscal.measurement.cells import wandering
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator
 from benchmarks.nonlinear.stations import at_once, tracers
 from benchmarks.trust.virtual import described, read_evenly
-from tests.generators.campaigns import drawn, mixed
+from tests.generators.campaigns import built_in, drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
 from tests.generators.problems import readings_of
 from tests.generators.texts import campaign_text, setup_text
@@ -78,7 +77,7 @@ def test_a_zero_that_drifts_is_less_sure_the_farther_in_time_from_the_first_one_
 
 OPEN = {"turn_x": "3 mrad", "turn_y": "4 mrad"} | {f"zero_{axis}": "1 mm" for axis in "xyz"}
 TRACKER = campaign_text(
-    "m",
+    "three-axis-mill",
     setup_text("tracker", "tracker", station=["-2 m", "0.3 m", "0.1 m"], unknowns=OPEN),
     target={"readings": 1},
 )
@@ -93,8 +92,7 @@ def test_a_distance_bends_by_the_square_of_what_lies_aside_over_twice_the_distan
 
 
 def test_a_tracker_bends_by_half_of_the_square_of_its_turn_at_the_tool() -> None:
-    text = load_machine("three-axis-mill").text
-    case = Case(campaign_from_texts(TRACKER, "c.toml", text, "m"))
+    case = Case(built_in(TRACKER))
     (setup,), pose = case.description.setups, (0.1, 0.2, 0.3)
     (place,) = tips(case, [Reading("tracker", pose, (1, 1, 1), 0.0)])
     away = np.linalg.norm(place - np.array([-2.0, 0.3, 0.1]))
@@ -158,9 +156,7 @@ def test_most_of_a_file_has_to_be_implausible(monkeypatch: pytest.MonkeyPatch) -
 def test_a_dial_that_shows_the_same_six_times_is_not_taken_for_another_unit() -> None:
     """Its zero takes the figure up, in whichever unit."""
     dial = setup_text("dial", "indicator", direction="z", moves=["X"])
-    text = campaign_text("three-axis-mill", dial, target={"readings": 6})
-    mill = load_machine("three-axis-mill")
-    description = campaign_from_texts(text, "campaign.toml", mill.text, "three-axis-mill")
+    description = built_in(campaign_text("three-axis-mill", dial, target={"readings": 6}))
     park = description.setups[0].park[1:]
     same = [Reading("dial", (0.1 * (1 + n), *park), (1, 0, 0), 5e-6) for n in range(6)]
     refuse_implausible(same, description, "r.csv")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
-from tests.generators.texts import Said, campaign_text, machine_text, setup_text
+from tests.generators.campaigns import on
+from tests.generators.texts import Said, machine_text, setup_text
 
 MACHINE = machine_text(
     "w-b-X-Y-t",
@@ -23,8 +23,7 @@ def case(approach: Said) -> Case:
     laser = setup_text(
         "laser", "interferometer", direction="x", moves=["X"], unknowns={"zero": "1 mm"}, approach=approach
     )
-    text = campaign_text("m", laser, target={"readings": 9, "aligned": False}, usual="off", sure="exactly")
-    return Case(campaign_from_texts(text, "c.toml", MACHINE, "m"))
+    return Case(on(MACHINE, laser, target={"readings": 9, "aligned": False}, usual="off", sure="exactly"))
 
 
 def read(stated: Case, sides: tuple[int, ...]) -> Estimation:

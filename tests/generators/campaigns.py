@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
-from tests.generators.texts import campaign_text, setup_text
+from tests.generators.texts import Said, campaign_text, setup_text
 
 CAMPAIGN = campaign_text(
     "three-axis-mill",
@@ -26,6 +27,11 @@ def built_in(text: str, machine: str = "three-axis-mill") -> CampaignDescription
     named = re.match(r'machine = "(.*)"', text)
     whole, name = (text, named[1]) if named else (f'machine = "{machine}"\n{text}', machine)
     return campaign_from_texts(whole, "campaign.toml", load_machine(name).text, name)
+
+
+def on(machine: str, *setups: str, target: Mapping[str, Said] | None = None, **first: Said) -> CampaignDescription:
+    """Return a campaign of set-ups on a machine, by their texts.  target, first : as of `campaign_text`"""
+    return campaign_from_texts(campaign_text("m", *setups, target=target, **first), "c.toml", machine, "m")
 
 
 def mixed(first_line: str = "") -> Case:

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine.description import machine_from_text
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
-from tests.generators.texts import Said, campaign_text, machine_text, setup_text
+from tests.generators.campaigns import on
+from tests.generators.texts import Said, machine_text, setup_text
 
 STRAIN = 58.5e-6
 """By what the scale is longer at 25 degC."""
@@ -29,12 +29,8 @@ WARM: dict[str, Said] = {"temperature": "25 degC", "expansion": "11.7 um/m/K"}
 def test_a_warm_scale_of_a_true_machine_leaves_no_error(direction: str, sign: float, chain: str, std: str) -> None:
     """Along −x the carriage that goes too far reads −58.5 um/m; corrected the other way it would be 41 um."""
     laser = setup_text("laser", "interferometer", direction=direction, noise="0.5 um", **WARM, temperature_std=std)
-    text = campaign_text("m.toml", laser, target={"readings": 20})
-    case = Case(
-        campaign_from_texts(
-            text, "c.toml", machine_text(chain, {"X": (-200, 500)}, {"EXX": ("50 um", 5, 300)}, tool=0), "m.toml"
-        )
-    )
+    machine = machine_text(chain, {"X": (-200, 500)}, {"EXX": ("50 um", 5, 300)}, tool=0)
+    case = Case(on(machine, laser, target={"readings": 20}))
     places = np.linspace(-0.19, 0.49, 15).tolist()
     estimation = concluded(case, [Reading("laser", (x,), (1,), sign * STRAIN * (x - MIDDLE)) for x in places])
     assert np.max(np.abs(estimation.estimate().mean)) < 1e-9

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_approach, placed_readings
 from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import InputError, ReadingError
@@ -18,7 +18,8 @@ from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import FORMATS, Recognised, read_any, recognised
 from axiscal.measurement.readers.text_file import MOST_LINES
 from axiscal.present.delivery import read_in
-from tests.generators.texts import Said, campaign_text, machine_text, setup_text
+from tests.generators.campaigns import on
+from tests.generators.texts import Said, machine_text, setup_text
 from tests.generators.written_maps import EVERYWHERE, FORMS, DrawnMap, drawn
 from tests.measurement.test_instrument_files import RTL
 from tests.measurement.test_level_survey import SURVEY
@@ -42,7 +43,7 @@ def described(*, nodes: DrawnMap | None) -> CampaignDescription:
     if nodes is not None:
         said = {"map": {a: [f"{at[0]} mm", f"{at[-1]} mm", len(at)] for a, at in (("X", nodes.x), ("Y", nodes.y))}}
     probe = setup_text("probe", "probe", direction="z", moves=["X", "Y"], **said)
-    return campaign_from_texts(campaign_text("bed", probe), "c.toml", BED, "bed")
+    return on(BED, probe)
 
 
 def read(folder: Path, text: str | bytes, nodes: DrawnMap | None = None, unit: str = "") -> Recognised:
@@ -227,7 +228,7 @@ def test_a_side_alone_is_that_of_the_only_axis_that_moves(tmp_path: Path) -> Non
     text = "setup;X_mm;approach;value_um\ndial;100;+;1\ndial;200;-;2\n"
     (tmp_path / "r.csv").write_text(text, encoding="utf-8")
     dial = setup_text("dial", "straightedge", direction="z", moves=["X"])
-    campaign = campaign_from_texts(campaign_text("bed", dial), "c.toml", BED, "bed")
+    campaign = on(BED, dial)
     found = placed_readings(read_any(tmp_path / "r.csv"), campaign, "r.csv")
     assert [each.approach for each in found] == [(1, 0, 0), (-1, 0, 0)]
     with pytest.raises(ReadingError, match='names no axis, and "probe" moves X and Y'):
@@ -349,7 +350,7 @@ def test_a_straightness_test_is_without_its_line(tmp_path: Path) -> None:
 
 def test_klipper_prints_where_its_nozzle_stood_and_since_2025_where_the_bed_is_met(tmp_path: Path) -> None:
     probe = setup_text("probe", "probe", direction="z", moves=["X", "Y"], offset=["-33 mm", "-46 mm", "0 mm"])
-    campaign = campaign_from_texts(campaign_text("bed", probe), "c.toml", BED, "bed")
+    campaign = on(BED, probe)
     texts = "// probe at 133.000,96.000 is z=0.125000\n", "// probe: at 100.000,50.000 bed will contact at z=0.125000\n"
     for text in texts:
         path = tmp_path / "console.txt"
@@ -410,7 +411,7 @@ def test_points_may_have_names_times_and_remarks(tmp_path: Path, text: str) -> N
 def test_readings_of_few_whole_targets_are_used_without_figures(tmp_path: Path) -> None:
     (tmp_path / "r.csv").write_text("Pos_mm;1+_um;1-_um\n0;0,1;0,2\n100;-;1,2\n200;2,1;n/a\n", encoding="utf-8")
     laser = setup_text("laser", "interferometer", direction="x", moves=["X"], approach="both")
-    found = read_in(campaign_from_texts(campaign_text("bed", laser), "c.toml", BED, "bed"), tmp_path / "r.csv")
+    found = read_in(on(BED, laser), tmp_path / "r.csv")
     assert len(found.readings) == 4
     assert not found.extras.iso230
     assert "4 of 6 cells, for set-up laser" in found.told
