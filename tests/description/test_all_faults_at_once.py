@@ -26,13 +26,6 @@ travel = ["0 mm", "200 mm"]
 EXX = { std = "20 um" }
 EYY = { std = "20 um" }
 """
-CAMPAIGN = campaign_text(
-    "machine.toml",
-    setup_text("x", "probe", direction="x"),
-    setup_text("y", "probe", direction="y"),
-    target={"readings": 5},
-    compensation_active=False,
-)
 LASER = campaign_text(
     "machine.toml",
     setup_text("x", "interferometer", direction="x", moves=["X"]),
@@ -43,22 +36,6 @@ LASER = campaign_text(
 
 def lines_of(text: str) -> list[int]:
     return [int(number) for number in re.findall(r"\bline (\d+)", text)]
-
-
-def test_set_ups_and_readings_name_all_their_faults(tmp_path: Path, command: Command) -> None:
-    (tmp_path / "machine.toml").write_text(GOOD)
-    campaign, readings = tmp_path / "campaign.toml", tmp_path / "readings.csv"
-    campaign.write_text(
-        CAMPAIGN.replace('direction = "x"', 'direction = "q"').replace('direction = "y"', 'moves = ["Q"]')
-    )
-    readings.write_text("setup,X_mm,Y_mm,value_um\nx,10,10,1\n")
-    arguments = ["estimate", str(campaign), str(readings), "--out", str(tmp_path / "out")]
-    assert len(lines_of(command(*arguments).refusal)) == 2
-    campaign.write_text(CAMPAIGN)
-    readings.write_text("setup,X_mm,Y_mm,value_um\nx,10,10,1\nx,10,ten,1\nx,20,10,\ny,30,10,many\n")
-    assert sorted(lines_of(command(*arguments).refusal)) == [3, 4, 5]
-    readings.write_text("setup,X_mm,Y_mm,value_um\nx,10,10,1\nx,999,10,1\nz,20,10,2\n")
-    assert sorted(lines_of(command(*arguments).refusal)) == [3, 4]
 
 
 def test_no_more_than_five_are_said_beside_the_first() -> None:

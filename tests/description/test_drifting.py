@@ -19,6 +19,8 @@ from tests.generators.texts import machine_text
 HOUR = 3600.0
 MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX": "20 um", "EAX": "20 urad"})
 HEAD = 'machine = "machine.toml"\n[target]\nreadings = 5\n[[setups]]\nname = "it"\n'
+USUAL, STATED = "with zeros that wander as is usual, {}", "with zeros that wander as stated, {}"
+DENIED = "as if nothing drifted: you said that nothing drifts"
 LASER = 'instrument = "interferometer"\ndirection = "x"\n'
 
 
@@ -27,24 +29,31 @@ def described(lines: str) -> Setup:
 
 
 @pytest.mark.parametrize(
-    ("lines", "per_hour", "said"),
+    ("lines", "per_hour", "said", "words"),
     [
-        (LASER + 'moves = ["X"]', 5e-6, "usual"),
-        (LASER + 'moves = ["X"]\nwarm = true', 3e-6, "usual"),
-        (LASER + 'moves = ["X"]\ndrift = "2 um/h"\nwarm = true', 2e-6, "stated"),
-        (LASER + 'moves = ["X"]\ndrift = "0"', 0.0, "denied"),
-        (LASER + 'moves = ["X"]\ndrift = "0 um/h"', 0.0, "denied"),
-        (LASER + 'moves = ["X"]\nunknowns = {}', 0.0, "nothing"),
-        (LASER + 'moves = ["X", "Y"]', 0.0, "nothing"),
-        ('instrument = "level"\ndirection = "x"\nmoves = ["X"]', 2e-6, "usual"),
-        ('instrument = "indicator"\ndirection = "x"\nmoves = ["X"]', 10e-6, "usual"),
-        ('instrument = "indicator"\ndirection = "x"\nmoves = ["X"]\nwarm = true', 3e-6, "usual"),
+        (LASER + 'moves = ["X"]', 5e-6, "usual", [USUAL.format("5 um/h")]),
+        (LASER + 'moves = ["X"]\nwarm = true', 3e-6, "usual", [USUAL.format("3 um/h")]),
+        (LASER + 'moves = ["X"]\ndrift = "2 um/h"\nwarm = true', 2e-6, "stated", [STATED.format("2 um/h")]),
+        (LASER + 'moves = ["X"]\ndrift = "0"', 0.0, "denied", [DENIED]),
+        (LASER + 'moves = ["X"]\ndrift = "0 um/h"', 0.0, "denied", [DENIED]),
+        (LASER + 'moves = ["X"]\nunknowns = {}', 0.0, "nothing", []),
+        (LASER + 'moves = ["X", "Y"]', 0.0, "nothing", []),
+        ('instrument = "level"\ndirection = "x"\nmoves = ["X"]', 2e-6, "usual", [USUAL.format("2 urad/h")]),
+        ('instrument = "indicator"\ndirection = "x"\nmoves = ["X"]', 10e-6, "usual", [USUAL.format("10 um/h")]),
+        (
+            'instrument = "indicator"\ndirection = "x"\nmoves = ["X"]\nwarm = true',
+            3e-6,
+            "usual",
+            [USUAL.format("3 um/h")],
+        ),
     ],
 )
-def test_a_zero_wanders_as_stated_else_as_is_usual_of_its_instrument(lines: str, per_hour: float, said: str) -> None:
+def test_a_zero_wanders_as_stated_else_as_is_usual_of_its_instrument_and_a_report_says_so(
+    lines: str, per_hour: float, said: str, words: list[str]
+) -> None:
     setup = described(lines)
     assert setup.drift * HOUR == pytest.approx(per_hour)
-    assert setup.drift_said == said
+    assert (setup.drift_said, drift_words([setup])) == (said, words)
 
 
 def test_a_record_of_before_keeps_a_zero_that_stands_still(tmp_path: Path) -> None:
@@ -55,16 +64,3 @@ def test_a_record_of_before_keeps_a_zero_that_stands_still(tmp_path: Path) -> No
     Record.create(tmp_path / "old.axiscal", created).close()
     with Campaign.open(tmp_path / "old.axiscal") as campaign:
         assert campaign.description.setups[0].drift == 0.0
-
-
-@pytest.mark.parametrize(
-    ("lines", "words"),
-    [
-        ('moves = ["X"]', ["with zeros that wander as is usual, 5 um/h"]),
-        ('moves = ["X"]\ndrift = "1 um/h"', ["with zeros that wander as stated, 1 um/h"]),
-        ('moves = ["X"]\ndrift = "0"', ["as if nothing drifted: you said that nothing drifts"]),
-        ('moves = ["X", "Y"]', []),
-    ],
-)
-def test_a_report_says_what_is_taken_for_granted_of_zeros(lines: str, words: list[str]) -> None:
-    assert drift_words([described(LASER + lines)]) == words

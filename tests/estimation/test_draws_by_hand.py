@@ -9,10 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.posterior import _may_be_a_detail, _surely, sorted_out
-from axiscal.estimation.promise.problem import _cell_root
-from axiscal.machine import load_machine
 from axiscal_core import left_out as left_out_of
 from axiscal_core.draws import Mode, Weighed, draws, mode, weighed
 from axiscal_core.left_out import LeftOut, left_out
@@ -115,20 +112,6 @@ def test_of_an_error_so_much_is_there_with_99_percent() -> None:
     assert _surely(problem, large) == 1.0  # type: ignore[arg-type]
     sure = SimpleNamespace(thetas=THETAS * [0.0, 1.0, 1.0], weights=WEIGHTS)  # noise and length alone are in doubt
     assert _surely(problem, sure) == 1.0  # type: ignore[arg-type]
-
-
-def test_rests_of_a_curve_go_together_by_halves_within_six_percent_of_the_travel() -> None:
-    errors = ErrorModel(load_machine("three-axis-mill"))
-    term = next(each for each in errors.functions if each.name == "EXX")
-    wide = round(0.06 * term.cell_count)
-    assert wide > 1
-    cells = [0, wide - 1, wide, 3 * wide, 3 * wide + 1]
-    root = _cell_root(term, cells)
-    expected = np.eye(5)
-    expected[0, 1] = expected[1, 0] = expected[3, 4] = expected[4, 3] = 0.5
-    np.testing.assert_allclose(root @ root.T, expected, atol=1e-12)
-    plane = ErrorModel(load_machine("printer-gantry")).planes[0]
-    np.testing.assert_array_equal(_cell_root(plane, [1, 2]), np.eye(2))
 
 
 def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:

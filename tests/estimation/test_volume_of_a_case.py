@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -13,13 +14,16 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading_rows import seen
-from tests.generators.campaigns import drawn, mixed
+from tests.generators.campaigns import CAMPAIGN, built_in, drawn
 from tests.generators.texts import machine_text
+
+WARM = 'temperature = "23 degC"\ntemperature_std = "1 K"\nexpansion = "11.7 um/m/K"\n'
 
 
 def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     """By the gain K of all readings: V (I − KH) B with B Bᵀ the part of the prior, noise by V K of its readings."""
-    case = mixed('usual = "off"\nsure = "exactly"')
+    exact = CAMPAIGN.replace("\n", '\nusual = "off"\nsure = "exactly"\n', 1)
+    case = Case(built_in(exact.replace('"probe"\n', f'"probe"\n{WARM}', 1)))
     known = concluded(case, drawn(case, 30))
     observation, size = known.knowledge.observation, case.errors.size
     numbers = seen(observation, known.readings)
@@ -44,7 +48,9 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     drifts = sorted({column for course in observation.courses.values() for column in course.columns})
     cells = sorted(observation.cells.values())
     assert len(drifts) + len(cells) + len(unknowns) + size == len(prior)
-    assert found["set-up", ""] == pytest.approx(of(unknowns), rel=1e-4)
+    growth = size + [unknown.name for unknown in observation.unknowns].index("growth")
+    assert found["temperature", ""] == pytest.approx(of([growth]), rel=1e-4)
+    assert found["set-up", ""] == pytest.approx(of([each for each in unknowns if each != growth]), rel=1e-4)
     assert found["drift", ""] == pytest.approx(of(drifts), rel=1e-4)
     rest = known.case.yardstick.moments.rest
     assert found["detail", ""] == pytest.approx(np.sqrt(of(cells) ** 2 + rest), rel=1e-4)
@@ -52,7 +58,13 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     never = float(np.linalg.norm(sized.root.matrix @ sized.unseen))  # shifts that do not count too
     assert found["prior", ""] == pytest.approx(np.sqrt(of(range(size)) ** 2 - never**2), rel=1e-4)
     assert found["unseen", ""] == pytest.approx(sized.unseen_rms)
-    assert (found["temperature", ""], found["artefact", ""]) == (0.0, 0.0)
+    assert found["artefact", ""] == 0.0
+    assert known.posterior is not None
+    disagreeing = replace(known.posterior.agreement, count=30, c2=4.0)
+    wide = budget(replace(known, posterior=replace(known.posterior, agreement=disagreeing)))
+    assert next(share.rms for share in wide if share.setup == "probe") == pytest.approx(
+        2 * found["instrument", "probe"]
+    )
 
 
 @pytest.mark.parametrize("middle", [0, -250, 2000])

@@ -24,7 +24,7 @@ from axiscal.measurement.readers.csv_table import (
     unshielded,
 )
 from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.readers.text_file import TextFile, lines_of, read_text
+from axiscal.measurement.readers.text_file import TextFile, lines_of
 from axiscal.measurement.simulation import read_truth
 
 READINGS = """setup,X_mm,Y_mm,B_deg,approach,value_um,value_arcsec,std_um
@@ -134,13 +134,6 @@ def test_a_number_is_read_only_when_everybody_reads_it_so(cell: str) -> None:
     plain = "".join("." if each == decimal else each for each in kept)
     assert value == float(plain)
     assert set(plain) <= set("0123456789.eE+-")
-
-
-def test_a_table_that_cannot_be_opened_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ReadingError, match="there is no such file"):
-        read_text(tmp_path / "none.csv")
-    with pytest.raises(ReadingError, match="is not a file name"):
-        read_text("a\0b.csv")
 
 
 FORMULAS = [

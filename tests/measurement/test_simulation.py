@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -107,14 +106,6 @@ def test_a_curve_of_an_axis_that_is_not_there_is_refused() -> None:
     curve = TruthCurve(np.array([0.0, 1.0]), np.array([0.0, 0.0]))
     with pytest.raises(ReadingError, match="error of axis Y"):
         Simulator(load_machine("one-axis"), ()).with_curves({"EYY": curve}, seed=1)
-
-
-def test_what_a_display_rounds_off_counts_at_once() -> None:
-    (setup,) = observed('noise = "1 um"\nresolution = "5 um"').setups
-    assert setup.noise == pytest.approx(math.sqrt(1e-12 + 25e-12 / 12))
-    assert setup.scatter == pytest.approx(1e-6)
-    (bare,) = observed('noise = "1 um"').setups
-    assert (bare.noise, bare.scatter, bare.resolution) == (1e-6, 1e-6, 0.0)
 
 
 def test_a_simulated_display_shows_whole_steps() -> None:

@@ -102,7 +102,6 @@ def test_a_plan_says_its_figures_and_shows_itself() -> None:
     )
 
 
-LASER = ac.setup("interferometer", "x")
 LINE = ac.Places("laser", [[x, 0.1, 0.2] for x in np.linspace(0.02, 0.58, 8).round(3)], [[1.0, 0.0, 0.0]] * 8)
 
 
