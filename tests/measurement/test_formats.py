@@ -195,17 +195,6 @@ def test_a_unit_is_taken_where_the_file_names_none(tmp_path: Path) -> None:
         found = read(tmp_path, MAPS[0].text(form), unit="inch")
         assert heights(found) == pytest.approx(inches, abs=1e-6)
         assert found.sentence(["probe"]).endswith("25 of 25 cells, in inch, for set-up probe.")
-    table = read(tmp_path, "setup;X;value\nprobe;1;0,001\n", unit="inch").found.readings[0]
-    assert (table.position["X"], table.value) == pytest.approx((0.0254, 25.4e-6))
-    assert heights(read(tmp_path, "$13=1\n[PRB:1.0,2.0,-0.1:1]\n")) == {(25.4, 50.8): pytest.approx(-2.54)}
-    for head in ("X [in];Y [in];Z [in]", "x_inch y_inch z_inch", "X (IN)\tY (IN)\tZ (IN)"):
-        assert heights(read(tmp_path, f"{head}\n1;2;0,1\n")) == {(25.4, 50.8): pytest.approx(2.54)}
-    for head in ("X [mm]\tY [mm]\tZ [µm]", "x_mm;y_mm;dz_um", "X (mm) Y (mm) Z (µm)"):
-        assert heights(read(tmp_path, f"{head}\n1 2 100\n")) == {(1.0, 2.0): pytest.approx(0.1)}
-    for head, point in (("Punkt;X;Y;Z", "P 1;1;2;0,1"), ("No. X Y Z", "1 1 2 0,1"), ("no,x,y,z", "1,1,2,0.1")):
-        assert heights(read(tmp_path, f"{head}\n{point}\n")) == {(1.0, 2.0): pytest.approx(0.1)}
-    for point in ("X1 Y2 Z0.1", "x1.0,y2.0,z.1", "X: 1.00 Y: 2.00 Z: 0.10", "X=1; Y=2; Z=0,1"):
-        assert heights(read(tmp_path, f"{point}\n")) == {(1.0, 2.0): pytest.approx(0.1)}
     for text in (
         "X_mm,Y_mm,Z_mm\n1,2,3\n",
         "Pos_mm;1+_um\n1;2\n",
@@ -394,18 +383,6 @@ def test_a_height_map_that_a_spreadsheet_saved_is_read(tmp_path: Path, between: 
     cells = [re.sub(r",\s*", "\t", line).replace(".", "." if between == "," else ",") for line in lines[1:]]
     text = "\n".join([lines[0], *(line.replace("\t", between) + 3 * between for line in cells)])
     assert heights(read(tmp_path, text)) == pytest.approx(MAPS[1].probed(), abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "BEGIN MESS.PNT MM\nNR       X          Y         Z\n0        +1.000   +2.000   +0.1000\n[END]\n",
-        "1 2 0.1 ; the first\n1 2 .1 # again\n",
-        "Messpunkt;Zeit;X;Y;Z\nMP1;10:00;1;2;0,1\n",
-    ],
-)
-def test_points_may_have_names_times_and_remarks(tmp_path: Path, text: str) -> None:
-    assert heights(read(tmp_path, text)) == {(1.0, 2.0): pytest.approx(0.1)}
 
 
 def test_readings_of_few_whole_targets_are_used_without_figures(tmp_path: Path) -> None:
