@@ -62,6 +62,15 @@ class Arm(ac.Instrument):
         return [part + u[f"zero_{a}"] for part, a in zip((off + ac.cross(turn, off) - line).T, "xyz", strict=True)]
 
 
+class Grid(ac.Instrument):
+    names, units, noise = ("dx", "dy"), ("m", "m"), "0.1 um"
+    unknowns = {"zero_x": "1 mm", "zero_y": "1 mm", "turn": "1 mrad"}
+
+    def sees(self, at: ac.At, u: ac.Unknowns) -> list[ac.Array]:
+        x, y, _ = (at.tcp + at.moved).T
+        return [at.moved[:, 0] + u["zero_x"] - u["turn"] * y, at.moved[:, 1] + u["zero_y"] + u["turn"] * x]
+
+
 class Warm(ac.Laser):
     """A laser whose scale is warmer than anybody knows, by a kelvin or so."""
 

@@ -30,6 +30,7 @@ from axiscal.tables.surface import Control
 from axiscal.tables.table import CompensationTable
 from tests.commands import Command
 from tests.evaluation.said import idle, measured, readings_of, said_of
+from tests.generators.campaigns import on
 from tests.generators.reaches import reach_of
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
@@ -61,11 +62,22 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return measured(tmp_path_factory.mktemp("verify") / "bench.axiscal", description(), SEED)
 
 
+State = tuple[Estimate, tuple[Reading, ...], Control]
+"""What a campaign has made known, its readings, and what its tables add."""
+
+
 @pytest.fixture(scope="module")
-def state(record: Path) -> tuple[Estimate, tuple[Reading, ...], Control]:
+def state(record: Path) -> State:
     with Campaign.open(record, write=False) as campaign:
         estimate = campaign.estimate().estimate()
         return estimate, tuple(campaign.state.readings), export(estimate, "csv", ExportOptions()).control
+
+
+@pytest.fixture(scope="module")
+def eight(state: State) -> Places:
+    """Return eight places of a check."""
+    estimate, used, control = state
+    return plan_check(estimate, description().setups, candidates(), used, control, 8)
 
 
 @cache
@@ -80,7 +92,7 @@ def readings(truth: VirtualMachine, places: Places, control: Control, seed: int)
 
 
 @pytest.mark.long
-def test_places_are_new_and_of_both_set_ups(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
+def test_places_are_new_and_of_both_set_ups(state: State) -> None:
     estimate, used, control = state
     chosen = plan_check(estimate, description().setups, candidates(), used, control, 12)
     assert len(chosen.setups) == 12
@@ -93,7 +105,7 @@ def test_places_are_new_and_of_both_set_ups(state: tuple[Estimate, tuple[Reading
     assert len(np.unique(np.hstack([chosen.setups[:, None], chosen.poses, chosen.approaches]), axis=0)) == 12
 
 
-def test_more_places_than_are_new_are_refused(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
+def test_more_places_than_are_new_are_refused(state: State) -> None:
     estimate, used, control = state
     with pytest.raises(ReadingError, match=r"only \d+ places of 500 are new") as refused:
         plan_check(estimate, description().setups, candidates(), used, control, 500)
@@ -116,8 +128,7 @@ def test_where_fewer_places_are_new_than_usual_those_are_read(
     tables: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Eleven places, of which the campaign has read six."""
-    text = campaign_text("m", EDGE, target={"readings": 6}, usual="off", sure="exactly")
-    described = campaign_from_texts(text, "c.toml", LEVEL, "m")
+    described = on(LEVEL, EDGE, target={"readings": 6}, usual="off", sure="exactly")
     with Campaign.open(measured(tmp_path / "m.axiscal", described, 1), write=False) as campaign:
         check = Check.from_campaign(campaign, "csv")
         if tables == "that ask for no place":
@@ -125,9 +136,7 @@ def test_where_fewer_places_are_new_than_usual_those_are_read(
         assert 4 <= len(check.planned()) <= 7
 
 
-def test_the_right_tables_pass_and_the_wrong_ones_fail(
-    state: tuple[Estimate, tuple[Reading, ...], Control],
-) -> None:
+def test_the_right_tables_pass_and_the_wrong_ones_fail(state: State) -> None:
     estimate, used, control = state
     truth, setups = true(), description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 12)
@@ -145,12 +154,9 @@ def test_the_right_tables_pass_and_the_wrong_ones_fail(
     assert judge(estimate, setups, found, readings(truth, places, control, 2), control, near).verdict == "undecided"
 
 
-def test_an_instrument_that_does_not_move_decides_nothing(
-    state: tuple[Estimate, tuple[Reading, ...], Control],
-) -> None:
-    estimate, used, control = state
-    places = plan_check(estimate, description().setups, candidates(), used, control, 8)
-    found = readings(true(), places, idle, 1)
+def test_an_instrument_that_does_not_move_decides_nothing(state: State, eight: Places) -> None:
+    estimate, _, control = state
+    found = readings(true(), eight, idle, 1)
     stuck = tuple(replace(reading, value=0.0) for reading in found)
     judged = judge(estimate, description().setups, found, stuck, control, 30e-6)
     assert judged.verdict == "undecided"
@@ -158,13 +164,10 @@ def test_an_instrument_that_does_not_move_decides_nothing(
     assert "the instrument does not move" in said_of(judged)
 
 
-def test_growth_that_is_known_is_not_taken_for_a_deviation(
-    state: tuple[Estimate, tuple[Reading, ...], Control],
-) -> None:
-    estimate, used, control = state
+def test_growth_that_is_known_is_not_taken_for_a_deviation(state: State, eight: Places) -> None:
+    estimate, _, control = state
     truth, setups = true(), description().setups
-    places = plan_check(estimate, setups, candidates(), used, control, 8)
-    left = readings(truth, places, control, 2)
+    left = readings(truth, eight, control, 2)
     warm = (replace(setups[0], warmer=10.0, expansion=1e-5), *setups[1:])
     grown = tuple(replace(r, value=r.value + 1e-4 * (r.pose[0] - 0.15)) if r.setup == "along x" else r for r in left)
     one, other = judge(estimate, setups, left, left, control, 6e-6), judge(estimate, warm, grown, grown, control, 6e-6)
@@ -173,11 +176,10 @@ def test_growth_that_is_known_is_not_taken_for_a_deviation(
 
 
 @pytest.mark.long
-def test_checks_are_as_far_off_as_they_say(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
+def test_checks_are_as_far_off_as_they_say(state: State, eight: Places) -> None:
     """On machines drawn from the belief itself z² is 1 in the mean, and p is as likely to be anything."""
-    estimate, used, control = state
+    estimate, _, control = state
     setups = description().setups
-    places = plan_check(estimate, setups, candidates(), used, control, 8)
     rng = np.random.default_rng(5)
     draws = estimate.mean[:, None] + estimate.factor @ rng.standard_normal((estimate.factor.shape[1], 150))
     found = []
@@ -186,7 +188,7 @@ def test_checks_are_as_far_off_as_they_say(state: tuple[Estimate, tuple[Reading,
             (lambda t, f=f, c=coefficients: f.basis.rows(t) @ c[f.columns]) for f in estimate.model.functions
         )
         truth = VirtualMachine(estimate.model, curves, {})
-        left = readings(truth, places, control, seed)
+        left = readings(truth, eight, control, seed)
         found.append(judge(estimate, setups, left, left, control, 6e-6))
     assert np.mean([(each.checks.s or 0.0) ** 2 for each in found]) == pytest.approx(1.0, abs=0.15)
     assert 0.05 < np.mean([each.agrees < 0.1 for each in found]) < 0.15
@@ -215,11 +217,10 @@ def test_what_95_percent_keep_fails_where_more_places_exceed_it_than_one_machine
         assert verdict(deviations, np.full(len(of), 0.1), of, 1.0, 0.05) == expected
 
 
-def test_readings_of_other_places_are_refused(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
-    estimate, used, control = state
+def test_readings_of_other_places_are_refused(state: State, eight: Places) -> None:
+    estimate, _, control = state
     truth, setups = true(), description().setups
-    places = plan_check(estimate, setups, candidates(), used, control, 8)
-    found = readings(truth, places, idle, 1)
+    found = readings(truth, eight, idle, 1)
     with pytest.raises(ReadingError, match="8 as-found and 7 as-left"):
         judge(estimate, setups, found, found[:-1], control, 1e-6)
     with pytest.raises(ReadingError, match="not read at the same place"):
@@ -248,7 +249,7 @@ def test_the_command_plans_a_sheet_and_judges_what_is_filled_in(record: Path, tm
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_rounding_moves_no_place_at_which_an_even_reversal_is_read(state: tuple[Estimate, Any, Any], seed: int) -> None:
+def test_rounding_moves_no_place_at_which_an_even_reversal_is_read(state: State, seed: int) -> None:
     """Processors round unlike each other; a sheet of one must be that of another."""
     low, high = state[0].box[0]
     trims = 4e-6 + 1e-20 * np.random.default_rng(seed).normal(size=9)

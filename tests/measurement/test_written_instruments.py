@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from importlib.metadata import EntryPoint, EntryPoints
+from inspect import getsource
 from pathlib import Path
 
 import numpy as np
@@ -28,21 +29,12 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.tables.registry import offered
 from tests.commands import Command
+from tests.core.strangers import Grid
 from tests.generators.texts import machine_text
 
 MACHINE = "three-axis-mill"
 HEAD = f'machine = "{MACHINE}"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 8\n[[setups]]\n'
-GRID = """
-import axiscal_core as ac
-
-class Grid(ac.Instrument):
-    names, units, noise = ("dx", "dy"), ("m", "m"), "0.1 um"
-    unknowns = {"zero_x": "1 mm", "zero_y": "1 mm", "turn": "1 mrad"}
-
-    def sees(self, at, u):
-        x, y, _ = (at.tcp + at.moved).T
-        return [at.moved[:, 0] + u["zero_x"] - u["turn"] * y, at.moved[:, 1] + u["zero_y"] + u["turn"] * x]
-"""
+GRID = "import axiscal_core as ac\n\n" + getsource(Grid)
 SIX = """
 import axiscal_core as ac
 

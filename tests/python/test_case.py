@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -17,11 +16,9 @@ import axiscal_core
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
-from axiscal.numerics import Array
 from axiscal.python.measured_case import Case
 from axiscal_core import InputError
-from axiscal_core.instrument import At, Instrument, Unknowns
-from axiscal_core.units import Quantity
+from tests.core.strangers import Grid
 
 
 def case() -> Case:
@@ -39,17 +36,6 @@ def test_the_keys_are_those_of_a_file(tmp_path: Path) -> None:
     )
     described = ac.read_campaign(written)
     assert (case().description.setups, case().description.target) == (described.setups, described.target)
-
-
-class Grid(Instrument):
-    """Two lengths in the plane of a plate."""
-
-    names, units, noise = ("dx", "dy"), ("m", "m"), "0.1 um"
-    unknowns: Mapping[str, Quantity] = {"zero_x": "1 mm", "zero_y": "1 mm", "turn": "1 mrad"}
-
-    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
-        x, y, _ = (at.tcp + at.moved).T
-        return [at.moved[:, 0] + u["zero_x"] - u["turn"] * y, at.moved[:, 1] + u["zero_y"] + u["turn"] * x]
 
 
 @pytest.mark.long
