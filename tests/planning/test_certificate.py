@@ -9,9 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.machine import load_machine
 from axiscal.measurement.setup import Unknown
 from axiscal.planning.bound import relaxation
 from axiscal.planning.bound.certificate import Dual, rank_bound, zeros_each, zeros_of
@@ -22,8 +20,9 @@ from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
+from tests.generators.campaigns import built_in
 from tests.generators.designs import levered, problem, splines
-from tests.generators.texts import campaign_text, setup_text
+from tests.generators.texts import setup_text
 
 
 def test_nothing_is_weyl_and_everything_is_the_equivalence_theorem() -> None:
@@ -102,8 +101,8 @@ def test_any_matrix_with_zeros_bounds_every_plan_that_mounts_both(seed: int, wid
 
 def test_a_set_up_that_shows_nothing_but_its_zero_is_bounded_by_what_is_there() -> None:
     """The noise is so large that it, and the zero, leave less than rounding of what else a reading shows."""
-    text = campaign_text("m.toml", setup_text("laser", "interferometer", direction="y", moves=["X"], noise="5 mm"))
-    case = Case(campaign_from_texts(text, "c.toml", load_machine("one-axis").text, "m.toml"))
+    laser = setup_text("laser", "interferometer", direction="y", moves=["X"], noise="5 mm")
+    case = Case(built_in(laser, "one-axis"))
     task = posed(case, case.knowledge, candidates=20)
     places = task.lattice.within(slice(3))
     bound = lower_bound(Pool(task.observation, task.lattice), task.state, places, np.ones(23), 3.0)

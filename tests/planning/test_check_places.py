@@ -17,7 +17,7 @@ from axiscal.measurement.reading import Place, Places
 from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.planning.enough import reached_by
 from axiscal.planning.next_readings import next_places, placed, posed
-from axiscal.planning.other_readings import checks_among, with_checks, with_rooms
+from axiscal.planning.other_readings import Within, checks_among, with_checks, with_rooms
 from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
@@ -44,6 +44,11 @@ def case_of(target: str, above: str = "") -> Case:
 def plan_of(target: str) -> tuple[Place, ...]:
     case = case_of(target)
     return placed(case, proposed(case, Limits.of(case.description.target), 200).plan)
+
+
+def checked(case: Case, limits: Limits, plan: Within) -> tuple[Place, ...]:
+    """Return a plan with its checks, before any reading."""
+    return with_checks(case, posed(case, case.knowledge), limits, (), (), plan)
 
 
 def checks(places: tuple[Place, ...]) -> list[Place]:
@@ -97,25 +102,12 @@ def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks(
         assert of.patience
         return full[: 16 if left else 20]
 
-    found = with_checks(case, task, Limits(budget=room), (), (), plan)
+    found = checked(case, Limits(budget=room), plan)
     (first, none), (second, begun) = asked
     assert (first, none, begun) == (room, 0, 20)
     assert second < room
     assert seconds_along(task, places_of(case.description.setups, found)) <= room
     assert len(checks(found)) >= 3
-
-
-def test_which_set_ups_checks_are_in_is_known_from_a_rough_plan() -> None:
-    case, asked = case_of("readings = 20"), list[tuple[int | None, int, bool]]()
-    full = plan_of("readings = 20\nchecks = 0")
-
-    def plan(of: Task, limits: Limits, _: Sequence[Place], beside: Sequence[Place]) -> tuple[Place, ...]:
-        asked.append((limits.readings, len(beside), not of.patience))
-        return full[: limits.readings]
-
-    found = with_checks(case, posed(case, case.knowledge), Limits(readings=20), (), (), plan)
-    assert asked == [(16, 0, True), (16, 4, False)]
-    assert (len(found), len(checks(found))) == (20, 4)
 
 
 def test_the_plan_beside_checks_is_of_the_set_ups_in_which_they_are() -> None:
@@ -130,7 +122,7 @@ def test_the_plan_beside_checks_is_of_the_set_ups_in_which_they_are() -> None:
         among.append({*of.lattice.setups.tolist()})
         return full[: limits.readings]
 
-    assert len(with_checks(case, posed(case, case.knowledge), Limits(readings=20), (), (), plan)) == 20
+    assert len(checked(case, Limits(readings=20), plan)) == 20
     assert among == [{0, 1, 2}, {0}]
 
 
@@ -138,14 +130,7 @@ def test_checks_come_from_a_side_that_the_others_hardly_come_from() -> None:
     case, full = case_of("readings = 20"), plan_of("readings = 20\nchecks = 0")
     for side in (1, -1):
         one = tuple(replace(place, approach=(side,)) for place in full)
-        found = with_checks(
-            case,
-            posed(case, case.knowledge),
-            Limits(readings=20),
-            (),
-            (),
-            lambda _, most, *__, own=one: own[: most.readings],
-        )
+        found = checked(case, Limits(readings=20), lambda _, most, *__, own=one: own[: most.readings])
         assert {place.approach for place in checks(found)} == {(-side,)}
 
 
@@ -158,7 +143,7 @@ def test_where_time_is_short_each_set_up_keeps_checks(slack: float) -> None:
     chosen = [np.flatnonzero(task.lattice.setups == setup)[:12] for setup in (0, 1)]
     own = with_rooms(case, task.lattice.within(np.concatenate(chosen)))
     alone = seconds_along(task, places_of(case.description.setups, own))
-    found = with_checks(case, task, Limits(budget=alone + slack), (), (), lambda *_: own)
+    found = checked(case, Limits(budget=alone + slack), lambda *_: own)
     drawn = [place.setup for place in checks(found)]
     assert len(drawn) < checks_among(case.description, len(own) + 6)
     assert len(drawn) < 2 or {*drawn} == {"laser", "another"}
@@ -181,9 +166,8 @@ def test_while_measuring_checks_that_are_open_stay_and_none_is_added() -> None:
 def test_a_check_is_put_where_it_costs_least() -> None:
     """Every other turn in the same set-up takes as long or longer."""
     case = case_of("readings = 13\nchecks = 1")
-    task, limits = posed(case, case.knowledge), Limits(13)
-    own = plan_of("readings = 12\nchecks = 0")
-    found = with_checks(case, task, limits, (), (), lambda *_: own)
+    task, own = posed(case, case.knowledge), plan_of("readings = 12\nchecks = 0")
+    found = checked(case, Limits(13), lambda *_: own)
     (at,) = [index for index, place in enumerate(found) if place.check]
     without = [*found[:at], *found[at + 1 :]]
     every = [(*without[:n], found[at], *without[n:]) for n in range(1, len(found))]

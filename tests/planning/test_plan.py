@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
-from axiscal.machine import load_machine
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
@@ -16,6 +14,7 @@ from axiscal.planning.plan.beginnings import evenly_spaced, space_filling
 from axiscal.planning.plan.greedy import chosen_setups, filled, scores_among
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
+from tests.generators.campaigns import built_in
 from tests.generators.designs import levered, read, rms_of, splines
 from tests.generators.texts import Said, setup_text
 
@@ -84,9 +83,9 @@ def test_of_places_where_a_tracer_may_stand_those_are_taken_that_leave_least() -
     """Each opens four unknowns: of too few, distances do not tell the errors apart; too many take all readings."""
     places = [[x, y, z] for x in (-500, 900) for y in (-500, 800) for z in (-400, 500)]
     spots: list[Said] = [[f"{value} mm" for value in place] for place in places]
-    text = 'machine = "three-axis-mill"\n[target]\nreadings = 60\n'
-    text += setup_text("tracer", "tracer", choose_from=spots, unknowns=OPEN)
-    case = Case(campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill"))
+    case = Case(
+        built_in("[target]\nreadings = 60\n" + setup_text("tracer", "tracer", choose_from=spots, unknowns=OPEN))
+    )
     task, limits = posed(case, case.knowledge, candidates=800), Limits(readings=60)
     chosen = chosen_setups(task, limits)
     rng, every = np.random.default_rng(1), range(len(places))
