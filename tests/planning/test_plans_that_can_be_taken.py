@@ -38,17 +38,6 @@ def planned(campaign: CampaignDescription, readings: int) -> tuple[Place, ...]:
     return placed(case, proposed(case, Limits(readings=readings), 300).plan)
 
 
-@pytest.mark.parametrize("instrument", ["rtest", "ballbar", "probe", "straightedge", "interferometer"])
-def test_a_plan_of_a_set_up_that_does_not_say_where_is_refused_with_the_keys_to_add(instrument: str) -> None:
-    direction = "" if instrument in ("rtest", "ballbar") else 'direction = "x"\n'
-    direction += 'unknowns = { zero = "1 mm" }\n' if instrument == "straightedge" else ""
-    station = 'station = ["0 mm", "0 mm", "100 mm"]\n' if instrument == "ballbar" else ""
-    text = f'machine = "dmu60"\n[[setups]]\nname = "s"\ninstrument = "{instrument}"\n{direction}{station}'
-    case = Case(built_in(text))
-    with pytest.raises(PlanError, match=r"Write (artefact|length|moves)|reach = "):
-        proposed(case, Limits(readings=3), 100)
-
-
 def test_a_plan_of_a_record_of_before_is_refused_with_the_keys_of_every_set_up() -> None:
     """Descriptions that a record holds are read as they are; only what is asked for must say where."""
     nest = '[[setups]]\nname = "nest"\ninstrument = "rtest"\n'

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
@@ -21,8 +20,9 @@ from axiscal.planning.plan import greedy
 from axiscal.planning.plan.greedy import Setups, scores_among
 from axiscal.planning.plan.minutes import quickest
 from axiscal.planning.plan.task import Goal, Limits, Task
+from tests.generators.campaigns import on
 from tests.generators.designs import levered, read
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.texts import machine_text, setup_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": ("10 um", 9, 200), "EXX_reversal": "3 um"})
 
@@ -30,8 +30,7 @@ MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": ("10 um", 9, 200), "
 def lasers(count: int, **said: str) -> Case:
     """Return a campaign of one axis under so many lasers."""
     each = (setup_text(f"x{n}", "interferometer", direction="x", approach="both", **said) for n in range(count))
-    text = campaign_text("m", *each, target={"readings": 4}, usual="off")
-    return Case(campaign_from_texts(text, "campaign.toml", MACHINE, "m"))
+    return Case(on(MACHINE, *each, target={"readings": 4}, usual="off"))
 
 
 def drifting() -> Task:
