@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.answers.answer_of_campaign import AnsweredRow, answered
 from axiscal.answers.prediction import tcp_prediction
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.usual import OFFSET
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
@@ -19,6 +18,7 @@ from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.asked import EACH, beside_the_line, offset_each
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
+from tests.generators.campaigns import on
 from tests.generators.texts import machine_text, setup_text
 
 ALONG = {"EXX": 'std = "10 um", length = "200 mm"', "EXX_reversal": "3 um"}
@@ -33,8 +33,7 @@ def _known(others: tuple[str, ...] = (), usual: str = "on", volume: str = "") ->
     setup = setup_text(
         "laser", "interferometer", direction="x", moves=["X"], park=PARKED, reach={"X": ["100 mm", "900 mm"]}
     )
-    text = f'machine = "m"\nusual = "{usual}"\n[target]\nreadings = 20\n{volume}\n{setup}'
-    described = campaign_from_texts(text, "c.toml", machine, "m")
+    described = on(machine, f"{volume}\n{setup}", target={"readings": 20}, usual=usual)
     drawn, rng = Simulator(described.machine, described.setups).drawn(3), np.random.default_rng(1)
     at = [((x, 0.2, 0.1), (side, 0, 0)) for side in (1, -1) for x in np.linspace(0.1, 0.9, 9)[::side].tolist()]
     readings = [

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.simulation import Simulator
+from tests.generators.campaigns import on
 from tests.generators.one_axis import observed
-from tests.generators.texts import machine_text
+from tests.generators.texts import machine_text, setup_text
 
 
 def test_a_bound_counts_with_its_variance_and_is_an_interval() -> None:
@@ -42,15 +42,13 @@ def test_a_dead_band_along_the_way_is_a_lag_by_the_side_of_approach() -> None:
 
 
 def test_a_dead_band_where_two_axes_move_is_a_bound() -> None:
-    start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
     machine = machine_text("w-b-X-Y-t", {"X": (0, 300), "Y": (0, 300)}, {"EXX EYX": "5 um"})
-    both = campaign_from_texts(f'{start}direction = "x"\nmoves = ["X", "Y"]\ndead_band = "3 um"', "c", machine, "m")
-    assert (both.setups[0].bound, both.setups[0].lag) == (3e-6, 0.0)
+    (both,) = on(machine, setup_text("it", "indicator", direction="x", moves=["X", "Y"], dead_band="3 um")).setups
+    assert (both.bound, both.lag) == (3e-6, 0.0)
 
 
 def test_a_dead_band_across_a_way_that_a_table_has_turned_is_a_bound() -> None:
-    start = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\n'
-    text = start + 'direction = "x"\nmoves = ["X"]\ndead_band = "3 um"\npark = { C = "90 deg" }\n'
+    dial = setup_text("it", "indicator", direction="x", moves=["X"], dead_band="3 um", park={"C": "90 deg"})
     machine = machine_text("w-C'-b-X-Y-t", {"X": (0, 300), "Y": (0, 300), "C": (0, 180)}, {"EXX EYX": "5 um"})
-    across = campaign_from_texts(text, "c", machine, "m").setups[0]
+    (across,) = on(machine, dial).setups
     assert (across.bound, across.lag) == (3e-6, 0.0)

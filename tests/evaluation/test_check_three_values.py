@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.evaluation.check import Check
 from axiscal.evaluation.datums import datums_of, upright
 from axiscal.evaluation.verification import values_at
@@ -20,6 +20,7 @@ from axiscal.measurement.reading import Places
 from tests.commands import Command
 from tests.evaluation.said import measured
 from tests.evaluation.test_verification import MACHINE
+from tests.generators.campaigns import on
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
 
@@ -32,8 +33,7 @@ SEED = 5
 
 
 def _description(*setups: str, machine: str = MACHINE, readings: int = 24) -> CampaignDescription:
-    text = f'machine = "m.toml"\n[target]\nreadings = {readings}\n' + "".join(setups)
-    return campaign_from_texts(text, "c.toml", machine, "m.toml")
+    return on(machine, *setups, target={"readings": readings})
 
 
 @pytest.mark.parametrize(

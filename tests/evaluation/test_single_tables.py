@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.evaluation.check import Check, Taken
 from axiscal.evaluation.table_checks import Judgement, parts_of, shares
 from axiscal.measurement.reading import Places
@@ -18,8 +17,9 @@ from axiscal.present.check_answer import check_answer
 from axiscal.tables.loaded import table_control
 from axiscal.tables.surface import Control
 from tests.evaluation.said import idle, measured, readings_of, said_of
+from tests.generators.campaigns import on
 from tests.generators.reaches import reach_of
-from tests.generators.texts import machine_text
+from tests.generators.texts import Said, machine_text, setup_text
 
 pytestmark = pytest.mark.long
 
@@ -30,18 +30,14 @@ MACHINE = machine_text(
     tool=50,
     name="Bench",
 )
-SETUPS = "".join(
-    f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nnoise = "0.3 um"\napproach = "both"\n'
-    f'unknowns = {{ zero = "100 um" }}\n' + reach_of(MACHINE)
-    for d in "xyz"
-)
-CAMPAIGN = f'machine = "m.toml"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 45\n{SETUPS}'
+PROBE: dict[str, Said] = {"noise": "0.3 um", "approach": "both", "unknowns": {"zero": "100 um"}}
+PROBES = [setup_text(way, "probe", direction=way, **PROBE) + reach_of(MACHINE) for way in "xyz"]
 HUGE = "1 mm"
 
 
 @cache
 def checked(folder: Path) -> tuple[Check, VirtualMachine]:
-    described = campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml")
+    described = on(MACHINE, *PROBES, target={"readings": 45}, usual="off", sure="exactly")
     with Campaign.open(measured(folder / "bench.axiscal", described, 8), write=False) as campaign:
         return Check.from_campaign(campaign, "csv"), Simulator(described.machine, described.setups).drawn(8)
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.stats import binom
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation import table_checks
@@ -32,7 +32,7 @@ from tests.commands import Command
 from tests.evaluation.said import idle, measured, readings_of, said_of
 from tests.generators.campaigns import on
 from tests.generators.reaches import reach_of
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.texts import machine_text, setup_text
 
 MACHINE = machine_text(
     "w-X'-b-Y-t",
@@ -45,12 +45,11 @@ PROBES = [
     setup_text(f"along {way}", "probe", direction=way, noise="0.4 um", unknowns={"zero": "100 um"}) for way in "xy"
 ]
 SETUPS = [each + reach_of(MACHINE) for each in (*PROBES, setup_text("level", "level", direction="z"))]
-CAMPAIGN = campaign_text("m.toml", *SETUPS, target={"rms": "1.5 um", "readings": 40}, usual="off", sure="exactly")
 SEED = 11
 
 
 def description() -> CampaignDescription:
-    return campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml")
+    return on(MACHINE, *SETUPS, target={"rms": "1.5 um", "readings": 40}, usual="off", sure="exactly")
 
 
 def true() -> VirtualMachine:

@@ -24,7 +24,8 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from axiscal.tables.surface import Control
 from tests.evaluation.said import said_of
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.campaigns import on
+from tests.generators.texts import machine_text, setup_text
 
 MACHINE = machine_text(
     "w-b-X-t",
@@ -33,13 +34,7 @@ MACHINE = machine_text(
     tool=0,
     name="one",
 )
-CAMPAIGN = campaign_text(
-    "m.toml",
-    setup_text("laser", "interferometer", direction="-x", noise="0.5 um", unknowns={"zero": "1 mm"}),
-    target={"readings": 20},
-    usual="off",
-    sure="exactly",
-)
+LASER = setup_text("laser", "interferometer", direction="-x", noise="0.5 um", unknowns={"zero": "1 mm"})
 NOISE, TOLERANCE = 0.5e-6, 6e-6
 PLACES = np.linspace(-0.18, 0.48, 12)
 
@@ -51,7 +46,7 @@ def error(x: Array) -> Array:
 
 @cache
 def described() -> CampaignDescription:
-    return campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml")
+    return on(MACHINE, LASER, target={"readings": 20}, usual="off", sure="exactly")
 
 
 @cache

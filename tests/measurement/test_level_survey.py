@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
+from tests.generators.campaigns import on
 from tests.measurement.test_stepped import LEVEL, MACHINE
 
 SURVEY = """# level survey
@@ -28,8 +28,7 @@ RIDING = 'instrument = "autocollimator"\ndirection = "z"\nmoves = ["X"]\n'
 def _placed(path: Path, text: str, *setups: str) -> tuple[Reading, ...]:
     path.write_bytes(text.encode("utf-8"))
     tables = "".join(f'[[setups]]\nname = "{i}"\n{setup}\n' for i, setup in enumerate(setups or (LEVEL,)))
-    campaign = f'machine = "bed.toml"\n[target]\nreadings = 1\n{tables}'
-    return placed_readings(read_any(path), campaign_from_texts(campaign, "c.toml", MACHINE, "bed.toml"), path)
+    return placed_readings(read_any(path), on(MACHINE, tables, target={"readings": 1}), path)
 
 
 def test_a_survey_is_read_there_and_back_with_its_closing_reading(tmp_path: Path) -> None:

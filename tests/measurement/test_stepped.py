@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_pose
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
@@ -27,6 +27,7 @@ from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.present.curves import curves
+from tests.generators.campaigns import on
 from tests.generators.designs import problem
 from tests.generators.machines import random_machine, random_poses
 from tests.generators.texts import machine_text
@@ -156,8 +157,7 @@ LEVEL = 'instrument = "level"\ndirection = "y"\nmoves = ["X"]\nbase = "100 mm"\n
 
 
 def _described(setup: str) -> CampaignDescription:
-    text = f'machine = "bed.toml"\n[target]\nreadings = 1\n[[setups]]\nname = "survey"\n{setup}'
-    return campaign_from_texts(text, "campaign.toml", MACHINE, "bed.toml")
+    return on(MACHINE, f'[[setups]]\nname = "survey"\n{setup}', target={"readings": 1})
 
 
 def test_a_foot_beyond_the_travel_is_refused() -> None:

@@ -7,23 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.planning.plan.exchange import relocated
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
+from tests.generators.campaigns import on
 from tests.generators.designs import levered, random_poses
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.texts import machine_text, setup_text
 
 TABLE = machine_text(
     "w-C'-b-t", {"C": (0, 360)}, {"ECC": 'std = "20 urad", knots = 8, length = "90 deg"'}, name="table"
 )
-ALONE = campaign_text(
-    "m.toml",
-    setup_text("table", "autocollimator", direction="z", moves=["C"], noise="0.5 urad", unknowns={"zero": "100 urad"}),
-    target={"readings": 4},
+ALONE = setup_text(
+    "table", "autocollimator", direction="z", moves=["C"], noise="0.5 urad", unknowns={"zero": "100 urad"}
 )
 
 
@@ -48,8 +46,7 @@ def test_readings_of_random_plans_come_to_lie_better(seed: int) -> None:
 
 def test_where_no_error_moves_the_tool_point_a_plan_is_made_and_its_readings_stay() -> None:
     """A table read alone: its tool point lies on its axis, and nothing that it does counts."""
-    table = campaign_from_texts(ALONE, "c.toml", TABLE, "m.toml")
-    plan = proposed(Case(table), Limits(4)).plan
+    plan = proposed(Case(on(TABLE, ALONE, target={"readings": 4})), Limits(4)).plan
     assert len(plan.places) == 4
     assert plan.accuracy.rms == 0
 
