@@ -2,48 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from axiscal.estimation.estimate import concluded
-from axiscal.language.spoken import speaking
 from axiscal.present.statement import statement
 from axiscal.present.summarising import budget_rows
 from axiscal.present.summary import WORTH, BudgetRow
 from tests.generators.laser_axis import CASE, machine, read
-from tests.golden.__main__ import EXPECTED
 from tests.golden.surfaces import redone
 from tests.present.test_page import five_axis_summary
-
-RESULTS = [
-    path
-    for path in sorted(EXPECTED.rglob("result.json"))
-    if json.loads(path.read_text(encoding="utf-8"))["U_um"] is not None  # readings that contradict promise nothing
-]
-SMALL = 10
-"""Sources that are too small for a row of their own, at most."""
-
-
-@pytest.mark.parametrize("path", RESULTS, ids=lambda path: path.relative_to(EXPECTED).parent.as_posix())
-def test_the_figures_of_each_golden_campaign_are_redone_from_what_is_printed(path: Path) -> None:
-    """u from its parts and U from k and u, no farther off than the digits that are printed."""
-    document = json.loads(path.read_text(encoding="utf-8"))
-    parts, u = (
-        [BudgetRow(each["source"], each["rms_um"], each["share"]) for each in document["budget"]],
-        document["rms_um"],
-    )
-    smaller = math.sqrt(max(u**2 - sum(part.rms_um**2 for part in parts), 0.0))
-    assert smaller**2 < SMALL * WORTH * u**2
-    stood = five_axis_summary(3)
-    known = replace(stood.expanded, space=document["U_um"], factor=document["k"])
-    for language in ("en", "de"):
-        with speaking(language):
-            said = statement(replace(stood, rms_um=u, budget=parts, smaller_um=smaller, expanded=known))
-        assert redone(said.sources, said.sum).faults == []
 
 
 def test_sources_with_a_row_and_those_without_add_up() -> None:
