@@ -10,7 +10,7 @@ import pytest
 
 from axiscal.exceptions import InputError
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.configuring import configured, export_into
+from axiscal.ports.linuxcnc.configuring import export_into
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.units import from_unit, to_unit
@@ -52,13 +52,13 @@ net belt-b belts.beta-cmd => belts.beta-fb
 """A corexy as LinuxCNC's sample corexy_by_hal has it."""
 
 
-def owned(folder: Path, hal: str = HAL, more: str = "") -> Path:
+def owned(folder: Path, hal: str = HAL) -> Path:
     """A mill's folder, as its owner may have it: two HAL files, and a backlash."""
     made = lab_files([Joint(axis, -400, 700) for axis in "XYZ"], Settings())
     ini = made["machine.ini"].replace("HALFILE = machine.hal", "HALFILE = mill.hal\nHALFILE = z.hal  # of Z")
     ini = ini.replace("COORDINATES = XYZ\n", "COORDINATES = X Y Z\n")  # as most people write it
     assert "X Y Z" in ini
-    ini = ini.replace("[JOINT_0]\n", "[JOINT_0]\nBACKLASH = 0.01\n").replace("./driver.py", "axis") + more
+    ini = ini.replace("[JOINT_0]\n", "[JOINT_0]\nBACKLASH = 0.01\n").replace("./driver.py", "axis")
     (folder / "mill.ini").write_text(ini)
     (folder / "mill.hal").write_text(hal)
     (folder / "z.hal").write_text("net z-both joint.2.motor-pos-cmd => joint.2.motor-pos-fb\n")
@@ -151,24 +151,6 @@ class TestStarted:
         assert "net Xpos axiscal-vcomp.drive-0 => axiscal-vcomp.encoder-0 ddt_x.in\n" in made.files["core_sim.hal"]
 
 
-@pytest.mark.parametrize(("section", "line"), [("JOINT_1", "BACKLASH = 0.02"), ("HAL", "HALFILE = more.hal")])
-def test_what_an_included_file_says_of_hal_and_of_tables_is_refused(tmp_path: Path, section: str, line: str) -> None:
-    """It would go on as it stands: a table would be added to the component's, a HAL file would run before it."""
-    ini = owned(tmp_path)
-    (tmp_path / "more.hal").write_text("")
-    (tmp_path / "own.inc").write_text(f"[{section}]\n{line}\n")
-    ini.write_text(ini.read_text() + "\n#INCLUDE own.inc\n")
-    with pytest.raises(InputError, match=r"own.inc, line 2: .* stands in a file that mill.ini includes"):
-        configured(ini).patched()
-
-
-def test_a_file_that_lies_nowhere_is_named_where_it_is_named(tmp_path: Path) -> None:
-    ini = owned(tmp_path)
-    (tmp_path / "z.hal").unlink()
-    with pytest.raises(InputError, match=r"mill.ini, line \d+: z.hal lies neither here nor in LinuxCNC's library"):
-        configured(ini)
-
-
 def test_signals_and_hardware_stay_as_they_are_named(exported: tuple[Path, Export]) -> None:
     text = exported[1].files["mill.hal"]
     assert "net x-to-drive axiscal-vcomp.drive-0 => lag.in\n" in text
@@ -182,34 +164,6 @@ def test_signals_and_hardware_stay_as_they_are_named(exported: tuple[Path, Expor
     order = [line.split()[2] for line in ini.splitlines() if line.startswith("HALFILE")]
     assert order == ["axiscal-load.hal", "mill.hal", "z.hal", "axiscal-join.hal"]
     assert "# taken out by axiscal: BACKLASH = 0.01" in ini
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("addf motion-controller servo-thread\n", "", "no addf lines of motion-command-handler and motion-controller"),
-        (
-            "net x-is-at joint.0.motor-pos-fb <= lag.out\n",
-            "",
-            "no net line of the HAL files joins joint.0.motor-pos-fb",
-        ),
-        ("net y-both", "linkps joint.1.motor-pos-cmd y\nnet y-both", "linkps joins pins of motion here"),
-        ("loadrt lowpass", "loadrt axiscal_vcomp file=x\nloadrt lowpass", "in this configuration already"),
-    ],
-)
-def test_what_has_to_be_done_by_hand_is_said(old: str, new: str, message: str, tmp_path: Path) -> None:
-    assert old in HAL
-    with pytest.raises(InputError, match=message):
-        export_into(owned(tmp_path, HAL.replace(old, new)), known("three-axis")[0], ExportOptions())
-
-
-def test_names_that_could_do_harm_reach_no_script(tmp_path: Path) -> None:
-    ini = owned(tmp_path)
-    name = "z$(reboot).hal"
-    ini.write_text(ini.read_text().replace("z.hal  # of Z", name))
-    (tmp_path / name).write_text("net z-both joint.2.motor-pos-cmd => joint.2.motor-pos-fb\n")
-    with pytest.raises(InputError, match="no name that a script can copy"):
-        export_into(ini, known("three-axis")[0], ExportOptions())
 
 
 def test_another_machine_is_refused(tmp_path: Path) -> None:

@@ -33,6 +33,7 @@ from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.simulation import read_truth
+from axiscal.ports.linuxcnc.configuring import export_into
 from axiscal.ports.postgres.database import store_address
 from axiscal.present.guide.question import answer
 from axiscal.record.line_form import EventText
@@ -156,6 +157,13 @@ def _options(of: str, text: str) -> object:
     return export(known, controller, ExportOptions(**{**chosen, "numbers": numbers, "old_files": old}))
 
 
+def _owner(of: str, text: str) -> None:
+    """Export into the LinuxCNC configuration of an owner.  of : which of his files the text is"""
+    for name, each in {**refusals("owner").texts, of: text}.items():
+        Path(name).write_text(each, encoding="utf-8")
+    export_into(Path("mill.ini"), drawn_and_known(load_machine("machine.toml")), ExportOptions())
+
+
 def _readings(of: str, text: str) -> object:
     """Place the readings of a file in a campaign.  of : the campaign and the file"""
     campaign, name = of.split()
@@ -238,6 +246,7 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "machine": lambda _, text: machine_from_text(text, "mill.toml"),
     "old_table": _old_table,
     "options": _options,
+    "owner": _owner,
     "answers_in_a_table": _of_file("r.csv", lambda path: open_source(f"csv:{path}", SIMULATOR).read(REQUEST)),
     "poses": _of_file("poses.csv", read_poses),
     "positioning": _of_file("test.csv", lambda path: positioning_test(recognised(path))),

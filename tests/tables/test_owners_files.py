@@ -1,4 +1,4 @@
-"""The INI file of an owner beside machine.toml: what does not agree, cannot be read, or has to be done by hand."""
+"""The INI file of an owner beside machine.toml: what does not agree, or cannot be read."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ JOINTS = {joints}
 [TRAJ]
 COORDINATES = {axes}
 LINEAR_UNITS = mm
-{more}
 [HAL]
 HALFILE = LIB:core_sim.hal
 HALFILE = mill.hal
@@ -41,9 +40,9 @@ def _library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("axiscal.ports.linuxcnc.configuring.LIBRARY", tmp_path / "hallib")
 
 
-def ini(folder: Path, axes: str = "XYZ", kinematics: str = "trivkins", more: str = "", hal: str = "") -> Path:
+def ini(folder: Path, axes: str = "XYZ", kinematics: str = "trivkins", hal: str = "") -> Path:
     """Return the INI file of a machine whose axes go from -100 to 100, beside its HAL file."""
-    text = INI.format(kinematics=kinematics, joints=len(axes), axes=axes, more=more)
+    text = INI.format(kinematics=kinematics, joints=len(axes), axes=axes)
     text += "".join(f"[AXIS_{name}]\nMIN_LIMIT = -100\nMAX_LIMIT = 100\n" for name in axes)
     joins = "".join(f"net j{k} joint.{k}.motor-pos-cmd => joint.{k}.motor-pos-fb\n" for k in range(len(axes)))
     (folder / "mill.hal").write_text(HAL + joins + hal)
@@ -63,21 +62,6 @@ def trunnion(low: float) -> Machine:
         placed = f'direction = "reversed"\norigin = ["0 mm", "0 mm", "{-low} mm"]'
         text = text.replace(f"[axes.{name}]", f"[axes.{name}]\n{placed}")
     return machine_from_text(text)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("HALFILE = mill.hal", "HALFILE = parts/mill.hal", r"line 12: .*lies in another folder"),
-        ("LINEAR_UNITS = mm", "LINEAR_UNITS = mm\nANGULAR_UNITS = radian", "ANGULAR_UNITS are radians"),
-    ],
-)
-def test_what_cannot_be_taken_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
-    path = ini(tmp_path, "XYZA")
-    assert options_of(configured(path), ExportOptions()).unit == "mm"
-    path.write_text(path.read_text().replace(old, new))
-    with pytest.raises(InputError, match=message):
-        options_of(configured(path), ExportOptions())
 
 
 def test_a_file_that_is_no_utf_8_is_refused_with_the_byte(tmp_path: Path) -> None:
