@@ -158,6 +158,8 @@ def test_a_branch_needs_another_campaign_to_branch_off(log: ServerLog, database:
     for branch_of, branch_at in ((id_of_none, 1), (log.entry.id, 0)):
         with pytest.raises(RecordError, match="a branch needs the event"):
             enter(database, Entry(id_of_none, "endless", branch_of, branch_at), FIRST)
+    with pytest.raises(RecordError, match="name of its campaign"):
+        enter(database, Entry(ID, "another", log.entry.id, 2), FIRST)
 
 
 def test_an_answer_that_was_not_waited_for_is_not_taken_for_the_next_one(
@@ -362,23 +364,6 @@ def test_the_store_takes_from_no_client_what_is_no_event(
         measurer.select(_INSERT.format(number=_NEXT, payload="payload", digest="digest"))
     measurer.close()
     assert log.last() == 3
-
-
-UNFIT = ("", " ", "a\nb", 101 * "x", "../../evil", "/x", "-rf", "a\u202eb", "back\\slash", "a:b", "mill.", "a\u200bb")
-
-
-@pytest.mark.parametrize("name", UNFIT)
-def test_neither_the_store_nor_a_command_takes_a_name_that_is_none_of_a_file(
-    log: ServerLog, database: Database, name: str, address: str, command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    database.select("SET standard_conforming_strings = off")
-    with pytest.raises(RecordError, match="cannot have this name"):
-        enter(database, Entry(ID, name, None, None), FIRST)
-    with pytest.raises(RecordError, match="name of its campaign"):
-        enter(database, Entry(ID, "another", log.entry.id, 2), FIRST)
-    monkeypatch.setenv("AXISCAL_STORE", address)
-    told = command("finish", f"store:{name}").refusal
-    assert "cannot have this name" in told or "No campaign of the store is named" in told
 
 
 def test_a_campaign_needs_an_event_and_a_name_of_its_own_and_one_of_before_without_is_passed_over(

@@ -38,6 +38,7 @@ TRIALS: dict[str, tuple[Callable[[], Trial], int]] = {
     "signed records": (lambda: forged.tried(60), 60 + 6 + 32),
     "killed writers": (lambda: writers.killed(20), 19),
     "writers at once": (lambda: writers.at_once(8, 10), 79),
+    "names of a store": (store_clients.names, 20),
 }
 LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "a record is written": (record_faults.written, 40),
@@ -51,7 +52,6 @@ LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "lost power": (lambda: power_loss.lost(150), 149),
     "clients of a store": (lambda: store_clients.clients(2, 6), 10),
     "statements to a store": (lambda: store_clients.statements(40), 39),
-    "names of a store": (store_clients.names, 20),
     "what one command mends in a store": (store_clients.mended, 8),
     "a list of a store": (lambda: store_clients.fleet(3), 2),
     "forged records on each surface": (forged.surfaces, 17),
