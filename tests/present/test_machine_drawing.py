@@ -26,7 +26,7 @@ from axiscal.present.drawing.scene import (
     far_to_near,
 )
 from axiscal.present.machine_drawing.instruments import DRAWN
-from axiscal.present.machine_drawing.machine_scene import machine_parts, reach_edges
+from axiscal.present.machine_drawing.machine_scene import machine_parts
 from axiscal.present.machine_drawing.setup_picture import frame_seen, plan_picture, setup_scene
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from tests.generators.kinematics import shifted, tip, turned
@@ -125,22 +125,6 @@ def _turns_with(room: StandingMachine, arrow: Arrow, step: Array) -> None:
     axis = np.linalg.svd(step[:3, :3] - np.eye(3))[2][-1]
     heights = axis @ inside
     np.testing.assert_allclose(heights, heights[0], atol=1e-9)
-
-
-@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
-def test_what_is_reached_holds_the_tool_and_the_drawing_shows_the_machine(machine: Machine) -> None:
-    pose = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in machine.axes])
-    room = StandingMachine(machine, pose)
-    low, high = room.reach
-    ends = itertools.product(*[[0.0] if axis.rotary else axis.travel for axis in machine.axes])
-    tips = np.array([tip(machine, np.array(end)) for end in ends])
-    np.testing.assert_allclose(tips.min(axis=0), low, atol=1e-12)
-    np.testing.assert_allclose(tips.max(axis=0), high, atol=1e-12)
-    solids = [part for part in machine_parts(room) if isinstance(part, Solid)]
-    assert len(solids) >= 4
-    if any(not axis.rotary for axis in machine.axes):
-        lines = np.vstack([part.points for part in reach_edges(room)])
-        assert np.ptp(lines, axis=0).max() == pytest.approx((high - low).max(), rel=1e-9)
 
 
 @pytest.mark.long
