@@ -54,19 +54,6 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("controller", ["csv", "klipper", "linuxcnc", "sinumerik"])
-def test_files_are_written_with_a_note(record: Path, controller: str, tmp_path: Path, command: Command) -> None:
-    out = tmp_path / "tables"
-    said = command("export", record, "--to", controller, "--out", out, "--json").document
-    assert said["rms_um_after"] < said["rms_um_before"]
-    beside = {"README.txt", f"manifest-{controller}.json"}
-    assert {Path(name).name for name in said["files"]} | beside == {path.name for path in out.iterdir()}
-    assert (out / "README.txt").read_text() == said["readme"]
-    expected = next(line for line in said["readme"].splitlines() if line.startswith("They take the TCP deviation "))
-    assert "U of the estimate is " in expected
-    assert f"RMS to {said['rms_um_expected']:.2g} um" in expected
-
-
 @pytest.mark.parametrize(
     ("content", "message"), [(b"\xff\xfe1", "byte 0 is no UTF-8"), (b"%\n" * 10_100_000, "more than 20 mb"), (b"", "%")]
 )

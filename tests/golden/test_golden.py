@@ -1,4 +1,4 @@
-"""Campaigns give what they gave, and show it alike on every surface: four in the quick tests, all in the long ones."""
+"""Campaigns give what they gave, and show it alike on every surface: five in the quick tests, all in the long ones."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from tests.golden.surfaces import (
     written_screens,
 )
 
-SMALL = ("contradict", "manners", "plans", "programs")
+SMALL = ("contradict", "manners", "plans", "programs", "refusals")
 """Played in the quick tests."""
 CAMPAIGNS = [pytest.param(name, marks=() if name in SMALL else pytest.mark.long) for name in names()]
 _CUT = re.compile("…|and[0-9]+more|und[0-9]+weitere")

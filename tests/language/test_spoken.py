@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
-from pathlib import Path
 from string import Formatter
 
 import pytest
@@ -14,10 +12,7 @@ from axiscal.exceptions import Faults, InputError, ReadingError, RecordError
 from axiscal.language.spoken import LANGUAGES, counted, messages, said, speaking
 from axiscal.present.guide.question import Word, answer
 from axiscal.present.whose_language import chosen
-from tests.commands import Command
 from tests.docs import languages
-from tests.generators.begun import begun
-from tests.generators.texts import FOUR_READINGS
 from tests.present.test_answers import DIAL
 
 OTHERS = [language for language in LANGUAGES if language != "en"]
@@ -87,47 +82,6 @@ def test_the_language_is_the_one_named_or_that_of_the_computer(monkeypatch: pyte
     assert (chosen(None), chosen("en")) == ("de", "en")
     with pytest.raises(InputError, match=r"de \(Deutsch\)"):
         chosen("xx")
-
-
-ENGLISH = re.compile(r"\b(the|is|are|not|and|or|of|give|write|there|this|that|with|it|no|such|was)\b", re.IGNORECASE)
-REFUSED = {
-    "no record": "step next none.axiscal",
-    "an unknown unit": "step record asked.axiscal '1 parsec'",
-    "an absurd reading": "step record asked.axiscal '5 km'",
-    "a misspelt key": "plan misspelt.toml",
-    "an option alone": "plan campaign.toml --gap 2",
-    "tables for no control": "export asked.axiscal --to klingon --out tables",
-    "no built-in machine": "init first --machine mill7 --instrument interferometer --target '5 um'",
-    "a line cut short": "data iso230 short.csv",
-    "no store": "shop sync asked.axiscal",
-}
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A record with a question, and files that are none."""
-    made = tmp_path_factory.mktemp("refused")
-    texts = {
-        "campaign.toml": FOUR_READINGS,
-        "misspelt.toml": FOUR_READINGS.replace("readings = 4", "readings = 4\nbudgte = '3 min'"),
-        "short.csv": "target_mm,direction,run,deviation_um\n10,+,1\n",
-    }
-    begun(made, texts, ("step", "start", "campaign.toml", "asked.axiscal"), ("step", "next", "asked.axiscal"))
-    return made
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_a_refusal_is_in_german(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
-
-    monkeypatch.chdir(folder)
-    monkeypatch.setenv("AXISCAL_LANGUAGE", "de")
-    monkeypatch.delenv("AXISCAL_STORE", raising=False)
-    text = re.sub(
-        r'`[^`]*`|"[^"]*"|\([^()]*\)|\S+\.(?:axiscal|toml|csv)|--\S+', "", command(*shlex.split(REFUSED[name])).refusal
-    )
-    text = " ".join(line for line in text.splitlines() if not line.startswith("Mind"))
-    assert text.startswith("axiscal: ")
-    assert ENGLISH.findall(text) == [], text
 
 
 def test_a_failure_is_said_in_the_language_that_is_spoken_when_it_is_printed() -> None:
