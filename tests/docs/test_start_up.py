@@ -12,16 +12,6 @@ import pytest
 import axiscal
 from tests.docs.howtos import DOCS
 
-HEAVY = ["scipy", "pydantic", "jinja2", "rich", "fastapi"]
-
-
-@pytest.mark.parametrize("module", ["axiscal", "axiscal.cli"])
-def test_start_loads_nothing_heavy(module: str) -> None:
-    program = f"import sys, {module}; print([name for name in {HEAVY!r} if name in sys.modules])"
-    loaded = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
-    assert loaded.strip() == "[]"
-
-
 STOPPED = """
 import sys
 wanted = sys.argv[1]

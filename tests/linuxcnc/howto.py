@@ -24,13 +24,12 @@ from contextlib import suppress
 from pathlib import Path
 
 from tests.docs.howtos import DOCS
+from tests.linuxcnc.bench import BALLS
 from tests.linuxcnc.lab import Joint, Settings, files
-from tests.linuxcnc.running import MODULES
+from tests.linuxcnc.running import BASE, NOBODY, OWN_TMP, SPACES, add_modules, mounted
 
 PAGE, ROOT = DOCS / "linuxcnc.md", DOCS.parent
 _BLOCK = re.compile(r"^[ \t]*```sh\n(.*?)^[ \t]*```", re.MULTILINE | re.DOTALL)
-_SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
-_NOBODY = 65534
 _SENSE = -1.0
 """A and C of xyzac-trt-kins count against ISO 841."""
 LINES = {"ay": 0.031, "az": -120.018, "cx": 0.012, "cy": 0.006}
@@ -54,16 +53,12 @@ while not pathlib.Path("quit").exists():
 _AXISCAL = """#!{python}
 # axiscal, with the feeds of a simulated machine
 import sys
-from functools import partial
 from pathlib import Path
-from axiscal.ports.linuxcnc.live import attached, connection
-from axiscal.measurement import touched
-*parts, last = connection._PARTS
-quick = Path({work!r}) / "agent.py"
-quick.write_text(last.read_text().replace("LARGEST = 3000.0", "LARGEST = 99999.0"))
-connection._PARTS = (*parts, quick)
-attached._FASTEST, attached._SLOWER = 90_000, 1
-touched.Cycle = partial(touched.Cycle, fast=0.04)
+from pytest import MonkeyPatch
+from axiscal.ports.linuxcnc.live import attached
+from tests.linuxcnc.bench import quickened
+quickened(MonkeyPatch(), Path({work!r}))
+attached._SLOWER = 1
 from axiscal.cli.app import run
 sys.exit(run(sys.argv[1:]))
 """
@@ -90,7 +85,7 @@ class Mill:
         self.folder.mkdir(parents=True)
         self.running: subprocess.Popen[bytes] | None = None
         (work / "rt").mkdir()
-        os.chown(work / "rt", _NOBODY, _NOBODY)
+        os.chown(work / "rt", NOBODY, NOBODY)
         self._shims()
         self._configured()
 
@@ -99,7 +94,7 @@ class Mill:
         """What a login at the mill has."""
         path = f"{self.work / 'bin'}:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"
         kept = {name: os.environ[name] for name in ("LANG", "OPENBLAS_CORETYPE") if name in os.environ}
-        real_time = {"RTAPI_UID": str(_NOBODY), "RTAPI_FIFO_PATH": str(self.work / "rt" / "f")}
+        real_time = {"RTAPI_UID": str(NOBODY), "RTAPI_FIFO_PATH": str(self.work / "rt" / "f")}
         return kept | real_time | {"HOME": str(self.home), "PATH": path, "PYTHONPATH": ":".join(sys.path[1:])}
 
     def _shims(self) -> None:
@@ -278,12 +273,11 @@ def inside(work: Path, say: Callable[[str], None]) -> str:
 
 def _own_tmp(work: Path) -> str:
     """Return the lines of a shell that give LinuxCNC a /tmp of its own, in which the checkout stands where it stood."""
-    fresh = "mount -t tmpfs -o mode=1777 none /tmp"
     if not ROOT.is_relative_to("/tmp"):
-        return fresh
+        return OWN_TMP
     (work / "checkout").mkdir()
     here, kept = shlex.quote(str(ROOT)), shlex.quote(str(work / "checkout"))
-    return f"mount --bind {here} {kept} && {fresh} && mkdir -p {here} && mount --bind {kept} {here} && cd {here}"
+    return f"mount --bind {here} {kept} && {OWN_TMP} && mkdir -p {here} && mount --bind {kept} {here} && cd {here}"
 
 
 def main(arguments: list[str]) -> int:
@@ -291,21 +285,15 @@ def main(arguments: list[str]) -> int:
     if arguments[:1] == ["--inside"]:
         verdict = inside(Path(arguments[1]), lambda text: print(text, flush=True))  # noqa: T201
         return 0 if verdict.startswith("PASS") else 1
-    work = Path(tempfile.mkdtemp(prefix="axiscal-howto-", dir="/var/tmp"))
+    work = Path(tempfile.mkdtemp(prefix="axiscal-howto-", dir=BASE))
     try:
         work.chmod(0o755)
-        shutil.copytree(MODULES, work / "modules")
-        balls = Path(__file__).with_name("axiscal_balls.comp")
-        shutil.copy(balls, work)
-        quiet = {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "PYTHONHOME")}
-        compile_it = ["halcompile", "--compile", "axiscal_balls.comp"]
-        subprocess.run(compile_it, cwd=work, env=quiet, check=True, capture_output=True)
-        shutil.copy(work / "axiscal_balls.so", work / "modules")
-        mounts = f"{_own_tmp(work)} && mount --bind {shlex.quote(str(work / 'modules'))} {MODULES}"
+        add_modules(work, {"axiscal_balls.comp": BALLS}, apart=True)
+        mounts = " && ".join([_own_tmp(work), *mounted(work)])
         again = shlex.join([sys.executable, "-m", "tests.linuxcnc.howto", "--inside", str(work)])
         path = {"PYTHONPATH": ":".join(str(Path(part).resolve()) for part in (".", "src"))}
         return subprocess.run(
-            [*_SPACES, "sh", "-c", f"{mounts} && exec {again}"], env=os.environ | path, check=False
+            [*SPACES, "sh", "-c", f"{mounts} && exec {again}"], env=os.environ | path, check=False
         ).returncode
     finally:
         shutil.rmtree(work, ignore_errors=True)

@@ -29,10 +29,10 @@ class ControlError(InputError):
     """LinuxCNC cannot be started, or refuses what it is asked to do."""
 
 
-_SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
-_OWN_TMP = "mount -t tmpfs -o mode=1777 none /tmp"
+SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
+OWN_TMP = "mount -t tmpfs -o mode=1777 none /tmp"
 _START_IT = "exec linuxcnc -r machine.ini"
-_NOBODY = 65534
+NOBODY = 65534
 """The user `nobody` of Debian."""
 BASE = Path("/var/tmp")  # not /tmp, which the run gets anew
 
@@ -54,7 +54,7 @@ def fill(work: Path, texts: Mapping[str, str]) -> None:
     (work / "driver.py").chmod(0o755)
     (work / "rt").mkdir()
     if os.geteuid() == 0:
-        os.chown(work / "rt", _NOBODY, _NOBODY)
+        os.chown(work / "rt", NOBODY, NOBODY)
 
 
 @contextmanager
@@ -101,7 +101,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 def _apart(work: Path) -> Iterator[Sequence[str]]:
     """Yield the command that starts LinuxCNC without meeting another one."""
     if spaces_allowed():
-        yield (*_SPACES, "sh", "-c", " && ".join([_OWN_TMP, *mounted(work), _START_IT]))
+        yield (*SPACES, "sh", "-c", " && ".join([OWN_TMP, *mounted(work), _START_IT]))
         return
     with (BASE / f"axiscal-linuxcnc-{os.geteuid()}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -110,7 +110,7 @@ def _apart(work: Path) -> Iterator[Sequence[str]]:
 
 
 def spaces_allowed() -> bool:
-    trial = subprocess.run([*_SPACES, "sh", "-c", "mount -t tmpfs none /tmp"], capture_output=True, check=False)
+    trial = subprocess.run([*SPACES, "sh", "-c", "mount -t tmpfs none /tmp"], capture_output=True, check=False)
     return trial.returncode == 0
 
 
@@ -138,7 +138,7 @@ def _environment(work: Path) -> dict[str, str]:
     dropped = {"DISPLAY", "PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV"}
     kept = {name: value for name, value in os.environ.items() if name not in dropped}
     own = {"HOME": str(work), "PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"}
-    root = {"RTAPI_UID": str(_NOBODY), "RTAPI_FIFO_PATH": str(work / "rt" / "f")} if os.geteuid() == 0 else {}
+    root = {"RTAPI_UID": str(NOBODY), "RTAPI_FIFO_PATH": str(work / "rt" / "f")} if os.geteuid() == 0 else {}
     return kept | own | root
 
 
