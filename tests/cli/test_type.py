@@ -34,13 +34,3 @@ def test_a_record_carries_what_its_sisters_taught(folder: Path, command: Command
         "names no record that is there"
         in command("start", folder / "campaign.toml", folder / "other.axiscal", "--json").refusal
     )
-
-
-def test_two_priors_and_a_damaged_type_are_sentences(folder: Path, command: Command) -> None:
-    both = 'prior = "x.axiscal"\nsisters = { records = "records/*.axiscal" }\n'
-    (folder / "x.axiscal").write_bytes(next((folder / "records").iterdir()).read_bytes())
-    (folder / "campaign.toml").write_text(CAMPAIGN.format(first=both))
-    assert "Leave one of them out" in command("plan", folder / "campaign.toml").refusal
-    (folder / "bad.type.json").write_text('{\n "schema": "axiscal-type/1", "machine": "')
-    (folder / "campaign.toml").write_text(CAMPAIGN.format(first='prior = "bad.type.json"\n'))
-    assert "axiscal shop type learn" in command("plan", folder / "campaign.toml").refusal

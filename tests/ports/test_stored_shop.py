@@ -21,7 +21,6 @@ from axiscal.ports.postgres.tables import prepare
 from axiscal.record.copies import opened_log, records_of
 from axiscal.record.log import campaign_of
 from axiscal.record.store import Record
-from tests.commands import Command
 from tests.generators.sisters import CAMPAIGN, MACHINE, read_on, shop, slide, write_record
 from tests.record.postgres_server import RunningServer, running_server
 
@@ -137,10 +136,3 @@ def test_a_store_that_goes_away_leaves_nothing_out(
         assert "The store does not answer" in " ".join(captured.err.split())
     with pytest.raises(UnreachableError):
         shop_list(STORE)
-
-
-def test_no_store_and_no_folder_are_sentences(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
-    monkeypatch.delenv("AXISCAL_STORE")
-    for name in ("due", "fleet"):
-        assert "No store is named" in command(name, "store:").refusal
-    assert "This is no folder" in command("due", "nowhere").refusal

@@ -49,7 +49,7 @@ from tests.generators.begun import begun
 from tests.generators.requests import REQUEST, SIMULATOR
 
 FOLDER = Path(__file__).parent
-BESIDE = ".toml", ".py"
+BESIDE = ".toml", ".py", ".ini", ".json"
 """How texts end that are files beside the others, and right."""
 
 
