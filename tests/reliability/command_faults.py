@@ -6,8 +6,6 @@ and the same command given again does its work.
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
 import shutil
 import tempfile
@@ -21,36 +19,23 @@ from unittest.mock import patch
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
 from axiscal.present import rendering
-from tests.cli.test_results_are_a_set import CAMPAIGN, READINGS
-from tests.generators.texts import machine_text
+from tests.cli.test_results_are_a_set import FILES, differing
+from tests.generators.texts import campaign_text, setup_text
 from tests.reliability.faults import HOWS, Fault, Outcome, faults
 from tests.reliability.record_faults import events
 from tests.reliability.trial import Say, Trial, scratch
 
-MACHINE = machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"})
-WRONG = """machine = "machine.toml"
-usual = "off"
-sure = "exactly"
-[target]
-readings = 99
-""" + "".join(
-    f'''[[setups]]
-name = "{name}"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-noise = "0.2 um"
-drift = "0"
-'''
-    for name in ("one", "two")
+WRONG = campaign_text(
+    "machine.toml",
+    *(
+        setup_text(name, "interferometer", direction="x", moves=["X"], noise="0.2 um", drift="0")
+        for name in ("one", "two")
+    ),
+    target={"readings": 99},
+    usual="off",
+    sure="exactly",
 )
-INPUTS = {
-    "machine.toml": MACHINE,
-    "campaign.toml": CAMPAIGN,
-    "readings.csv": READINGS,
-    "wrong.toml": WRONG,
-    "shop/machine.toml": MACHINE,
-}
+INPUTS = {**FILES, "wrong.toml": WRONG, "shop/machine.toml": FILES["machine.toml"]}
 RECORD = "mill.axiscal"
 
 
@@ -271,17 +256,8 @@ def _unset(folder: Path, command: Command, done: bool) -> str:
         return f"{command.out} is missing"
     if not command.manifest or not out.exists():
         return ""
-    manifest = out / command.manifest
-    if not manifest.exists():
+    if not (out / command.manifest).exists():
         others = [path.name for path in out.iterdir() if path.name != "campaign.axiscal" and path.name[0] != "."]
         return f"no manifest beside {others}" if others or done else ""
-    document: dict[str, dict[str, str]] = json.loads(manifest.read_bytes())
-    found = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file() and path.name[0] != "."}
-    found -= {command.manifest, "campaign.axiscal"}
-    files = document["files"]
-    bad = [name for name in files if name not in found or _hash(out / name) != files[name]]
-    return f"not as the manifest says: {bad} {sorted(found ^ set(files))}" if bad or found != set(files) else ""
-
-
-def _hash(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    bad = sorted(name for name in differing(out, command.manifest) if Path(name).name[0] != ".")
+    return f"not as the manifest says: {bad}" if bad else ""
