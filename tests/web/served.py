@@ -105,21 +105,20 @@ def kept(record: Path) -> list[float]:
 
 
 @contextmanager
-def served(record: Path, *options: str) -> Iterator[Served]:
-    """Serve a record, or the start of a folder, until the end of the block, in English unless said.
+def serving(record: Path, *options: str, program: str = "") -> Iterator[tuple[Served, subprocess.Popen[str]]]:
+    """Serve a record, or the start of a folder, in English unless said, and end it with the block.
 
-    It then ends by Ctrl-C with status 0.
+    program : Python that does it in place of the command
     """
     starts = record.is_dir()
-    command = [sys.executable, "-m", "axiscal", "serve", *([] if starts else [str(record)]), *options]
-    english = {**os.environ, "AXISCAL_LANGUAGE": "en"}
+    command = [sys.executable, *(("-c", program) if program else ("-m", "axiscal")), "serve"]
     process = subprocess.Popen(
-        command,
+        [*command, *([] if starts else [str(record)]), *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        env=english,
+        env={**os.environ, "AXISCAL_LANGUAGE": "en"},
         cwd=record if starts else record.parent,
     )
     assert process.stdout is not None
@@ -129,10 +128,17 @@ def served(record: Path, *options: str) -> Iterator[Served]:
         lines = [process.stdout.readline()]
         while "--shop" in options and "SHA-256" not in lines[-1]:
             lines.append(process.stdout.readline())
-        yield Served(addresses[0], record, process.pid, "".join(lines))
-        process.send_signal(signal.SIGINT)
-        _, complaint = process.communicate(timeout=PATIENCE)
-        assert (process.returncode, complaint.count("\n")) == (0, 0 if starts else 1), complaint
+        yield Served(addresses[0], record, process.pid, "".join(lines)), process
     finally:
         process.kill()
         process.communicate()
+
+
+@contextmanager
+def served(record: Path, *options: str) -> Iterator[Served]:
+    """Serve until the end of the block, by Ctrl-C with status 0."""
+    with serving(record, *options) as (page, process):
+        yield page
+        process.send_signal(signal.SIGINT)
+        _, complaint = process.communicate(timeout=PATIENCE)
+        assert (process.returncode, complaint.count("\n")) == (0, 0 if record.is_dir() else 1), complaint

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import signal
-import subprocess
 import sys
 import threading
 from pathlib import Path
@@ -14,7 +12,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.web.counter import lost_interruptions
-from tests.web.served import PATIENCE, Served, started
+from tests.web.served import PATIENCE, Served, serving, started
 
 LONG = """
 import sys, time
@@ -29,7 +27,7 @@ def long(desk, *words, **more):
         time.sleep(0.01)
 Desk.{step} = long
 from axiscal.cli import main
-sys.argv = ["axiscal", "serve", sys.argv[1]]
+sys.argv[0] = "axiscal"
 raise SystemExit(main())
 """
 """`axiscal serve` with a step of the desk that takes hours."""
@@ -45,17 +43,8 @@ LOST = """try:
 
 def ended(record: Path, program: str, *, asked: bool) -> tuple[int, str, str]:
     """Return status and what is said of a server that gets Ctrl-C while it computes."""
-    surroundings = {**os.environ, "AXISCAL_LANGUAGE": "en"}
-    call = [sys.executable, "-c", program, str(record)]
-    process = subprocess.Popen(
-        call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=surroundings
-    )
-    assert process.stdout is not None
-    assert process.stderr is not None
-    try:
-        words = process.stdout.readline().split()
-        assert words[:1] == ["Open"], process.communicate(timeout=PATIENCE)
-        page = Served(words[1], record, process.pid)
+    with serving(record, program=program) as (page, process):
+        assert process.stderr is not None
         if asked:
             last = page.state()["last"]
             request = threading.Thread(target=_read, args=(page, last), daemon=True)
@@ -65,9 +54,6 @@ def ended(record: Path, program: str, *, asked: bool) -> tuple[int, str, str]:
         process.send_signal(signal.SIGINT)
         said, complaint = process.communicate(timeout=PATIENCE)
         return process.returncode, said, complaint
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def _read(page: Served, last: int) -> None:

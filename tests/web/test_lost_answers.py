@@ -8,8 +8,6 @@ import os
 import re
 import signal
 import socket
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,7 +16,7 @@ from uuid import uuid4
 import pytest
 
 from tests.web.browser import Browser, Page
-from tests.web.served import PATIENCE, Served, kept, served, started
+from tests.web.served import PATIENCE, Served, kept, served, serving, started
 from tests.web.test_page import arrived, stand, type_reading
 
 KILLED = """
@@ -30,7 +28,7 @@ def killed(desk, *step):
     os.kill(os.getpid(), signal.SIGKILL)
 Desk.once = killed
 from axiscal.cli import main
-sys.argv = ["axiscal", "serve", *sys.argv[1:]]
+sys.argv[0] = "axiscal"
 raise SystemExit(main())
 """
 """`axiscal serve` that is killed at a step, before its answer goes out."""
@@ -40,16 +38,9 @@ MOMENTS = {"it is done": "once(desk, *step)", "it is begun": "pass"}
 @contextmanager
 def killed_at_a_step(record: Path, before: str, *options: str) -> Iterator[Served]:
     """Serve a record until the first step kills the server."""
-    call = [sys.executable, "-c", KILLED.format(before=before), str(record), *options]
-    english = {**os.environ, "AXISCAL_LANGUAGE": "en"}
-    process = subprocess.Popen(call, stdout=subprocess.PIPE, text=True, start_new_session=True, env=english)
-    assert process.stdout is not None
-    try:
-        yield Served(process.stdout.readline().split()[1], record, process.pid)
+    with serving(record, *options, program=KILLED.format(before=before)) as (page, process):
+        yield page
         assert process.wait(timeout=PATIENCE) == -signal.SIGKILL
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def free_port() -> int:
