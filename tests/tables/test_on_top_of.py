@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.exceptions import InputError, TableError
+from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables.exporting import Linuxcnc
@@ -180,23 +180,6 @@ def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -
     assert np.interp(at, table[:, 1], table[:, 4]) == pytest.approx(y, abs=3e-4)
     lost = np.max(np.abs(np.interp(at, table[:, 1], np.interp(table[:, 1], at, y)) - y)) * 1e-3
     assert {one.axis: one.departure for one in made.tables}["Y"] == pytest.approx(lost, abs=1e-7)
-
-
-def test_old_files_that_cannot_be_are_refused(tmp_path: Path) -> None:
-    for file_type, down in ((None, "-1e308"), (0, "0")):
-        file = OldFile("X.comp", f"0 0 0\n100 1e308 {down}\n", file_type=file_type)
-        with pytest.raises(TableError, match="too large for a machine"):
-            export(known("small")[0], "linuxcnc", ExportOptions(old_files=(file,)))
-    (tmp_path / "inch.ini").write_text("[TRAJ]\nLINEAR_UNITS = inch\n[JOINT_0]\nBACKLASH = 0.001\n")
-    with pytest.raises(TableError, match=r"another unit than mm, in which new tables would be\. Say --unit in"):
-        export(known("small")[0], "linuxcnc", ExportOptions(old_files=read_old(["inch.ini"], tmp_path)))
-    (tmp_path / "no.ini").write_text("[JOINT_0]\nHOME = 0\n")
-    with pytest.raises(TableError, match="no joint of this INI file"):
-        read_old(["no.ini"], tmp_path)
-    for line in ("BACKLASH = much", "BACKLASH = nan", "COMP_FILE = no.ini\nCOMP_FILE_TYPE = one"):
-        (tmp_path / "no.ini").write_text(f"[JOINT_0]\n{line}\n")
-        with pytest.raises(InputError, match="is not a number"):
-            read_old(["no.ini"], tmp_path)
 
 
 def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
