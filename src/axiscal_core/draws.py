@@ -31,8 +31,7 @@ COUNT = 64
 """With 64 the RMS was 0.69 to 1.17 of that of 512 draws, with 32 down to 0.66 (120 to 900 readings)."""
 _EACH = 16  # one draw of so many is of the prior
 _TAUGHT = 1.0  # of the prior's information; with 0.5 to 5 the attacked axis is covered alike
-_SAID = 1.0
-"""Gain of log L times prior, by a step of one size alone, from which on it is learnt: that of a parameter by Akaike."""
+_SAID = 1.0  # gain of log L times prior by one size alone, from which on it is learnt: that of a parameter by Akaike
 _STEPS = 30  # of Fisher scoring, which settles in about ten; more would not be a maximum either
 _LONGEST = 1.5  # standard deviations of the prior in a step: the information is that of where the step begins
 _SETTLED = 0.3  # gain of log L times prior that a further step promises: draws do not mind less

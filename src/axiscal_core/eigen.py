@@ -6,10 +6,8 @@ import numpy as np
 
 from axiscal_core.refusals import Array
 
-_EQUAL = 1e-8
-"""Eigenvalues that differ by a smaller share are equal: rounding turns their eigenvectors."""
-_NEAR = 1e-6
-"""Entries of an eigenvector that differ by a smaller share are equally large: rounding decides which is larger."""
+_EQUAL = 1e-8  # eigenvalues that differ by a smaller share are equal: rounding turns their eigenvectors
+_NEAR = 1e-6  # entries of one that differ by a smaller share are equally large: rounding decides which is larger
 _EPS = float(np.finfo(np.float64).eps)
 
 

@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 from axiscal_core.refusals import Array
 from axiscal_core.threads import hold_loaded_libraries
 
-_COLUMNS = 32
-"""Of a QR at a time; twice or half as many take as long."""
-_EXACT = 1e-12
-"""Changes by less are rounding of a mode."""
+_COLUMNS = 32  # of a QR at a time; twice or half as many take as long
+_EXACT = 1e-12  # changes by less are rounding of a mode
 
 
 def chi_square_tail(degrees: float, value: float) -> float:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NamedTuple, TypedDict, Unpack, cast
+from typing import Literal, NamedTuple, Protocol, TypedDict, Unpack, cast
 
 import numpy as np
 
@@ -164,6 +164,17 @@ class Instrument:
         return f"<{type(self).__name__} {self.name}: moves {moves}; shows {shows}>"
 
 
+class Seeing(Protocol):
+    """What an instrument is to those who ask what it sees: names of its numbers, and the function."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Of each number of a reading."""
+
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        """Return the numbers of a reading, (m,) each, in m or rad."""
+
+
 class Slopes(NamedTuple):
     """Derivatives of what an instrument shows by what the tool is displaced and turned, (m, k, 3) each."""
 
@@ -171,8 +182,8 @@ class Slopes(NamedTuple):
     turned: Array
 
 
-def numbers(instrument: Any, at: At, u: Unknowns) -> Array:
-    """Return what whoever has `names` and `sees` shows, (m, k); raises InputError where `sees` gives something else."""
+def numbers(instrument: Seeing, at: At, u: Unknowns) -> Array:
+    """Return what an instrument shows, (m, k); raises InputError where `sees` gives something else."""
     where = f"{type(instrument).__name__}.sees"
     try:
         found = computed(where, "result", instrument.sees, at, u)
@@ -192,7 +203,7 @@ def numbers(instrument: Any, at: At, u: Unknowns) -> Array:
         raise InputError(where, "result", f"has shapes {shapes}", f"Give ({len(at.poses)},) each") from None
 
 
-def slopes(instrument: Any, at: At, u: Unknowns) -> Slopes:
+def slopes(instrument: Seeing, at: At, u: Unknowns) -> Slopes:
     """Return the derivatives by complex steps, exact to rounding."""
     # six readings for each, of which one is displaced or turned along one way
     every = At(*(np.concatenate([part] * 6) for part in at))
@@ -203,7 +214,7 @@ def slopes(instrument: Any, at: At, u: Unknowns) -> Slopes:
     return Slopes(ways[:, :, :3], ways[:, :, 3:])
 
 
-def own_slopes(instrument: Any, at: At, u: Unknowns, names: Sequence[str]) -> Array:
+def own_slopes(instrument: Seeing, at: At, u: Unknowns, names: Sequence[str]) -> Array:
     """Return the derivatives by some of its own unknowns, (m, k, names), likewise."""
     result = np.empty((len(at.poses), len(instrument.names), len(names)))
     for column, name in enumerate(names):

@@ -23,10 +23,8 @@ from axiscal_core.spaces import Given, parts_of
 
 BAD_SHARE, OFF = 0.01, 30.0
 """Assumption: one of a hundred readings is bad, and then off by so many noises."""
-_ODDS = BAD_SHARE / (1 - BAD_SHARE)
-"""Of a bad reading before any is taken, by definition."""
-_DOUBTED = 3.0
-"""Standard deviations from which on all draws are asked about one of many readings."""
+_ODDS = BAD_SHARE / (1 - BAD_SHARE)  # of a bad reading before any is taken, by definition
+_DOUBTED = 3.0  # standard deviations from which on all draws are asked about one of many readings
 
 
 def surprises(residuals: Array, covariances: Array) -> Array:

@@ -10,13 +10,25 @@ array([1.2e-06, 3.4e-06])
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Protocol, cast
 
 import numpy as np
 
 from axiscal_core.instrument import Instrument
+from axiscal_core.normal import Normal
 from axiscal_core.refusals import Array, InputError, finite, named, one, sided, whole
 from axiscal_core.units import SECONDS, Poses, Quantity, as_given, quantities
+
+
+class Showing(Protocol):
+    """What says what a machine would show: a case."""
+
+    @property
+    def prior(self) -> Normal:
+        """What is known of the unknowns before any reading."""
+
+    def shows(self, places: Places, x: Array) -> Normal:
+        """Return what readings show of unknowns x, with noise and rests."""
 
 
 class Places:
@@ -87,7 +99,7 @@ class Readings:
         self.time = None if time is None else quantities(time, "Readings", "time", each, [SECONDS], posed=True)
 
     @classmethod
-    def simulated(cls, case: Any, places: Places, seed: int, truth: Array | None = None) -> Readings:
+    def simulated(cls, case: Showing, places: Places, seed: int, truth: Array | None = None) -> Readings:
         """Return what a machine would show that is drawn as the case believes machines to be.
 
         case : of either package; truth : (n,) the unknowns, where they are to be these

@@ -38,9 +38,8 @@ def posed(case: Model, readings: Readings, about: Array | None = None) -> Proble
     return Problem(
         rows / n.noise[:, None], values / n.noise, n.noise, n.place, n.setup, groups, sizes,
         np.concatenate([*at, own_at]).astype(np.intp), curves, roots, tuple(each for _, each, _ in adding), own,
-        case.size - case.machine.size,
-        np.zeros(own), (), len(kinds), (), kinds, n.type_b / n.noise[:, None], case.causes,
-        np.ones(len(case.causes), dtype=bool),
+        case.size - case.machine.size, np.zeros(own), (), len(kinds), (), kinds, n.type_b / n.noise[:, None],
+        case.causes, np.ones(len(case.causes), dtype=bool),
     )  # fmt: skip
 
 

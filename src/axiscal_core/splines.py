@@ -285,8 +285,7 @@ def _cubics(h: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
     return np.zeros_like(h), np.zeros_like(h), -1 / h, 1 / h
 
 
-_WEIGHTS = (_values, _slopes, _curvatures, _cubics)
-"""Weights of a_i, a_{i+1}, s_i, s_{i+1} in S, S', S'', S'''."""
+_WEIGHTS = (_values, _slopes, _curvatures, _cubics)  # weights of a_i, a_{i+1}, s_i, s_{i+1} in S, S', S'', S'''
 
 
 def _fill(

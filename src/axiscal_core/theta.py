@@ -25,8 +25,7 @@ SURE: dict[Sure, float] = {"roughly": 3.0, "well": 1.5, "exactly": 1.0}
 Kind = Literal["std", "length", "scale", "rest", "reversal", "together", "drift", "cycle", "growth", "way", "noise"]
 _ROOTS: frozenset[Kind] = frozenset({"scale", "reversal", "drift", "cycle", "growth"})
 """Kinds whose stated size is a root mean square: one number, or one afternoon, tells of them."""
-_FARTHEST = 7.0
-"""Of |θ|, a factor of a thousand: beyond it lies nothing but overflow."""
+_FARTHEST = 7.0  # of |θ|, a factor of a thousand: beyond it lies nothing but overflow
 _LARGEST: dict[Kind, float] = {
     "length": _FARTHEST, "noise": math.log(30), "cycle": math.log(60),
     "drift": math.log(30), "growth": math.log(30), "way": math.log(60),
@@ -37,8 +36,7 @@ Nobody states what passes while a machine is read: one of nine ISO 230-2 tests h
 is 60 times as large, a part of a reversal is 3.6 times as large as the whole is stated.
 """
 MANY = 12  # readings: fewer say that a size is worse than stated, and hardly that it is better
-_MOST = math.log(10.0)
-"""Of θ of other sizes: what would have to be more than ten times as large as stated contradicts."""
+_MOST = math.log(10.0)  # of θ of other sizes: what would have to be more than ten times as large as stated contradicts
 
 
 class Size(NamedTuple):

@@ -26,10 +26,8 @@ from axiscal_core.spaces import (
     variances_of,
 )
 
-_DEARER = 2
-"""Times as much as of an unknown is the cost of a number: of speed, not of the result."""
-_AT_ONCE = 600
-"""Numbers whose rows are worked through at once: more would not stay in the cache."""
+_DEARER = 2  # times as much as of an unknown is the cost of a number: of speed, not of the result
+_AT_ONCE = 600  # numbers whose rows are worked through at once: more would not stay in the cache
 
 
 class Unknowns:

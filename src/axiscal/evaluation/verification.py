@@ -3,8 +3,8 @@
 Points are new ones, drawn at random as the checks of a plan are, and held to the estimate as these are to others.
 As-left readings are judged against a tolerance with a guard band (after ISO 14253-1). Pass: every deviation with its
 expanded uncertainty lies inside. Fail: one lies outside with all of it. Undecided: between. A target that 95 % of
-places keep may be exceeded at others. A pass also needs that the readings changed by the tables' correction, and that no
-set-up is further off than stated.
+places keep may be exceeded at others. A pass also needs that the readings changed by the tables' correction, and that
+no set-up is further off than stated.
 """
 
 from __future__ import annotations
