@@ -21,8 +21,7 @@ from axiscal_core.refusals import Array, InputError, finite, named, one, one_of,
 from axiscal_core.units import METRES, RADIANS, Of, Quantity, quantities, si
 
 DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-Link = Any
-"""An axis of whoever has `rotary`, `direction`, `origin` and `workpiece_side`, ours or the product's."""
+Link = Any  # an axis of whoever has `rotary`, `direction`, `origin` and `workpiece_side`, ours or the product's
 _LONGEST = {METRES: 200.0, RADIANS: 40.0}  # no axis goes farther
 Direction = str | Sequence[float]
 """ "x", "-y", or three numbers."""

@@ -20,9 +20,8 @@ _ROUNDS = 60  # rounds end where none rises; this only ends what would go round
 _IMPROVED = 1e-10  # rounding of a gain, with room
 _NEWTON = 40  # Newton's step ends where it gains nothing; this only ends what would go round
 _SETTLED = 1e-9  # Newton's step converges quadratically: what is left after a rise of this share is below rounding
-_SHORTER = np.array(
-    [0.5, 0.25, 0.1, 0.03, 0.01, 0.001]
-)  # shorter steps, tried where the whole one does not rise; any shrinking row will do
+_SHORTER = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.001])
+"""Shorter steps that are tried where the whole one does not rise; any shrinking row will do."""
 _APART = 1e-5  # share of the travel: climbs that end nearer are one
 _STEP = 3e-5  # a share of the travel: second differences keep six digits, of rounding (1e-16/h²) and of bending (h²)
 
