@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from axiscal.answers.answer_of_campaign import results_of, standing_answer
-from axiscal.answers.answer_words import screen
+from axiscal.answers.answer_words import screen, wrapped
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
@@ -20,7 +20,7 @@ from axiscal.present.result_document import result_json
 from axiscal.present.sentences import U_OF_TABLES
 from axiscal.present.statement import NOT_KNOWN, statement
 from axiscal.present.summarising import Extras
-from axiscal.present.summary import Summary
+from axiscal.present.summary import Summary, TableOffer
 
 
 def write_outputs(
@@ -59,6 +59,8 @@ def write_outputs(
         if details:
             tell_details(summary, out)
         say(written_screen(summary, record or campaign.path, out))
+        if summary.tables and not (details or summary.answer.withheld or any(each.axes for each in summary.tables)):
+            say("\n".join(wrapped(_offered(summary.tables[0]))))
     if summary.answer.withheld:
         remedy = (
             "Take the readings again that stand out, or write U and tables all the same with finish --anyway; all "
@@ -74,12 +76,16 @@ def tell_details(summary: Summary, out: Path) -> None:
     names = ["report.html", "report.pdf", "result.json", *([] if summary.answer.withheld else ["tables"])]
     say(said("Files: {files}", files=", ".join(str(out / name) for name in names)))
     for offer in summary.tables:
-        where = offer.controller if offer.axes else said("No table for {control}", control=offer.controller)
-        say(put("{where}: {why}", where=where, why=offer.left_out))
+        say(_offered(offer))
     if summary.tables and not summary.answer.withheld:
         say(said(U_OF_TABLES))
     for warning in summary.warnings:
         say(said("Mind: {sentence}", sentence=warning.text))
+
+
+def _offered(offer: TableOffer) -> str:
+    where = offer.controller if offer.axes else said("No table for {control}", control=offer.controller)
+    return put("{where}: {why}", where=where, why=offer.left_out)
 
 
 def written_screen(summary: Summary, record: Path, out: Path) -> str:
