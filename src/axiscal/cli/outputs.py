@@ -6,13 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from axiscal.answers.answer_of_campaign import results_of, standing_answer
-from axiscal.answers.answer_words import screen, wrapped
+from axiscal.answers.answer_words import screen
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say, say_document, tell
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
-from axiscal.language.spoken import put, resaid, said
+from axiscal.language.spoken import again, put, resaid, said
 from axiscal.present.delivery import deliver
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_screen
@@ -60,7 +60,7 @@ def write_outputs(
             tell_details(summary, out)
         say(written_screen(summary, record or campaign.path, out))
         if summary.tables and not (details or summary.answer.withheld or any(each.axes for each in summary.tables)):
-            say("\n".join(wrapped(_offered(summary.tables[0]))))
+            tell(_offered(summary.tables[0]))
     if summary.answer.withheld:
         remedy = (
             "Take the readings again that stand out, or write U and tables all the same with finish --anyway; all "
@@ -85,7 +85,7 @@ def tell_details(summary: Summary, out: Path) -> None:
 
 def _offered(offer: TableOffer) -> str:
     where = offer.controller if offer.axes else said("No table for {control}", control=offer.controller)
-    return put("{where}: {why}", where=where, why=offer.left_out)
+    return put("{where}: {why}", where=where, why=again(offer.left_out))
 
 
 def written_screen(summary: Summary, record: Path, out: Path) -> str:

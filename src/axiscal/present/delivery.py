@@ -19,7 +19,7 @@ from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import InputError, ReadingError, TableError
-from axiscal.language.spoken import put, said, speaking
+from axiscal.language.spoken import capital, put, said, speaking
 from axiscal.language.stages import stage
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
@@ -152,7 +152,7 @@ def _made(estimation: Estimation, controller: str, anyway: bool) -> Export | str
     try:
         return registry.offered(estimation, controller)
     except (TableError, ReadingError) as refusal:
-        return str(refusal)
+        return put("{what}. {remedy}.", what=refusal.what, remedy=capital(refusal.remedy))
 
 
 def _offer(controller: str, made: Export | str, described: CampaignDescription) -> TableOffer:
