@@ -152,12 +152,17 @@ class Agent:
         if found is None or not 0 < float(found[3]) <= LARGEST:
             return {"failure": f"{code!r} is no line that is executed here"}
         ends = {word[0]: float(word[1:]) for word in found[2].split()}
-        first = self._first_turn(ends)
+        first = self._turned_to_limits() if found[1] == "G38.3" else self._first_turn(ends)
         failure = (self._made("G53 G1", first, found[3]) if first else "") or self._made(found[1], ends, found[3])
         if failure:
             return {"failure": failure}
         probed = dict(zip(LETTERS, map(float, self.stat.probed_position), strict=False))
         return {"tripped": bool(self.stat.probe_tripped), "probed": probed, "probe": bool(self.stat.probe_val)}
+
+    def _turned_to_limits(self) -> dict[str, float]:
+        """Return the rotary axes at a limit, with it: a probe move, which names none, would end 1e-17 beyond."""
+        self.stat.poll()
+        return {a: limit for a, limit in self.seen.at_limits().items() if a in "ABC"}
 
     def _first_turn(self, ends: dict[str, float]) -> dict[str, float]:
         """Return the first degree of axes that have not turned yet: it shows whether the joints go with them."""
