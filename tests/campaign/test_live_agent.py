@@ -177,6 +177,11 @@ def test_an_axis_that_stands_at_its_limit_is_named_for_a_touch_leaves_it_a_hair_
     assert "failure" not in agent.line("G53 G1 X5 F600")
     (move,) = [code for code in control.given if "G53" in code]
     assert " C0.000000" in move
+    control.at["C"] = -1e-17
+    assert "failure" not in agent.line("G38.3 X4 F600")
+    turned, probed = (code for code in control.given[-3:] if "G53 G1" in code or "G38.3" in code)
+    assert "G53 G1 C0.000000 F" in turned
+    assert "G38.3 X4.000000 F" in probed
     control.at["C"] = 359.0
     assert "failure" not in agent.line("G53 G1 X6 F600")
     assert " C" not in control.given[-1]
