@@ -2,8 +2,8 @@
 
 Points are new ones, drawn at random as the checks of a plan are, and held to the estimate as these are to others.
 As-left readings are judged against a tolerance with a guard band (after ISO 14253-1). Pass: every deviation with its
-expanded uncertainty lies inside. Fail: one lies outside with all of it. Undecided: between. A target that 95 % of
-places keep may be exceeded at others. A pass also needs that the readings changed by the tables' correction, and that
+expanded uncertainty lies inside. Fail: one lies outside with all of it. Undecided: between. Of a target that
+95 % of places keep, 5 % may lie beyond. A pass also needs that the readings changed by the tables' correction, and that
 no set-up is further off than stated.
 """
 
@@ -64,7 +64,7 @@ _STILL = 4
 _NOTHING = 1e-9
 """A change of a nanometre is none: far below any reading's noise."""
 _OF_TWENTY = 0.95
-"""Of machines as good as promised so many do not fail."""
+"""Share of the machines exactly as promised that do not fail."""
 
 
 class Values(NamedTuple):
@@ -233,7 +233,7 @@ def judge(
     The zero of a set-up and an unknown slope are taken off each set of readings.
     tolerance : the largest deviation allowed, m; 0 where nothing says one: then only tables that do not work decide
     parts : the tables, each of which must work: one that is missing or has the wrong sign fails, whatever the tolerance
-    exceeded : share of the places where the tolerance may be
+    exceeded : share of the places that may lie beyond the tolerance
     """
     _refuse_different(found, left)
     places = places_of(setups, left)
@@ -286,8 +286,8 @@ def judge(
 def verdict(deviations: Array, std: Array, of: NDArray[np.intp], tolerance: float, exceeded: float = 0.0) -> Verdict:
     """Return what deviations with their standard deviations say of a tolerance (ISO 14253-1).
 
-    of : (m,) the place of each; exceeded : share of the places where it may be
-    It fails where more places exceed it than one of twenty machines with that share would show.
+    of : (m,) the place of each; exceeded : share of the places that may lie beyond the tolerance
+    A machine with that share beyond fails once in twenty at most.
     """
     sizes, places = np.abs(deviations), len(np.unique(of))
     surely, perhaps = (len(np.unique(of[sizes + sign * GUARD * std > tolerance])) for sign in (-1, 1))

@@ -2,7 +2,7 @@
 
 Sizes that are learnt swallow a jump: a drift of a hundred noises has it between any two readings. Those stated do where
 the machine is better. So it is sought at these, at a tenth, a third and three times as much, by the gain of its columns
-(`mistaken`); beside it signs, sides and places that are wrong for a stretch.
+(`mistaken`). Signs, sides and places that are wrong for a stretch are sought with it.
 
 The likeliest one is then weighed with the sizes integrated out, by the evidence of the readings with its columns and
 without. No size is beyond ten times what is stated (`description.usual`), so none stands for a jump. At odds above 20 :
