@@ -19,6 +19,7 @@ from axiscal.python.estimated import Estimated
 from axiscal.python.given import GivenReadings
 from axiscal.python.given import setup as setup
 from axiscal.python.measured_case import Case as _Case
+from axiscal.python.own_report import report as report
 from axiscal_core import Array as Array
 from axiscal_core import At as At
 from axiscal_core import Axis as Axis
@@ -102,5 +103,6 @@ __all__ = [
     "estimate",
     "load_machine",
     "read_campaign",
+    "report",
     "setup",
 ]

@@ -52,7 +52,7 @@ def estimated(case: Model, *parts: Readings) -> Known:
     }
     apart = {int(kept[i]): each.z for i, each in left.items()}
     again = partial(estimated, case, readings)
-    return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart, again)
+    return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart, readings, again)
 
 
 def averaged(draws: Weighed[Given]) -> tuple[Array, Array, Array]:

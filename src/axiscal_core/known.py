@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal_core.curve import Curve
-from axiscal_core.errors import Curved
 from axiscal_core.machine import come
 from axiscal_core.model import Model
 from axiscal_core.normal import Normal
@@ -37,7 +36,7 @@ class Known:
         times the root of the draw's probability; shares : (d,) these roots
     sizes : factors on what was stated; bad : readings that were taken out, by index
     z : of each other reading, how far it is from what the others expect
-    again : what estimates the readings that made it with others; None where none did
+    readings : that made it, None where none did; again : what estimates these with others
     """
 
     case: Model
@@ -48,6 +47,7 @@ class Known:
     sizes: Mapping[str, float] = field(default_factory=dict)
     bad: tuple[int, ...] = ()
     z: Mapping[int, float] = field(default_factory=dict)
+    readings: Readings | None = None
     again: Callable[[Readings], Known] | None = None
 
     @classmethod
@@ -127,13 +127,11 @@ class Known:
 
     def __getitem__(self, name: str) -> Curve:
         """Return one error as a curve: `known["EXX"](positions)` is a normal; bases of one's own: `table`."""
-        terms = {term.name: i for i, term in self.case.machine.curves}
+        terms = {term.name: (term, self.case.machine.columns[i]) for i, term in self.case.machine.curves}
         if name not in terms and name in (term.name for term in self.case.machine.terms):
             raise InputError("Known", "name", f"= {name!r} is a basis of one's own, no curve", "See Known.table")
-        i = terms[one_of("Known", "name", name, [*terms])]
-        term, columns, every = self.case.machine.terms[i], self.case.machine.columns[i], self.covariance
-        assert isinstance(term, Curved), "a curve is one"
-        return Curve.of(term.spline, Normal(self.mean[columns], every[columns, columns]))
+        term, columns = terms[one_of("Known", "name", name, [*terms])]
+        return Curve.of(term.spline, Normal(self.mean[columns], self.covariance[columns, columns]))
 
     def budget(self, figures: ArrayLike, caused: ArrayLike | None = None) -> dict[str, float]:
         """Return what each source adds to the standard uncertainty of a figure F u: a sum of squares.

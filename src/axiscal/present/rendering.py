@@ -5,9 +5,9 @@ None asks the network for anything, and the PDF for no font of the system.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, date, datetime
-from functools import cache
+from functools import cache, partial
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -60,7 +60,7 @@ def render(summary: Summary) -> str:
         "picture": "" if (bent := summary.bent) is None else for_widths(lambda width: found_and_left(bent, width)),
         "code": Markup("<code>{}</code>").format,
     }
-    page = _template("report.html").render(report_values(summary) | drawn | inlined())
+    page = template("report.html").render(report_values(summary) | drawn | inlined())
     return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
 
 
@@ -240,7 +240,7 @@ def _map(plane: PlaneSummary, values: Grid, colours: Sequence[Sequence[object]],
 
 _PAPER = 840
 """Pixels that the picture of the volume is drawn in: its words are then as large as the notes under it."""
-_WIDE, _PANEL = 340, 230
+_WIDE, PANEL = 340, 230
 """Pixels that the picture of a curve alone, and one of many, are drawn in; a matter of taste."""
 _ESCAPED = str.maketrans({"\\": r"\\", '"': r"\"", "\n": r"\n", "\r": r"\r", "\t": r"\t"})
 
@@ -250,33 +250,47 @@ def pdf(summary: Summary) -> bytes:
 
     Raises SummaryError for an infinite figure.
     """
+    return printed(date.fromisoformat(summary.date), partial(filled, summary))
+
+
+def printed(day: date, filled: Callable[[Path], str]) -> bytes:
+    """Return a document of a day as a PDF; the same one has the same bytes.
+
+    filled : given a folder for its pictures, what typst sets
+    """
     with TemporaryDirectory(prefix="axiscal-", ignore_cleanup_errors=True) as name:
         file = Path(name) / "report.typ"
-        file.write_bytes(filled(summary, Path(name)).encode("utf-8", "replace"))
-        begun = datetime.fromisoformat(summary.date).replace(tzinfo=UTC)  # the same campaign gives the same bytes
-        return _set(file, int(begun.timestamp()))
+        file.write_bytes(filled(Path(name)).encode("utf-8", "replace"))
+        return _set(file, int(datetime(day.year, day.month, day.day, tzinfo=UTC).timestamp()))
 
 
-def filled(summary: Summary, folder: Path) -> str:
-    """Return the report as typst sets it, in the language that is spoken; its pictures are written into a folder."""
-    summary, numbers = resaid(summary), count(1)
+def kept_in(folder: Path) -> Callable[[str], str]:
+    """Return what writes one picture after another into a folder, and returns the name of its file."""
+    numbers = count(1)
 
     def kept(svg: str) -> str:
         file = f"figure-{next(numbers)}.svg"
         (folder / file).write_bytes(svg.encode("utf-8", "replace"))
         return file
 
+    return kept
+
+
+def filled(summary: Summary, folder: Path) -> str:
+    """Return the report as typst sets it, in the language that is spoken; its pictures are written into a folder."""
+    summary, kept = resaid(summary), kept_in(folder)
     drawn = {
-        "draw": lambda figure: kept(paper_svg(figure, _WIDE if figure.get("wide") else _PANEL)),
-        "draw_circle": lambda circle: kept(alone(circle_picture(circle, _PANEL))),
+        "draw": lambda figure: kept(paper_svg(figure, _WIDE if figure.get("wide") else PANEL)),
+        "draw_circle": lambda circle: kept(alone(circle_picture(circle, PANEL))),
         "picture": "" if summary.bent is None else kept(alone(found_and_left(summary.bent, _PAPER))),
         "day": date.fromisoformat(summary.date),
     }
-    return _template("report.typ").render(report_values(summary) | drawn)
+    return template("report.typ").render(report_values(summary) | drawn)
 
 
 @cache
-def _template(name: str) -> Template:
+def template(name: str) -> Template:
+    """Return a template of the report: where it ends in .typ, values become literals of typst."""
     return environment(_literal if name.endswith(".typ") else None).get_template(name)
 
 
@@ -291,8 +305,8 @@ def _literal(value: object) -> Markup:
     return Markup(value)
 
 
-def _set(template: Path, moment: int) -> bytes:
-    """Return what typst makes of a template beside its data.
+def _set(file: Path, moment: int) -> bytes:
+    """Return what typst makes of a file beside its pictures.
 
     The system's fonts give the signs that its own fonts lack. A sign in no font becomes a box, and the PDF is then
     none for archives, which forbid boxes.
@@ -303,7 +317,7 @@ def _set(template: Path, moment: int) -> bytes:
     tries: tuple[tuple[bool, Literal["a-2b"] | None], ...] = ((False, "a-2b"), (True, "a-2b"), (True, None))
     for system, standard in tries:
         fonts = typst.Fonts(include_system_fonts=system)
-        compiler = typst.Compiler(str(template), root=str(template.parent), font_paths=fonts)
+        compiler = typst.Compiler(str(file), root=str(file.parent), font_paths=fonts)
         try:
             made = compiler.compile(pdf_standards=standard, timestamp=moment)
             assert isinstance(made, bytes)  # one document, in one file

@@ -133,12 +133,17 @@ def curve_note(curve: CurveSummary) -> str:
 
 
 def constant_note(constant: ConstantSummary) -> str:
-    """Return a constant as "12.10 ± 2.21 µrad" (95 %): as many decimals as its uncertainty has."""
-    half = BAND * constant.std
+    """Return a constant as "12.10 ± 2.21 µrad" (95 %)."""
+    return with_band(constant.mean, BAND * constant.std, constant.unit)
+
+
+def with_band(value: float, half: float, unit: str) -> str:
+    """Return a value and its ±, "12.10 ± 2.21 µrad": as many decimals as the ± has.  unit : "" for none"""
     shown, point = figure(half), decimals(".")
-    if half == 0 or "×" in shown or abs(constant.mean) >= _LONG:
-        return f"{figure(constant.mean)} ± {quantity(half, constant.unit)}"
-    return f"{to_decimals(constant.mean, len(shown.partition(point)[2]))} ± {quantity(half, constant.unit)}"
+    band = quantity(half, unit) if unit else shown
+    if half == 0 or "×" in shown or abs(value) >= _LONG:
+        return f"{figure(value)} ± {band}"
+    return f"{to_decimals(value, len(shown.partition(point)[2]))} ± {band}"
 
 
 def constant_rows(summary: Summary) -> list[list[str]]:

@@ -1,0 +1,76 @@
+"""A machine that was made in Python has its report, too."""
+
+from __future__ import annotations
+
+import csv
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import axiscal as ac
+from axiscal.exceptions import InputError
+
+
+def read_out(pdf: Path) -> str:
+    if shutil.which("pdftotext") is None:
+        pytest.skip("Debian package poppler-utils is not installed")
+    return subprocess.run(["pdftotext", "-layout", pdf, "-"], capture_output=True, text=True, check=True).stdout
+
+
+@pytest.fixture(scope="module")
+def known() -> ac.Known:
+    """A beam with a curve, and a tilt of the tool; the third of ten readings is wrong."""
+    errors = [ac.Error("EXX", "20 um", length="150 mm"), ac.Offset("tilt", "tool", (0, 0, 0, 0, 1, 0), "50 urad")]
+    machine = ac.Machine([ac.Axis.linear("X", "x", (0, "600 mm"))], errors, tool="100 mm")
+    laser = ac.Laser("laser", "X", noise="0.5 um", approach="+")
+    level = ac.Level("level", "X", about="y", noise="1 urad", approach="+")
+    case = ac.Case(machine, [laser, level], usual="off", sure="exactly")
+    poses = np.linspace(0, 0.6, 10)[:, None]
+    places = ac.Places("laser", poses, np.ones_like(poses)) + ac.Places("level", poses[:1], [[1]])
+    readings = ac.Readings.simulated(case, places, 4)
+    values = readings.values.copy()
+    values[2] += 300e-6
+    return case.estimate(ac.Readings(places, values))
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", ["Calibration report", "What was found", "Not believed: readings 3.", "3 ×", "position, mm"]),
+        ("de", ["Kalibrierbericht", "Was gefunden wurde", "Nicht geglaubt: Messungen 3.", "3 ×", "Position, mm"]),
+    ],
+)
+def test_the_report_says_what_is_known(known: ac.Known, tmp_path: Path, language: str, said: list[str]) -> None:
+    made = ac.report(known, tmp_path / "out", title="Beam 4", language=language)
+    words = read_out(made)
+    assert [each for each in (*said, "Beam 4", "laser.zero", "EXX", "tilt") if each not in words] == []
+    figures = [f"{1e6 * size:.3g}".replace(".", "," if language == "de" else ".") for size in (known.U, known.rms)]
+    assert [each for each in figures if f"{each} µm" not in words] == []
+    (row,) = re.findall(r"tilt +(\S+) ± (\S+) µrad", words)
+    mean, half = (float(each.replace(",", ".").replace("−", "-")) for each in row)
+    tilt = known.names.index("tilt[0]")
+    assert mean == pytest.approx(1e6 * known.mean[tilt], abs=0.05 * half)
+    assert half == pytest.approx(1e6 * 1.96 * known.covariance[tilt, tilt] ** 0.5, rel=5e-3)
+
+
+def test_the_unknowns_are_a_table(known: ac.Known, tmp_path: Path) -> None:
+    ac.report(known, tmp_path)
+    with (tmp_path / "unknowns.csv").open(encoding="utf-8") as file:
+        rows = [*csv.DictReader(file)]
+    assert [row["name"] for row in rows] == [*known.names]
+    assert [float(row["mean"]) for row in rows] == known.mean.tolist()
+
+
+def test_what_comes_from_no_readings_has_none(known: ac.Known, tmp_path: Path) -> None:
+    bare = ac.Known.of(known.case, known.mean, known.covariance)
+    with pytest.raises(ac.InputError, match="known comes from no readings"):
+        ac.report(bare, tmp_path)
+    with pytest.raises(ac.InputError, match=r"report.*known"):
+        ac.report("robot", tmp_path)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="xx"):
+        ac.report(known, tmp_path, language="xx")
+    assert not (tmp_path / "report.pdf").exists()
