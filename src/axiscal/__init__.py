@@ -12,7 +12,7 @@ or with an `Instrument` of one's own. It plans, judges `Places` of one's own, an
 takes readings to curves, deviations and tables. For whoever builds on the method:
 
 - `load_machine` reads a machine. Its errors are splines (`NaturalSpline`, `CyclicSpline`, `Constant`), stacked by
-  `ErrorModel`. A `Machine` of one's own has each `Axis` and `Error` in Python: its case is the core's, its page `report`.
+  `ErrorModel`. A `Machine` of one's own has each `Axis` and `Error` in Python: its case is the core's; see `report`.
 - A `Belief` is what is known of them.
 - `Case.next` is the reading that sharpens it most.
 

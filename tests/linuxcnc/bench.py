@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -116,6 +117,12 @@ def quickened(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     monkeypatch.setattr(connection, "_PARTS", (*parts, folder / "agent.py"))
     monkeypatch.setattr(attached, "_FASTEST", 90_000)
     monkeypatch.setattr(touched, "Cycle", partial(touched.Cycle, fast=0.04))
+
+
+def at_full_speed(program: str) -> str:
+    """Return a program as fast as can be, but for the slow touch."""
+    quick = program.replace(" [300] ", " [2400] ").replace(" [600]", " [30000]")
+    return re.sub(r"(?<= F)\d+$", "60000", quick, flags=re.MULTILINE)
 
 
 def _children(pid: int) -> list[int]:

@@ -24,7 +24,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from tests.docs.howtos import DOCS
-from tests.linuxcnc.bench import BALLS
+from tests.linuxcnc.bench import BALLS, at_full_speed
 from tests.linuxcnc.lab import Joint, Settings, files
 from tests.linuxcnc.running import BASE, NOBODY, OWN_TMP, SPACES, add_modules, mounted
 
@@ -241,8 +241,10 @@ def before(line: str, mill: Mill) -> None:
     if line.startswith("sudo halcompile"):
         mill.stop()
     if " --log ~" in line:
-        programs = sorted(str(path.resolve()) for path in Path("logged").glob("*.ngc"))
-        words = ["/usr/bin/python3", "-c", _LOGGED, *programs]
+        programs = [mill.work / path.name for path in sorted(Path("logged").glob("*.ngc"))]
+        for program in programs:
+            program.write_text(at_full_speed((Path("logged") / program.name).read_text(encoding="ascii")))
+        words = ["/usr/bin/python3", "-c", _LOGGED, *map(str, programs)]
         subprocess.run(words, check=True, env=mill.environment, timeout=600)
 
 

@@ -102,6 +102,9 @@ def test_linuxcnc_is_called_for_each_touch_between_the_lines_of_its_log() -> Non
     opened, closed = (next(k for k, line in enumerate(lines) if word in line) for word in ("LOGAPPEND", "(LOG,END 2)"))
     assert opened < lines.index(calls[0]) < lines.index(calls[-1]) < closed
     assert lines[closed + 1] == "(LOGCLOSE)"
+    stood = "G53 G1 C[ROUND[#5425 * 1000000] / 1000000] A[ROUND[#5423 * 1000000] / 1000000]"
+    after = [lines[k - 1] for k, line in enumerate(lines) if line == stood]
+    assert after == ["O102 ENDIF", "O103 ENDIF"]  # before any move that a rotary axis 1e-17 beyond its limit would end
 
 
 def test_touches_that_the_axes_cannot_make_are_refused() -> None:

@@ -33,6 +33,7 @@ class Log:
     """How a control touches a sphere by itself and writes a log, which is written on at its end.
 
     on, off : open it with its first line {head}, and write how many {readings} there were and close it; {code}
+    settled : in `on`, turns each rotary {axis} exactly to where it stands, parameter {place}, a word of a straight move
     touch : meets one side from beside it, fast and slowly, writes it down and goes back, {away}; ends the program where
     nothing is met. {into}, {back} : words; {x} {y} {z} : where the way ends; {all} : numbers of the touch in brackets;
     {along} : unit steps, {reach} {backwards} : mm; {reading} {touch} {fast} {slow}
@@ -44,6 +45,7 @@ class Log:
     off: Lines
     touch: Lines
     notes: Lines
+    settled: str = ""
     declared: Lines = ()
     proof: str | None = None
     closing: Lines | None = None
@@ -124,6 +126,13 @@ class Dialect:
             remedy = "Leave --log out: the program stops at each sphere for the control's own cycle"
             raise ProgramError("{control} programs write no log", remedy, control=self.title)
         return self.log
+
+    def opened(self, log: Log, axes: Sequence[Axis], **told: str) -> list[str]:
+        """Return what opens a log."""
+        names = [axis.name for axis in axes if axis.rotary]
+        turns = " ".join(log.settled.format(axis=name, place=5420 + LETTERS.find(name)) for name in names)
+        settled = f"G53 G1 {turns}" if turns else ""
+        return [line for line in filled(log.on, settled=settled, **told) if line]
 
     def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Iterable[str], logs: bool) -> str:
         """Return the whole text of a program; number : 1 for the first of a plan; logs : whether it writes a log."""

@@ -21,11 +21,13 @@ from axiscal.estimation.estimate import in_detail
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.promise.agreement import Agreement
 from axiscal.exceptions import ReadingError
+from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import deliver, evaluated, write_files
 from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, line_trace, picture
+from axiscal.present.sentences import unit_text
 from axiscal.present.summarising import Extras
 from axiscal.python.given import GivenReadings, readings_of
 from axiscal.tables import registry
@@ -138,7 +140,8 @@ class Curve(own.Curve):
         mean, std = self(at)
         x, middle = to_unit(at, self.position_unit).tolist(), to_unit(mean, self.unit).tolist()
         half = (BAND * to_unit(std, self.unit)).tolist()
-        axes = axis_style(f"position, {self.position_unit}"), axis_style(f"{self.name}, {self.unit}")
+        along = said("position, °") if self.position_unit == "deg" else said("position, mm")
+        axes = axis_style(along), axis_style(f"{self.name}, {unit_text(self.unit)}")
         data = [band(x, middle, half, FILL), line_trace(x, middle, LINE, 1.5)]
         return {"name": self.name, "data": data, "layout": layout(*axes, HEIGHT)}
 

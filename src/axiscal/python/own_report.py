@@ -31,6 +31,8 @@ from axiscal_core.units import like
 
 UNITS = {"m": "um", "rad": "urad"}
 """In which a deviation is shown."""
+_LARGER = 1.5
+"""From here on a size is called larger than stated: of less a dozen readings say little."""
 
 
 def report(known: Known, folder: str | Path, title: str = "Machine", language: str | None = None) -> Path:
@@ -90,7 +92,7 @@ def _sentences(known: Known) -> Iterator[str]:
         yield said("Not believed: readings {numbers}.", numbers=joined([str(i + 1) for i in known.bad]))
     if known.case.causes:
         yield said("What no reading shows counts in U: {causes}.", causes=joined(known.case.causes))
-    if large := [(name, size) for name, size in known.sizes.items() if size > 1]:
+    if large := [(name, size) for name, size in known.sizes.items() if size > _LARGER]:
         shown = [f"{name} × {figure(size, 2)}" for name, size in large]
         yield said("Readings show sizes larger than stated: {sizes}.", sizes=joined(shown))
 
