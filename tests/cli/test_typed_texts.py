@@ -108,3 +108,17 @@ def test_other_text_is_shown_as_it_is() -> None:
     text = "21,4 °C\t±\u202f0.3 µm → – …\n日本 \U0001f600 \xa0"
     assert visible(text) == text
     assert json.loads(visible(json.dumps("\x9b\ud800\x7f", ensure_ascii=False))) == "\x9b\ud800\x7f"
+
+
+def test_every_number_of_a_reading_is_said(tmp_path: Path, command: Command) -> None:
+    (tmp_path / "own.py").write_text(
+        "import axiscal_core as ac\n\n\nclass Pair(ac.Instrument):\n"
+        '    names, units, noise = ("along", "tilt"), ("m", "rad"), ("1 um", "1 urad")\n\n'
+        "    def sees(self, at, u):\n        return [at.moved[:, 0], at.turned[:, 1]]\n"
+    )
+    campaign, record = tmp_path / "campaign.toml", tmp_path / "m.axiscal"
+    setup = '[[setups]]\nname = "pair"\ninstrument = "own.py:Pair"\nmoves = ["X"]\n'
+    campaign.write_text(f'machine = "three-axis-mill"\n[target]\nreadings = 4\n{setup}')
+    assert run(["step", "start", str(campaign), str(record)]) == 0
+    assert run(["step", "next", str(record)]) == 0
+    assert "Kept reading 1: 1.5 um, -4 urad at X = " in command("step", "record", record, "1.5 um -4 urad").printed

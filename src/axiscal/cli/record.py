@@ -23,7 +23,7 @@ from axiscal.language.spoken import counted, joined, later, listed, quoted, said
 from axiscal.machine import Machine
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.readers.csv_table import approach_of
-from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose
+from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import contradictions, doubted, last_doubt, open_question, others_doubted
 from axiscal.present.guide.question import Stands, asked_text, found_at, value_texts
@@ -176,9 +176,9 @@ def _kept(campaign: Campaign, reading: Reading) -> tuple[dict[str, object], str]
         "value": to_unit(reading.value, unit),
         "unit": unit,
     }
-    place, value = place_text(axes, reading.pose, setup.moves), format_quantity(reading.value, unit)
+    place, values = place_text(axes, reading.pose, setup.moves), map(format_quantity, reading.values, units_of(setup))
     text = "Kept reading {number}: {value} at {place} ({count} so far)."
-    return document, said(text, number=reading.number, value=value, place=place, count=count)
+    return document, said(text, number=reading.number, value=listed(", ", [*values]), place=place, count=count)
 
 
 _ENTRY = re.compile(r"\s*([A-Z][0-9]?)\s*=\s*([^=,;]*?)\s*(?:[,;]|(?=\s[A-Z][0-9]?\s*=)|$)")
