@@ -9,7 +9,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from copy import copy
 
 from numpy.typing import ArrayLike
@@ -17,14 +16,14 @@ from numpy.typing import ArrayLike
 from axiscal_core.criterion import Criterion
 from axiscal_core.estimate import estimated
 from axiscal_core.known import Known
-from axiscal_core.model import CANDIDATES, Model
+from axiscal_core.model import CANDIDATES, Model, Table
 from axiscal_core.places import Places, Readings
 from axiscal_core.plan import Evaluation, Plan, evaluated, planned
 from axiscal_core.refusals import InputError
 from axiscal_core.step import best_step
 from axiscal_core.units import Quantity
 
-After = Readings | Places | Known | None
+After = Readings | Table | Places | Known | None
 """What there is before a plan: readings, or places of such, at sizes as stated; what is known counts as it is."""
 
 
@@ -51,7 +50,7 @@ class Case(Model):
         return planned(case, readings, minutes, rms, criterion, candidates, before, keep)
 
     def evaluate(self, places: Places | Readings, after: After = None, criterion: Criterion = "volume") -> Evaluation:
-        """Return what readings at places would make known, and what no others can beat."""
+        """Return what readings at places would make known, and the J that no choice of as many even places can beat."""
         case, before = self._begun(after, "Case.evaluate")
         return evaluated(case, places, before, criterion)
 
@@ -60,16 +59,12 @@ class Case(Model):
         case, before = self._begun(after, "Case.next")
         return best_step(case, before, criterion)
 
-    def estimate(self, readings: Readings | Mapping[str, Sequence[object]]) -> Known:
+    def estimate(self, readings: Readings | Table) -> Known:
         """Return what readings make known, sizes averaged over, without readings that the others contradict.
 
         readings : or a table of them, see `Case.readings`
         """
-        if isinstance(readings, Readings):
-            return estimated(self, readings)
-        if not isinstance(readings, Mapping) and not hasattr(readings, "columns"):
-            raise InputError("Case.estimate", "readings", f"= {readings!r} are none", "Give Readings, or a DataFrame")
-        return estimated(self, self.readings(readings))
+        return estimated(self, self.taken_from(readings, "Case.estimate"))
 
     def known(self, mean: ArrayLike, covariance: ArrayLike) -> Known:
         """Return what is known already.  mean : (size,); covariance : (size, size)"""
@@ -78,7 +73,7 @@ class Case(Model):
     def _begun(self, after: After, function: str) -> tuple[Model, Readings | Places | None]:
         """Return the case and what was read; what is known takes the place of its prior."""
         if not isinstance(after, Known):
-            return self, after
+            return self, after if isinstance(after, Places | None) else self.taken_from(after, function, "after")
         if after.names != self.names:
             raise InputError(function, "after", "is known of another case", "Estimate readings of this one")
         begun = copy(self)

@@ -21,7 +21,7 @@ from axiscal_core.normal import Normal
 from axiscal_core.refusals import Array, InputError, whole, within
 from axiscal_core.roots import largest, node_count
 from axiscal_core.splines import NaturalSpline, Spline, distances, even_knots, matern
-from axiscal_core.units import Quantity, quantities, si
+from axiscal_core.units import EITHER, Of, Quantity, quantities, si
 
 
 class Curve:
@@ -33,6 +33,7 @@ class Curve:
 
     spline: Spline
     known: Normal
+    along: Of = EITHER  # what a position is
 
     def __init__(
         self, travel: Sequence[Quantity] | Array, std: Quantity, knots: int = 7, length: Quantity | None = None
@@ -49,15 +50,15 @@ class Curve:
         self.known = Normal(np.zeros(knots), size**2 * alike)
 
     @classmethod
-    def of(cls, spline: Spline, known: Normal) -> Self:
+    def of(cls, spline: Spline, known: Normal, along: Of = EITHER) -> Self:
         """Return the curve of a spline whose control values are known."""
         curve = cls.__new__(cls)
-        curve.spline, curve.known = spline, known
+        curve.spline, curve.known, curve.along = spline, known, along
         return curve
 
     def __call__(self, t: Quantity | Sequence[Quantity] | Array) -> Normal:
         """Return what is known at positions t (eq. 18, 20): a normal over them, (m,)."""
-        at = quantities([t] if isinstance(t, str) or np.isscalar(t) else t, "Curve", "t", (None,), posed=True)
+        at = quantities(np.atleast_1d(np.array(t, object)), "Curve", "t", (None,), [self.along], posed=True)
         self._refuse_outside("Curve", at)
         return self.known.through(self.spline.rows(at))
 
@@ -87,10 +88,10 @@ class Curve:
 
     def read(self, t: Quantity, value: Quantity, noise: Quantity) -> Curve:
         """Return the curve after a reading at t (eq. 21-23)."""
-        at, y = si(t, "Curve.read", "t"), si(value, "Curve.read", "value")
+        at, y = si(t, "Curve.read", "t", self.along), si(value, "Curve.read", "value")
         variance = within("Curve.read", "noise", si(noise, "Curve.read", "noise"), 0.0, open_end=True) ** 2
         self._refuse_outside("Curve.read", np.array([at]))
-        return Curve.of(self.spline, self.known.read(self.spline.rows(at), [y], [variance]))
+        return Curve.of(self.spline, self.known.read(self.spline.rows(at), [y], [variance]), self.along)
 
     def _refuse_outside(self, function: str, t: Array) -> None:
         start, stop = self.spline.knots[[0, -1]]

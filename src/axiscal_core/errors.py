@@ -41,6 +41,7 @@ CELLS, ASIDE = 8, 2e-4
 """Cells of a knot interval, within which a rest is one value; they begin so far before a knot, m or rad.
 
 Places are round numbers, and stand at knots: a correction must not leave a cell."""
+_ALONG = "length", "period"  # what is measured along the axis
 _WAVE_KNOTS = 8  # a cyclic spline of so many follows a sine to 1.2 thousandths
 
 
@@ -116,10 +117,11 @@ class Error:
         size = RADIANS if self.component >= 3 else METRES
         every = {"std": size, "length": EITHER, "rest": size, "scale": RADIANS, "period": EITHER}
         for field, of in every.items():
-            value = getattr(self, field)
-            if value is not None or field == "std":  # quantities become numbers once, here
-                number = within("Error", field, si(value, "Error", field, of), 0.0, field in ("length", "period"))
-                object.__setattr__(self, field, number)
+            value, along = getattr(self, field), field in _ALONG
+            if value is not None or field == "std":
+                number = within("Error", field, si(value, "Error", field, of), 0.0, open_end=along)
+                # quantities become numbers once, here; those along an axis where that is known
+                object.__setattr__(self, field, value if along else number)
         wave, more = self.period is not None, (self.knots or 1) > 1
         idle = {"knots": more and (wave or self.kind == "location"), "waves": self.waves > 1 and not wave}
         idle["length"] = self.length is not None and (wave or self.count < 2)
@@ -188,8 +190,8 @@ class Curved:
 
     @property
     def length(self) -> float | None:
-        """Over which its control values are alike; None where that is not so."""
-        alike = self.spline.size > 1 and self.error.period is None
+        """Over which its control values are alike; None where that is not so, and where they are nothing."""
+        alike = self.spline.size > 1 and self.error.period is None and self.std > 0
         return cast("float | None", self.error.length) if alike else None
 
     @property
@@ -225,6 +227,10 @@ def curved(error: Error, axes: Sequence[Axis]) -> Curved:
         raise InputError("Machine", "errors", f"hold {error.name}, of none of its axes", f"They are {', '.join(names)}")
     at = names.index(error.axis)
     axis, (low, high) = axes[at], axes[at].travel
+    length, period = (
+        None if (stated := getattr(error, field)) is None else si(stated, "Error", field, axis.of) for field in _ALONG
+    )
+    error = replace(error, length=length, period=period)
     spline: Spline
     if error.period is not None:
         spline = Repeated(low, high, cast(float, error.period), _WAVE_KNOTS * error.waves)

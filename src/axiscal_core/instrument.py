@@ -63,7 +63,7 @@ class At(NamedTuple):
 
 def length(v: Array) -> Array:
     """Return how long vectors are, (m,), analytically.  v : (m, 3)"""
-    return np.asarray(np.sqrt(np.sum(v * v, axis=1)))
+    return np.asarray(np.sqrt(np.sum(np.square(v), axis=1)))
 
 
 def angle(y: Array, x: Array) -> Array:

@@ -12,18 +12,18 @@ array([2.8e-06])
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal_core.curve import Curve
 from axiscal_core.machine import come
-from axiscal_core.model import Model
+from axiscal_core.model import Model, Table
 from axiscal_core.normal import Normal
 from axiscal_core.places import Readings
 from axiscal_core.plan import expanded
-from axiscal_core.refusals import Array, InputError, finite, one, one_of, spread, whole
+from axiscal_core.refusals import Array, InputError, finite, named, one, one_of, spread, whole
 from axiscal_core.units import Poses
 
 
@@ -89,15 +89,17 @@ class Known:
         """Return machines that fit the readings, (count, size)."""
         return self.normal.sample(whole("Known.sample", "count", count, 1), whole("Known.sample", "seed", seed, 0))
 
-    def read(self, readings: Readings) -> Known:
+    def read(self, readings: Readings | Table) -> Known:
         """Return what is known after more readings: all estimated anew, after a belief alone by eq. 31-33."""
+        readings = self.case.taken_from(readings, "Known.read")
         values = self.case.values(readings, "Known.read")
         if self.again is not None:
             return self.again(readings)
         n = self.case.numbers(readings, self.mean)
         noise = self.case.shared(n, n) + np.diag(n.noise**2) + n.type_b @ n.type_b.T
         found = Normal(self.mean, self.covariance).read(n.rows, values - n.shown + n.rows @ self.mean, noise)
-        return Known.of(self.case, found.mean, found.covariance)
+        every = readings if self.readings is None else self.readings + readings
+        return replace(Known.of(self.case, found.mean, found.covariance), readings=every)
 
     def deviation(self, poses: Poses = (), joint: bool = False, sides: Poses | None = None) -> Normal:
         """Return the deviation of the tool point, a normal (m, 3) with covariances (m, 3, 3), m.
@@ -128,10 +130,12 @@ class Known:
     def __getitem__(self, name: str) -> Curve:
         """Return one error as a curve: `known["EXX"](positions)` is a normal; bases of one's own: `table`."""
         terms = {term.name: (term, self.case.machine.columns[i]) for i, term in self.case.machine.curves}
+        named("Known", "name", name)
         if name not in terms and name in (term.name for term in self.case.machine.terms):
             raise InputError("Known", "name", f"= {name!r} is a basis of one's own, no curve", "See Known.table")
         term, columns = terms[one_of("Known", "name", name, [*terms])]
-        return Curve.of(term.spline, Normal(self.mean[columns], self.covariance[columns, columns]))
+        known = Normal(self.mean[columns], self.covariance[columns, columns])
+        return Curve.of(term.spline, known, self.case.machine.axes[term.at].of)
 
     def budget(self, figures: ArrayLike, caused: ArrayLike | None = None) -> dict[str, float]:
         """Return what each source adds to the standard uncertainty of a figure F u: a sum of squares.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import accumulate, pairwise
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,10 @@ from axiscal_core.places import Places, Readings
 from axiscal_core.points import even_points
 from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one, one_of, whole
 from axiscal_core.theta import SURE, Sure
-from axiscal_core.units import EITHER, SECONDS, Of, quantities, si
+from axiscal_core.units import Of, quantities, si
 
+Table = Mapping[str, Sequence[object]]
+"""Readings as columns, see `Case.readings`; a DataFrame is one."""
 CANDIDATES = 800
 """Even places: with twice as many J of eight drawn plans falls by up to a tenth, of six of them by less than 1 %."""
 
@@ -217,7 +219,15 @@ class Model:
                 total += term.rest**2 * alike * np.outer(first.reach[:, i], second.reach[:, i])
         return total
 
-    def readings(self, table: Mapping[str, Sequence[object]]) -> Readings:
+    def taken_from(self, readings: Readings | Table, function: str, argument: str = "readings") -> Readings:
+        """Return readings, those of a table as well."""
+        if isinstance(readings, Readings):
+            return readings
+        if not isinstance(readings, Mapping) and not hasattr(readings, "columns"):
+            raise InputError(function, argument, f"= {readings!r} are none", "Give Readings, or a DataFrame")
+        return self.readings(readings)
+
+    def readings(self, table: Table) -> Readings:
         """Return readings of a table, such as a DataFrame.
 
         table : columns "instrument", each axis, those of the instrument's numbers; with sides "X_side", "std", "time"
@@ -231,7 +241,7 @@ class Model:
             one_of("Case.readings", "table", name, every)
         names = [str(name) for name in np.ravel(np.array(table["instrument"], dtype=object))]
 
-        def given(name: str) -> list[object]:
+        def given(name: str) -> list[Any]:
             found = np.ravel(np.array(table[name], dtype=object)).tolist()
             if len(found) != len(names):
                 what = f"has {len(found)} values of {len(names)} readings"
@@ -251,7 +261,7 @@ class Model:
                 if number not in table:
                     raise InputError("Case.readings", "table", f"has no column {number!r}", f"{name} shows it", i)
                 values.append(si(given(number)[i], "Case.readings", number, (unit,), i))
-        std, time = (column(what, of) if what in table else None for what, of in (("std", EITHER), ("time", SECONDS)))
+        std, time = (given(what) if what in table else None for what in ("std", "time"))
         return Readings(places, values, std, time)
 
     def table(self, places: Places | Readings) -> dict[str, list[object]]:

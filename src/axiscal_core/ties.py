@@ -2,7 +2,7 @@
 
 Mirror images gain the same, and the last bit of a sum would choose between them. Another thread, another library or
 another order of the unknowns would then make another plan. The shares here are coarser than rounding and finer than
-what matters. Of places that are neighbours the first is taken, too.
+what matters.
 """
 
 from __future__ import annotations
@@ -52,17 +52,3 @@ def ranked(values: Array, share: float, most: int | None = None) -> NDArray[np.i
 def surely_more(values: Array, than: Array, share: float) -> NDArray[np.bool_]:
     """Return which values are larger by more than rounding, (n,).  values, than : (n,), than perhaps −∞"""
     return values > than + share * np.where(np.isfinite(than), np.abs(than), 0.0)
-
-
-def scattered(places: Array, order: NDArray[np.intp], most: int, apart: float) -> list[int]:
-    """Return the first places of an order that are no neighbours of each other; `most` at the most.
-
-    places : (m, k); apart : neighbours are no further from each other than that along any coordinate
-    """
-    chosen = list[int]()
-    for i in order.tolist():
-        if len(chosen) == most:
-            break
-        if np.all(np.abs(places[chosen] - places[i]).max(axis=1, initial=0.0) > apart):
-            chosen.append(i)
-    return chosen

@@ -221,6 +221,27 @@ def test_tables_go_to_pandas_and_back() -> None:
     assert [*pd.DataFrame(case.estimate(readings).table())["name"]] == [*case.names]
 
 
+def test_tables_serve_wherever_readings_do() -> None:
+    machine = ac.Machine([ac.Axis.linear("X", "x", (0, "600 mm"))], [ac.Error("EXX", "10 um", length="200 mm")])
+    case = ac.Case(machine, [ac.Laser("laser", "X")])
+    first, more = (ac.Readings.simulated(case, case.lattice(count), seed=1) for count in (4, 6))
+    both = case.estimate(first).read(case.table(more))
+    assert both.readings is not None
+    assert both.mean.tolist() == case.estimate(first + more).mean.tolist()
+    assert case.next(case.table(first)).poses.tolist() == case.next(first).poses.tolist()
+    known = case.known(both.mean, both.covariance).read(case.table(more)).read(first)
+    assert known.readings is not None
+    assert known.readings.values.tolist() == [*more.values, *first.values]
+
+
+def test_an_error_that_cannot_be_is_estimated_as_nothing() -> None:
+    errors = [ac.Error("EXX", 0.0, scale=0.0), ac.Error("EYX", "10 um")]
+    case = ac.Case(ac.Machine([ac.Axis.linear("X", "x", (0, "600 mm"))], errors), [ac.Laser("laser", "X", along="y")])
+    known = case.estimate(ac.Readings.simulated(case, case.lattice(8), seed=2))
+    assert known["EXX"]([0.1, 0.5]).std.tolist() == [0.0, 0.0]
+    assert known["EYX"].rms < 10e-6
+
+
 def test_a_rigid_motion_of_the_volume_is_no_error_where_it_is_aligned() -> None:
     """A squareness alone of two axes is a rotation only in part; both straightness constants are nothing."""
     axes = [ac.Axis.linear(name, name.lower(), (0, 1.0)) for name in "XY"]

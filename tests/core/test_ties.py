@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal_core.ties import first_best, first_best_each, ranked, scattered, surely_more
+from axiscal_core.ties import first_best, first_best_each, ranked, surely_more
 
 SHARE = 1e-9
 LEVELS = st.lists(st.integers(1, 6), min_size=1, max_size=30)
@@ -44,11 +44,3 @@ def test_what_is_beyond_all_numbers_is_first() -> None:
 def test_what_is_more_than_rounding_counts() -> None:
     assert first_best(np.array([1.0, 1.0 + 1e-8]), SHARE) == 1
     assert ranked(np.array([1.0, 1.0 + 1e-8]), SHARE).tolist() == [1, 0]
-
-
-def test_of_neighbours_the_first_of_the_order_is_taken() -> None:
-    places = np.array([[0.0, 0.0], [0.1, 0.05], [0.3, 0.0], [0.05, 0.5], [0.9, 0.9]])
-    order = np.array([1, 0, 2, 3, 4])
-    assert scattered(places, order, 5, 0.1) == [1, 2, 3, 4]
-    assert scattered(places, order, 2, 0.1) == [1, 2]
-    assert scattered(places, order[:0], 5, 0.1) == []

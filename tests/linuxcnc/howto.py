@@ -245,7 +245,7 @@ def before(line: str, mill: Mill) -> None:
         for program in programs:
             program.write_text(at_full_speed((Path("logged") / program.name).read_text(encoding="ascii")))
         words = ["/usr/bin/python3", "-c", _LOGGED, *map(str, programs)]
-        subprocess.run(words, check=True, env=mill.environment, timeout=600)
+        subprocess.run(words, check=True, env=mill.environment, timeout=1800)
 
 
 def inside(work: Path, say: Callable[[str], None]) -> str:

@@ -13,7 +13,7 @@ from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.planning.bound.lower_bound import largest_seen
+from axiscal.planning.bound.lower_bound import largest_seen, scattered
 from axiscal.planning.step.ground import regions
 from tests.generators.campaigns import built_in
 
@@ -90,3 +90,11 @@ def test_two_coordinates_are_refused_with_what_would_help() -> None:
     free = Case(built_in(HELD, "dmu60"))
     with pytest.raises(PlanError, match="2 coordinates without steps, more than 1"):
         regions(free.observation, 0)
+
+
+def test_of_neighbours_the_first_of_the_order_is_taken() -> None:
+    places = np.array([[0.0, 0.0], [0.1, 0.05], [0.3, 0.0], [0.05, 0.5], [0.9, 0.9]])
+    order = np.array([1, 0, 2, 3, 4])
+    assert scattered(places, order, 5, 0.1) == [1, 2, 3, 4]
+    assert scattered(places, order, 2, 0.1) == [1, 2]
+    assert scattered(places, order[:0], 5, 0.1) == []

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import axiscal as ac
-from axiscal.exceptions import InputError
 
 
 def read_out(pdf: Path) -> str:
@@ -24,7 +23,10 @@ def read_out(pdf: Path) -> str:
 @pytest.fixture(scope="module")
 def known() -> ac.Known:
     """A beam with a curve, and a tilt of the tool; the third of ten readings is wrong."""
-    errors = [ac.Error("EXX", "20 um", length="150 mm"), ac.Offset("tilt", "tool", (0, 0, 0, 0, 1, 0), "50 urad")]
+    errors: list[ac.Error | ac.Basis] = [
+        ac.Error("EXX", "20 um", length="150 mm"),
+        ac.Offset("tilt", "tool", (0, 0, 0, 0, 1, 0), "50 urad"),
+    ]
     machine = ac.Machine([ac.Axis.linear("X", "x", (0, "600 mm"))], errors, tool="100 mm")
     laser = ac.Laser("laser", "X", noise="0.5 um", approach="+")
     level = ac.Level("level", "X", about="y", noise="1 urad", approach="+")
@@ -40,8 +42,17 @@ def known() -> ac.Known:
 @pytest.mark.parametrize(
     ("language", "said"),
     [
-        ("en", ["Calibration report", "What was found", "Not believed: readings 3.", "3 ×", "position, mm"]),
-        ("de", ["Kalibrierbericht", "Was gefunden wurde", "Nicht geglaubt: Messungen 3.", "3 ×", "Position, mm"]),
+        ("en", ["Calibration report", "What was found", "Not believed, marked ×: readings 3.", "3 ×", "position, mm"]),
+        (
+            "de",
+            [
+                "Kalibrierbericht",
+                "Was gefunden wurde",
+                "Nicht geglaubt, mit × gekennzeichnet: Messungen 3.",
+                "3 ×",
+                "Position, mm",
+            ],
+        ),
     ],
 )
 def test_the_report_says_what_is_known(known: ac.Known, tmp_path: Path, language: str, said: list[str]) -> None:
@@ -71,6 +82,8 @@ def test_what_comes_from_no_readings_has_none(known: ac.Known, tmp_path: Path) -
         ac.report(bare, tmp_path)
     with pytest.raises(ac.InputError, match=r"report.*known"):
         ac.report("robot", tmp_path)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="xx"):
+    with pytest.raises(ac.InputError, match="report: language = 'xx' is unknown"):
         ac.report(known, tmp_path, language="xx")
+    with pytest.raises(ac.InputError, match="report: title = '' is no name"):
+        ac.report(known, tmp_path, title="")
     assert not (tmp_path / "report.pdf").exists()

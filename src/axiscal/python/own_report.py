@@ -15,7 +15,7 @@ import numpy as np
 from axiscal import __version__
 from axiscal.document.durable import write_whole
 from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.language.spoken import joined, said, speaking
+from axiscal.language.spoken import LANGUAGES, WORDS, joined, said, speaking
 from axiscal.present.drawing.svg_picture import paper_svg
 from axiscal.present.rendering import PANEL, kept_in, printed, template
 from axiscal.present.sentences import as_read, coordinate, figure, quantity, values_text, with_band
@@ -25,14 +25,16 @@ from axiscal.units import to_unit
 from axiscal_core import refusals
 from axiscal_core.errors import Curved, Offset, Plane
 from axiscal_core.known import Known
+from axiscal_core.model import Model
+from axiscal_core.normal import Normal
 from axiscal_core.places import Readings
-from axiscal_core.refusals import Array, one
+from axiscal_core.refusals import named, one, one_of
 from axiscal_core.units import like
 
 UNITS = {"m": "um", "rad": "urad"}
 """In which a deviation is shown."""
-_LARGER = 1.5
-"""From here on a size is called larger than stated: of less a dozen readings say little."""
+_LARGER, _FAR_LARGER = 1.5, 6.0
+"""From here on a size is called larger than stated, of less a dozen readings say little; and from here on a mistake."""
 
 
 def report(known: Known, folder: str | Path, title: str = "Machine", language: str | None = None) -> Path:
@@ -44,7 +46,9 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
     of = "`case.estimate(readings)` of a machine made in Python; that of `load_machine` has `report`"
     one("report", "known", known, Known, of)
     one("report", "folder", folder, (str, Path), 'such as "report"')
-    one("report", "title", title, str, 'such as "Robot 7"')
+    named("report", "title", title)
+    if language is not None:
+        one_of("report", "language", language, [*LANGUAGES])
     if known.readings is None:
         raise refusals.InputError("report", "known", "comes from no readings", "Give what `case.estimate` returns")
     out = Path(folder)
@@ -64,11 +68,12 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
 
 def _filled(known: Known, readings: Readings, told: dict[str, Any], folder: Path) -> str:
     """Return the report as typst sets it; its pictures are written into a folder."""
-    kept = kept_in(folder)
+    kept, drawn = kept_in(folder), (term for _, term in known.case.machine.curves if term.spline.size > 1)
+    curves = [_curve(known.case, term, known.normal) for term in drawn]
     values = {
         "figures": _figures(known),
         "sentences": [*_sentences(known)],
-        "curves": [(name, kept(paper_svg(curve.line(), PANEL))) for name, curve in _curves(known)],
+        "curves": [(each.name, kept(paper_svg(each.line(), PANEL))) for each in curves],
         "found": [[said("error"), said("estimate, ± 95 %"), said("before, 95 %")], *_found(known)],
         "instruments": _instruments(known),
         "readings": _rows(known, readings),
@@ -87,25 +92,31 @@ def _figures(known: Known) -> list[list[str]]:
 
 def _sentences(known: Known) -> Iterator[str]:
     """Give what a reader has to know beside the figures."""
-    yield said("U: with 95 % the error that is left after correcting is not larger, over the volume.")
+    yield said("U: in 95 % of such machines the RMS that is left over the volume after correcting is not larger.")
+    if known.case.aligned:
+        yield said("A shift or turn of the whole volume counts as no error.")
     if known.bad:
-        yield said("Not believed: readings {numbers}.", numbers=joined([str(i + 1) for i in known.bad]))
+        numbers = joined([str(i + 1) for i in sorted(known.bad)])
+        yield said("Not believed, marked ×: readings {numbers}.", numbers=numbers)
     if known.case.causes:
         yield said("What no reading shows counts in U: {causes}.", causes=joined(known.case.causes))
     if large := [(name, size) for name, size in known.sizes.items() if size > _LARGER]:
-        shown = [f"{name} × {figure(size, 2)}" for name, size in large]
+        kinds = [(name.split(" ", 1), size) for name, size in large]
+        shown = [f"{owner} ({said(WORDS['sizes'][kind])}) × {figure(size, 2)}" for (kind, owner), size in kinds]
         yield said("Readings show sizes larger than stated: {sizes}.", sizes=joined(shown))
+    if max(known.sizes.values(), default=0.0) > _FAR_LARGER:
+        yield said("So much larger they contradict what is stated: look at the unit of the readings first.")
 
 
-def _curves(known: Known) -> Iterator[tuple[str, Curve]]:
-    """Give the curves of several control values, as they are drawn."""
-    for k, term in known.case.machine.curves:
-        if term.spline.size > 1:
-            own, axis = known[term.name], known.case.machine.axes[term.at]
-            curve = Curve.of(own.spline, own.known)
-            curve.name, curve.rest, curve.position_unit = term.name, term.rest, "deg" if axis.rotary else "mm"
-            curve.unit = UNITS[_unit(known.case.machine.terms[k])]
-            yield term.name, curve
+def _curve(case: Model, term: Curved, known: Normal) -> Curve:
+    """Return a curve as it is drawn.  known : of the unknowns, now or before"""
+    axis = case.machine.axes[term.at]
+    columns = case.machine.columns[case.machine.terms.index(term)]
+    normal = Normal(known.mean[columns], known.covariance[columns, columns])
+    curve = Curve.of(term.spline, normal, axis.of)
+    curve.name, curve.rest, curve.position_unit = term.name, term.rest, "deg" if axis.rotary else "mm"
+    curve.unit = UNITS[_unit(term)]
+    return curve
 
 
 def _unit(term: object) -> str:
@@ -119,19 +130,17 @@ def _unit(term: object) -> str:
 
 
 def _found(known: Known) -> Iterator[list[str]]:
-    """Give each unknown with its 95 %, now and before; of a curve that is drawn, and of a plane, all of it as a root
-    mean square.
-    """
+    """Give each unknown with its 95 %, now and before; of a curve that is drawn its range, and both on average."""
     before, now = known.case.prior.std, known.normal.std
     machine = known.case.machine
     for term, columns in zip(machine.terms, machine.columns, strict=True):
         unit = _unit(term)
-        if columns.stop - columns.start == 1 or not unit:
-            for i in range(columns.start, columns.stop):
-                yield _line(known.names[i].removesuffix("[0]"), known.mean[i], now[i], before[i], unit)
-        else:
-            mean, half, prior = (_root_mean_square(each[columns]) for each in (known.mean, now, before))
-            yield _line(said("{name}, on average", name=term.name), mean, half, prior, unit)
+        if (count := columns.stop - columns.start) > 1 and isinstance(term, Curved):
+            yield _range(*(_curve(known.case, term, each) for each in (known.normal, known.case.prior)))
+            continue
+        for i in range(columns.start, columns.stop):
+            name = term.name if count == 1 else known.names[i]
+            yield _line(name, known.mean[i], now[i], before[i], unit)
     own = ((each, name) for each in known.case.instruments for name in each.own)
     for i, (each, name) in enumerate(own, machine.size):
         if before[i] > 0:
@@ -139,8 +148,13 @@ def _found(known: Known) -> Iterator[list[str]]:
             yield _line(known.names[i], known.mean[i], now[i], before[i], of[0] if len(of) == 1 else "")
 
 
-def _root_mean_square(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+def _range(now: Curve, before: Curve) -> list[str]:
+    """Return the row of a curve: from where to where it goes, ± 95 % on average along the axis, now and before."""
+    values = to_unit(now(now.drawn_at).mean, now.unit)
+    low, high = (quantity(float(end), now.unit) for end in (values.min(), values.max()))
+    half, prior = (BAND * to_unit(each.rms, now.unit) for each in (now, before))
+    found = said("{low} to {high}", low=low, high=high)
+    return [now.name, f"{found} ± {figure(half)}", f"± {quantity(prior, now.unit)}"]
 
 
 def _line(name: str, mean: float, now: float, before: float, unit: str) -> list[str]:
@@ -175,14 +189,16 @@ def _rows(known: Known, readings: Readings) -> list[list[str]]:
     case, places = known.case, readings.places
     of, axes = case.numbers(readings).place, case.machine.axes
     shown_by = case.values(readings, "report")
-    rows = [[said("no."), said("set-up"), _heading(known), said("value"), said("surprise")]]
+    rows = [[said("no."), said("set-up"), _heading(known), said("approach"), said("value"), said("surprise")]]
     for i, (name, pose) in enumerate(zip(places.instruments, places.poses, strict=True)):
         instrument = case.instruments[[each.name for each in case.instruments].index(name)]
         at = zip(axes, pose.tolist(), strict=True)
         shown = (f"{axis.name} {coordinate(to_unit(x, 'deg' if axis.rotary else 'mm'))}" for axis, x in at)
+        came = (f"{a.name}{'+' if side > 0 else '−'}" for a, side in zip(axes, places.sides[i], strict=True) if side)
         units = [UNITS[unit] for unit in instrument.units]
         pairs = zip(shown_by[of == i].tolist(), units, strict=True)
         values = values_text([to_unit(value, unit) for value, unit in pairs], *units)
         surprise = as_read(known.z[i]) if i in known.z else ""
-        rows.append([f"{i + 1}{' ×' if i in known.bad else ''}", name, " · ".join(shown), values, surprise])
+        number = f"{i + 1}{' ×' if i in known.bad else ''}"
+        rows.append([number, name, " · ".join(shown), " ".join(came), values, surprise])
     return rows

@@ -33,7 +33,6 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.step.ground import Region, regions
 from axiscal_core.threads import one_thread
-from axiscal_core.ties import scattered
 
 _ROUNDS = 60
 """Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""
@@ -305,6 +304,20 @@ def largest_seen(region: Region, reach: Array, level: float, gap: float) -> Larg
     spans = np.array([axis.length for axis in observation.machine.axes])
     chosen = scattered(np.hstack([poses / spans, approaches]), highest, _ADDED, _NEAR)
     return Largest(found.upper, Places.of_setup(setup, poses[chosen], approaches[chosen]))
+
+
+def scattered(places: Array, order: NDArray[np.intp], most: int, apart: float) -> list[int]:
+    """Return the first places of an order that are no neighbours of each other; `most` at the most.
+
+    places : (m, k); apart : neighbours are no further from each other than that along any coordinate
+    """
+    chosen = list[int]()
+    for i in order.tolist():
+        if len(chosen) == most:
+            break
+        if np.all(np.abs(places[chosen] - places[i]).max(axis=1, initial=0.0) > apart):
+            chosen.append(i)
+    return chosen
 
 
 def _short(reach: Array) -> Array:
