@@ -34,7 +34,7 @@ _CLIMBED = 3  # of what they end in: the best on the candidates is not always th
 _EXCHANGES, _CLIMBS = 8, 4  # rounds, at most: most searches end before
 _MANY = 100  # readings in minutes that are exchanged and moved, and to which others are added: of time
 _MOST = 400  # readings: who needs more has another problem
-_SHARE = 0.95  # of U
+_SHARE, _NOTHING = 0.95, 1e-9  # of U; of J: rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,20 +84,14 @@ def planned(
         raise InputError(where, "readings", f"= {count} are too many to choose", f"Give {_MOST} at most")
     limit = None if minutes is None else in_minutes(minutes, where, "minutes")
     target = None if rms is None else within(where, "rms", si(rms, where, "rms", METRES), 0.0, open_end=True)
-    if isinstance(candidates, Places):
-        lattice = case.checked(candidates, where, "candidates")
-    else:
-        lattice = case.lattice(whole(where, "candidates", candidates, 1))
-    if not len(lattice):
+    lattice = candidates if isinstance(candidates, Places) else case.lattice(whole(where, "candidates", candidates, 1))
+    if not len(case.checked(lattice, where, "candidates")):
         raise InputError(where, "candidates", "are none", "Give one place or more")
     kept = lattice.at([]) if keep is None else case.checked(keep, where, "keep")
     if count is not None and len(kept) > count:
         raise InputError(where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more")
-    wanted = case.goal(criterion, where)
-    search = _Search(case, wanted, lattice, case.taken(after, where), kept)
-    free = isinstance(candidates, int)
-    found = _ended(search, count, limit, target, free)
-    return _told(case, search, found, after)
+    search = _Search(case, case.goal(criterion, where), lattice, case.taken(after, where), kept)
+    return _told(case, search, _ended(search, count, limit, target, isinstance(candidates, int)), after)
 
 
 def _ended(search: _Search, count: int | None, limit: float | None, target: float | None, free: bool) -> Places:
@@ -120,6 +114,10 @@ def _told(case: Model, search: _Search, places: Places, after: Readings | Places
     n = case.numbers(sorted_places)
     course = [search.value(joined([search.taken, n.at(n.place < i)])) for i in range(1, len(places) + 1)]
     found = evaluated(case, sorted_places, after, search.goal, bounded=False)
+    least, every = (1 - _NOTHING) * search.state.value, range(len(search.fixed), len(search.own))
+    if found.J >= least and search.value(search.numbers(every)) >= least:
+        what = "falls by no reading: what it asks for moves none of the instruments"
+        raise InputError("Case.plan", "criterion", what, "Mount others, or a tool that the errors move")
     return Plan(**vars(found), places=sorted_places, course=np.array(course))
 
 
@@ -178,7 +176,7 @@ class _Search:
         half, known = solution(root, self.k[at]), solution(root, self.reach[at])
         state, result = self.state, np.full(len(self.own), -np.inf)
         if self.goal.function is not None:
-            state = State(self.case, self.goal, self._numbers(beside))
+            state = State(self.case, self.goal, self.numbers(beside))
         for members in self.groups:
             mine = np.array([self.own[i] for i in members])
             felt = half.T[mine]
@@ -232,7 +230,7 @@ class _Search:
         return self._best_first([self.grown(self.exchanged(each[:size], limit), count, limit, target) for each in best])
 
     def _best_first(self, tried: list[list[int]]) -> list[list[int]]:
-        return sorted(tried, key=lambda each: self.value(self._numbers(each)))
+        return sorted(tried, key=lambda each: self.value(self.numbers(each)))
 
     def best(self, count: int, free: bool) -> Places:
         """Return the best plan of so many readings that several starts find.  free : it may leave the candidates"""
@@ -278,7 +276,7 @@ class _Search:
 
     def rms(self, chosen: Sequence[int]) -> float:
         """Return the RMS over the volume after candidates, m."""
-        return float(np.sqrt(State(self.case, self.case.volume, self._numbers(chosen)).value))
+        return float(np.sqrt(State(self.case, self.case.volume, self.numbers(chosen)).value))
 
     def _mounted(self, drawn: NDArray[np.intp], most: int, limit: float) -> list[int]:
         """Return the first candidate of each of so many set-ups, as far as they fit into so many minutes."""
@@ -294,7 +292,8 @@ class _Search:
         more = (self.costs + np.where(np.isin(np.arange(len(self.begins)), setups), 0.0, self.begins))[self.setup]
         return np.where(spent + more <= limit + 1e-9, more, np.inf)
 
-    def _numbers(self, chosen: Sequence[int]) -> Numbers:
+    def numbers(self, chosen: Sequence[int]) -> Numbers:
+        """Return those of readings that are there, of kept places, and of candidates."""
         return joined([self.taken, *(self.n.at(self.own[i]) for i in (*self.fixed, *chosen))])
 
 

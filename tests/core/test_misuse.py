@@ -76,6 +76,12 @@ def _known() -> ac.Known:
     return ac.Known.of(case, np.zeros(case.size), np.eye(case.size))
 
 
+def _spun() -> ac.Case:
+    """A table whose angle is off, and a laser along x at a tool point on its axis."""
+    axes = [ac.Axis.turning("C", "z", ("-90 deg", "90 deg"))]
+    return ac.Case(ac.Machine(axes, [ac.Error("ECC", "20 urad")]), [ac.Laser("laser", "C", along="x")], aligned=False)
+
+
 def _one_value() -> ac.Readings:
     return ac.Readings(_places(0.1, 0.2), [0.0])
 
@@ -126,6 +132,7 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "an error that is a list": (lambda: anything.Known.__getitem__(_known(), ["EXX"]), "Known", "name"),
     "noise of a table in angles": (lambda: _case().estimate({**_TABLE, "std": ["1 urad"]}), "Case.estimate", "std"),
     "more readings that are a number": (lambda: anything.Known.read(_known(), 3), "Known.read", "readings"),
+    "a tool that no error moves": (lambda: _spun().plan(3), "Case.plan", "criterion"),
     "an axis named twice": (lambda: ac.Laser("laser", "XX"), "Laser", "moves"),
     "a list of unknowns": (lambda: anything.Laser("laser", "X", unknowns=["zero"]), "Laser", "unknowns"),
     "a number named twice": (lambda: _seeing("Twin", _undeclared, names=("a", "a"), units=("m", "m")), "Twin", "names"),
