@@ -15,7 +15,7 @@ from axiscal.measurement.travel import held_seconds, off_seconds, way_seconds
 from axiscal.numerics import Array
 from tests.generators.kinematics import pose_with_tip, stem, tip
 from tests.measurement.test_charts import DMU, UP, held
-from tests.measurement.test_ways_proven import machine
+from tests.measurement.test_ways_gone import machine
 
 SETUP = Setup("nest", "rtest", (0.0, 0.0, 1.0), (0, 1, 2, 3, 4), (0.0,) * 5, 1e-6, (), 0, 0, 0, (0.0,) * 5, "both")
 NEST = replace(SETUP, chart=held(), contact="held")

@@ -1,10 +1,6 @@
 """Two ways to drive along poses in touch: the control holds the tool point, or slides go straight together.
 
-A proof that on every way of a program, as the control goes it, tool, holder and nose stay out of what stands there.
-
-On a straight way of the axes a place of the tool goes at most as far as slides and turns carry it. Each turn counts at
-the longest lever of the chain. With a held tool point this point and the turns of the tool set the limit. Pieces of a
-way that are not proven to be free with that are halved.
+On every way of a program, as the control goes it, tool, holder and nose stay out of what stands there (`free_way`).
 """
 
 from __future__ import annotations
@@ -22,8 +18,8 @@ from axiscal.exceptions import ProgramError
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames, tip_at
-from axiscal.measurement.bodies import lever
 from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.ways import free_way
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import path_seconds
 from axiscal.numerics import Array
@@ -33,8 +29,6 @@ from axiscal.units import from_unit, to_unit
 
 _LIMIT = 2e-6
 """m, by which a way may enter a box: angles are written with four decimals, and some controls take three."""
-_MOST = 20_000
-"""Pieces of one way: of time. Only a way that grazes a box for a long time needs more, and it is not gone."""
 
 Poses = Callable[[Array], Array]
 """Shares of a way (m,) -> poses (m, q)."""
@@ -42,39 +36,16 @@ Poses = Callable[[Array], Array]
 
 def free(room: Room, start: Array, stop: Array) -> bool:
     """Return whether the axes can go straight from pose to pose, (q,), and stay out of what is to be kept out."""
-    ends, rotary = np.stack([start, stop]), np.array([axis.rotary for axis in room.machine.axes])
-    slides, turns = (float(np.abs(stop - start)[these].sum()) for these in (~rotary, rotary))
-    return _proven(room, _straight(ends), slides + turns * (_lever(room.machine, ends) + slides))
+    return free_way(room, _straight(np.stack([start, stop])), _turn(room.machine, start, stop), _LIMIT)
 
 
 def free_held(room: Room, start: Array, stop: Array) -> bool:
     """Return whether the tool point can go straight while the rotary axes turn evenly, from pose to pose."""
-    tips, rotary = frames(room.machine, np.stack([start, stop])).tcp, [axis.rotary for axis in room.machine.axes]
-    far = float(np.linalg.norm(tips[1] - tips[0])) + float(np.abs(stop - start)[rotary].sum()) * lever(room.machine)
-    return _proven(room, held_way(room.machine, start, stop), far)
+    return free_way(room, held_way(room.machine, start, stop), _turn(room.machine, start, stop), _LIMIT)
 
 
-def _lever(machine: Machine, poses: Array) -> float:
-    """Return how far from any axis any place of the tool can be while the axes turn, m."""
-    at = frames(machine, poses)
-    corners = np.concatenate([at.origins, at.tcp[None]])
-    links = np.linalg.norm(np.diff(corners, axis=0), axis=2).sum(axis=0)
-    return float(links.max()) + lever(machine)
-
-
-def _proven(room: Room, poses: Poses, far: float) -> bool:
-    """Return whether a way is free on which no place of the tool goes further than `far`, m."""
-    left, right, tried = np.zeros(1), np.ones(1), 0
-    while len(left):
-        tried += len(left)
-        at, widths = frames(room.machine, poses(np.concatenate([left, right]))), right - left
-        if tried > _MOST or room.hit(at.tcp, at.stem, -_LIMIT).any():
-            return False
-        hit = room.hit(at.tcp, at.stem, np.tile(far * widths / 2 - _LIMIT, 2))
-        open_ = (hit[: len(left)] | hit[len(left) :]) & (far * widths > _LIMIT)
-        middle = (left[open_] + right[open_]) / 2
-        left, right = np.concatenate([left[open_], middle]), np.concatenate([middle, right[open_]])
-    return True
+def _turn(machine: Machine, start: Array, stop: Array) -> float:
+    return float(np.abs(stop - start)[[axis.rotary for axis in machine.axes]].sum())
 
 
 def _straight(ends: Array) -> Poses:

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import drawn_back, frames, tip_at
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, within_cone
-from axiscal.measurement.charts.ways import Narrow, SmoothChart, Swing, bar_angles, stem_rate
+from axiscal.measurement.charts.ways import SmoothChart, bar_angles
 from axiscal.numerics import Array
+from axiscal_core.axes import Frames
 
 FINEST_PLACE = 1e-6
 """m: what a person can dial in."""
@@ -52,14 +53,6 @@ class Line(SmoothChart):
         """Return the poses (m, q) with the tool point on the line."""
         points = self.ends[0] + places * self.direction
         return tip_at(self.room.machine, np.tile(self.park, (len(places), 1)), points)
-
-    def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses are in travel, with nothing in the way."""
-        return self.room.holds(poses)
-
-    def swing(self, start: Array, stop: Array) -> Swing:
-        """Return what bounds a straight way: the linear axes go straight."""
-        return Swing(np.zeros(len(self.park)), float(np.abs(stop - start)[0]), 0.0, ())
 
     def places(self, poses: Array) -> Array:
         """Return how far along the line poses are."""
@@ -122,7 +115,7 @@ class Sight(Chart):
         far = np.linalg.norm(towards, axis=1)
         seen: NDArray[np.bool_] = (far >= self.range[0]) & (far <= self.range[1])
         if self.faces is not None:
-            seen &= within_cone(towards / np.maximum(far, 1e-12)[:, None], self.faces, self.cone)
+            seen &= within_cone(towards @ self.faces / np.maximum(far, 1e-12), self.cone)
         return seen
 
 
@@ -158,25 +151,20 @@ class Held(SmoothChart):
         turned[:, list(self.turning)] = places
         return tip_at(self.room.machine, turned, points)
 
+    def angles(self, at: Frames) -> tuple[tuple[Array, float], ...]:
+        """Return that of the tool with where the ball is free."""
+        return ((at.stem @ self.free, self.cone),)
+
     def feasible(self, poses: Array) -> NDArray[np.bool_]:
         """Return which poses are in travel, on the free side of the ball, with room to come to it and to touch it."""
-        machine, found = self.room.machine, self.room.holds(poses)
-        if found.any():
-            found[found] = within_cone(frames(machine, poses[found]).stem, self.free, self.cone)
+        found = SmoothChart.feasible(self, poses)
         if self.back > 0 and found.any():
-            drawn = drawn_back(machine, poses[found], self.back)
+            drawn = drawn_back(self.room.machine, poses[found], self.back)
             before, behind = (self.room.in_travel(drawn + way) for way in (-self.overrun, self.overrun))
             found[found] = self.room.holds(drawn) & before & behind
         if self.touching is not None and found.any():
             found[found] = np.all([self.room.holds(each) for each in self.touching(poses[found])], axis=0)
         return found
-
-    def swing(self, start: Array, stop: Array) -> Swing:
-        """Return what bounds a straight way: the tool point stands."""
-        turns = np.zeros(len(self.park))
-        turns[list(self.turning)] = np.abs(stop - start)
-        bend = stem_rate(self.room.machine, turns, self.free) ** 2
-        return Swing(turns, 0.0, 0.0, (Narrow(lambda stems, _: stems @ self.free, self.cone, bend),))
 
     def places(self, poses: Array) -> Array:
         """Return the rotary coordinates of poses."""
@@ -254,17 +242,9 @@ class Bar(SmoothChart):
         turned[:, list(self.turning)] = places[:, 2:]
         return tip_at(self.room.machine, turned, self.centre + self.length * bar)
 
-    def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses are in travel, with the bar clear of the tool and of the stem of its centre."""
-        return self.room.holds_bar(poses, self.centre, self.free, self.cone)
-
-    def swing(self, start: Array, stop: Array) -> Swing:
-        """Return what bounds a way even in azimuth, elevation and rotary axes: n(φ, θ) turns by |φ'| + |θ'| at most."""
-        turns, far = np.zeros(len(self.park)), np.abs(stop - start)
-        turns[list(self.turning)] = far[2:]
-        rate = float(far[0] + far[1])
-        angles = bar_angles(self.room.machine, turns, self.centre, self.free, self.cone, rate)
-        return Swing(turns, self.length * rate, self.length * rate**2, angles)
+    def angles(self, at: Frames) -> tuple[tuple[Array, float], ...]:
+        """Return those of the bar with the tool and with where its centre is free."""
+        return bar_angles(at, self.centre, self.free, self.cone)
 
     def places(self, poses: Array) -> Array:
         """Return azimuth, elevation and rotary coordinates of poses."""
@@ -308,16 +288,9 @@ class Circle(SmoothChart):
         points = self.centre + self.length * self.directions(places)
         return tip_at(self.room.machine, self.park + places * self.turning, points)
 
-    def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses are in travel, with the bar clear of the tool and of the stem of its centre."""
-        return self.room.holds_bar(poses, self.centre, self.free, self.cone)
-
-    def swing(self, start: Array, stop: Array) -> Swing:
-        """Return what bounds a way along the circle."""
-        far = float(np.abs(stop - start)[0])
-        turns = np.abs(self.turning) * far
-        angles = bar_angles(self.room.machine, turns, self.centre, self.free, self.cone, far)
-        return Swing(turns, self.length * far, self.length * far**2, angles)
+    def angles(self, at: Frames) -> tuple[tuple[Array, float], ...]:
+        """Return those of the bar with the tool and with where its centre is free."""
+        return bar_angles(at, self.centre, self.free, self.cone)
 
     def places(self, poses: Array) -> Array:
         """Return the angles of poses, within the arc as far as whole turns allow."""

@@ -173,19 +173,6 @@ class Room:
             found[found] = ~self.hit(at.tcp, at.stem)
         return found
 
-    def holds_bar(self, poses: Array, centre: Array, free: Array, cone: float) -> NDArray[np.bool_]:
-        """Return at which poses a bar from a centre (3,) is also clear of the tool and of the stem below the centre.
-
-        free : (3,) away from that stem; cone : rad, between tool and bar, and between bar and free side, at most
-        """
-        found = self.holds(poses)
-        if found.any():
-            at = frames(self.machine, poses[found])
-            bar = at.tcp - centre
-            bar /= np.linalg.norm(bar, axis=1)[:, None]
-            found[found] = within_cone(at.stem, bar, cone) & within_cone(bar, free, cone)
-        return found
-
     def hit(self, tips: Array, stems: Array, nearer: Array | float = 0.0) -> NDArray[np.bool_]:
         """Return where tool, holder or nose, from the tip (m, 3) along the stem, enter what they keep out of, (m,).
 
@@ -220,8 +207,7 @@ def _enters(starts: Array, ways: Array, low: Array, high: Array) -> NDArray[np.b
     return found
 
 
-def within_cone(directions: Array, middle: Array, cone: float) -> NDArray[np.bool_]:
-    """Return which unit vectors (m, 3) are no further than a cone, rad, from a unit vector (3,) or (m, 3)."""
-    cosine = np.sum(directions * middle, axis=1)
-    inside: NDArray[np.bool_] = np.arccos(np.clip(cosine, -1.0, 1.0)) <= cone + _ANGLE
+def within_cone(cosines: Array, cone: float) -> NDArray[np.bool_]:
+    """Return which angles are no larger than a cone, rad.  cosines : (m,)"""
+    inside: NDArray[np.bool_] = np.arccos(np.clip(cosines, -1.0, 1.0)) <= cone + _ANGLE
     return inside
