@@ -104,10 +104,9 @@ def test_a_grid_goes_from_its_file_to_a_report_by_the_command_line(tmp_path: Pat
 
 
 STRAY = {
-    'station = ["0 mm", "0 mm", "0 mm"]': "says itself what it reads. Take station out",
-    'artefact = "board"': "says itself what it reads. Take artefact out",
-    "mounted = 2": "says itself what it reads. Take mounted out",
-    'length = "100 mm"': "says itself what it reads. Take length out",
+    'station = ["0 mm", "0 mm", "0 mm"]': "nothing comes of station without a ball bar, tracker or tracer",
+    "mounted = 2": "nothing comes of mounted without an artefact",
+    'length = "100 mm"': "nothing comes of length without a ball bar",
     'type_b = { scale = "1 um/m" }': "is not known of an instrument such as this own.py:Idle. Take it out",
     "": "changes nothing. Use it, or take its name out",
 }

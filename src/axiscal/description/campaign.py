@@ -149,7 +149,7 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
     document = Document.read(one("read_campaign", "path", path, (str, Path), '"campaign.toml"'))
     name = _machine_name(document)
     source = name if name in builtin_names() else str(document.path.parent / name)
-    found = _described(document, load_machine(source), source, target_needed, _prior_text(document), asking)
+    found = _described(document, load_machine(source), source, target_needed, _prior_text(document), asking, anew=True)
     known = names(CONTROLS)  # a record opens without the package that writes its tables
     for control in (each for each in document.data.get("controls", ()) if each not in known):
         what = "{controller} is not a controller that tables can be made for"
@@ -182,16 +182,17 @@ def campaign_from_texts(
     prior_text: str = "",
     usual_doubts: bool = True,
     fine_knots: bool = True,
+    anew: bool = False,
 ) -> CampaignDescription:
     """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does.
 
     One that does not say where its set-ups can be read opens: readings of an earlier time are no less true.
     usual_doubts : what nothing is stated of is doubted as is usual; in records of before it was not
-    fine_knots : as in `Machine`
+    fine_knots : as in `Machine`; anew : no record has it yet, and keys of which nothing comes are refused
     """
     document = Document.parse(text, source)
     machine = machine_from_text(machine_text, machine_source, fine_knots=fine_knots)
-    return _described(document, machine, machine_source, False, prior_text, False, usual_doubts)
+    return _described(document, machine, machine_source, False, prior_text, False, usual_doubts, anew)
 
 
 def with_offset(described: CampaignDescription, setup: str, beside: tuple[float, float]) -> CampaignDescription:
@@ -238,6 +239,7 @@ def _described(
     prior_text: str,
     asking: bool,
     usual_doubts: bool = True,
+    anew: bool = False,
 ) -> CampaignDescription:
     table = read_model(document, CampaignTable, context=TableContext(machine, document))
     target = read_target(table.target, machine, document)
@@ -246,7 +248,7 @@ def _described(
     printer = usual_doubts and set(table.controls) <= _PRINTERS  # records of before know no such probe
     at_20 = refers_to_20(table, artefacts, document)
     target = replace(target, refers_to="20 degC" if at_20 else "as read")
-    around = Surroundings(machine, document, artefacts, tool, asking, usual_doubts, printer, at_20)
+    around = Surroundings(machine, document, artefacts, tool, asking, anew, usual_doubts, printer, at_20)
     setups = read_setups(table.setups, around)
     driving = Driving(**dict(table.programs))
     setups = tuple(replace(setup, driving=driving) for setup in setups)

@@ -11,6 +11,7 @@ from axiscal.description.fields import WAYS
 from axiscal.description.sights import (
     lack_of,
     refuse_both,
+    refuse_of_length,
     refuse_short_stroke,
     refuse_stray_keys,
     refuse_unreachable,
@@ -21,7 +22,7 @@ from axiscal.description.stated_type_b import dense, with_drift, with_material
 from axiscal.document import Document, meant, shown
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError, Faults
-from axiscal.language.spoken import said
+from axiscal.language.spoken import joined, said
 from axiscal.machine import Axis
 from axiscal.measurement.charts.kinds import Line
 from axiscal.measurement.instrument import PRINTER_PROBE, model_of
@@ -47,8 +48,10 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
             stated = Stated(document, table, ("setups", number))
             if table.choose_from is not None:
                 _refuse_choice(stated, table.choose_from)
-            refuse_stray_keys(stated)
             refuse_both(stated)
+            refuse_of_length(stated)
+            if around.anew:
+                refuse_stray_keys(stated)
             printed = around.printer and table.instrument.name == "probe"
             usual = PRINTER_PROBE if printed else table.instrument
             setups += [_Reader(document, each, stated.keys, around, usual).setup() for each in each_alone(table)]
@@ -192,12 +195,24 @@ class _Reader(SiteReader):
     def _raster(self, setup: Setup) -> tuple[float, ...]:
         """Return the steps of the axes; those of a chart are its own."""
         steps, margin = [0.0] * len(self.around.machine.axes), (setup.base or 0.0) / 2
-        for name, step in self.table.raster.items() if setup.chart is None else ():
+        for name, step in self.table.raster.items():
             with self.at_key("raster", name):
+                if setup.chart is not None:
+                    self._refuse_no_coordinate(name, setup)
+                    continue
                 index = self._moving(name, setup.moves, "{axis} has a raster, but does not move in this set-up")
                 _refuse_no_multiple(step, self.around.machine.axes[index], self.table.reach.get(name), margin)
                 steps[index] = step
         return tuple(steps)
+
+    def _refuse_no_coordinate(self, name: str, setup: Setup) -> None:
+        """Raise DescriptionError for a step along what is no coordinate of a chart."""
+        table, axes = self.table, [self.around.machine.axes[k] for k in setup.moves]
+        known = ["along"] if table.along else ["azimuth", "elevation"] if table.length else []
+        known = ["arc"] if table.plane else known + [axis.name for axis in axes if axis.rotary]
+        if self.around.anew and name not in known:
+            what, remedy = "{axis} has a raster, and readings of this set-up go along {known}", "Take it out here"
+            raise DescriptionError(what, remedy, axis=name, known=joined(known) or said("no axis"))
 
     def _unknowns(self, setup: Setup) -> tuple[Unknown, ...]:
         given, moves, usual = self.table.unknowns, setup.moves, self.usual

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +22,9 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
-from axiscal.measurement.instrument import LENGTH, instrument_of
+from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.kind import Rotation
-from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
@@ -187,60 +185,59 @@ _CONE = math.radians(60.0)
 """A corner cube is seen within so much of its axis, as makers state for theirs."""
 
 
-def _refuse_keys(stated: Stated[SetupTable], keys: str, what: str, remedy: str) -> None:
-    """Raise DescriptionError where a table has one of some keys."""
-    for key in (key for key in keys.split() if key in stated.table.model_fields_set):
-        raise stated.misstated(key, what, remedy, key=key, instrument=stated.table.instrument.name)
-
-
 def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
-    """Raise DescriptionError for keys that belong to what the set-up has not."""
-    table, usual, out = stated.table, stated.table.instrument, later("Take {key} out")
-    refuse, model = partial(_refuse_keys, stated), usual.model
-    if usual.site == "length":
-        refuse("direction moves along raster approach", later("a length goes from its first end to its second"), out)
-        if not table.lengths:
-            what = "it is not said between which places the {instrument} lies"
-            remedy = (
-                'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, '
-                "in the workpiece frame"
-            )
-            raise stated.misstated("instrument", what, remedy, instrument=usual.name)
-    else:
-        refuse("lengths", said("lengths are those of a {instrument}", instrument=LENGTH), out)
-    if usual.site != "sight":
-        refuse("range sight faces", later("{key} belongs to a tracker or tracer"), out)
-    if not usual.all_round or table.sides == "mean":
-        what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
-        refuse("touches", later(what), later("Take sides out, or touches"))
-    if table.artefact is None:
-        what = later("{key} belongs to an artefact, and the set-up has none")
-        refuse("at turn", what, later('Give artefact = "board", too'))
-    if table.length is None and usual.contact != "held":
-        what = later("{key} belongs to a bar, and the set-up has none")
-        refuse("plane arc turning stroke", what, later("Give its length, too"))
-    if not model.directed:
-        refuse("direction", later("a {instrument} has no direction of its own"), out)
-    if usual.name != "tracer":
-        what = "several stations are read at once by length-only tracers, and this set-up has a {instrument}"
-        refuse("stations", later(what), later('Write instrument = "tracer", or a set-up for each of the others'))
-    if model.reads == "angle":
-        refuse("offset", later("an angle is the same beside the tool point"), out)
-    elif not issubclass(model, Displacement):
-        what = later("a {instrument} reads the tool point itself")
-        refuse("offset", what, later("State its length as that of the tool"))
-    if issubclass(model, Foreign):
-        refuse("station artefact ball mounted length", later("a {instrument} says itself what it reads"), out)
-    if not issubclass(model, Rotation):
-        what = later("a {instrument} has no feet that are stepped along a way")
-        refuse("base", what, later("Take base out; a level and the mirror of an autocollimator have one"))
+    """Raise DescriptionError for keys that belong to what the set-up has not: nothing would come of them."""
+    table, usual = stated.table, stated.table.instrument
+    bar, lies = usual.site == "bar" and table.length is not None, usual.name == "straightedge"
+    balls = table.artefact is not None and usual.contact != "free"
+    owners = (
+        ("direction", usual.model.directed, later("an instrument that reads in one direction")),
+        ("offset", issubclass(usual.model, Displacement), later("an instrument that reads a length in one direction")),
+        ("base", issubclass(usual.model, Rotation), later("a level or the mirror of an autocollimator")),
+        ("range sight faces", usual.site == "sight", later("a tracker or tracer")),
+        ("stations", usual.name == "tracer", later('instrument = "tracer"')),
+        ("station", usual.site in ("sight", "bar"), later("a ball bar, tracker or tracer")),
+        ("lengths", usual.site == "length", later('instrument = "gauge"')),
+        ("length", usual.site == "bar", later("a ball bar")),
+        ("plane", bar, later("a ball bar with its length")),
+        ("arc turning", bar and table.plane is not None, later("a ball bar with its length and plane")),
+        ("stroke", bar or (balls and usual.contact == "held"), later("a ball bar with its length, or an R-test")),
+        ("reach map", not (bar or balls), later("an instrument that no ball or bar holds")),
+        ("artefact", usual.contact != "free" or usual.site == "bar" or lies, later("what reads balls, or a square")),
+        ("ball at turn", table.artefact is not None and not lies, later("an artefact with balls")),
+        ("mounted", table.artefact is not None, later("an artefact")),
+        ("retract", bar or balls, later("what touches balls, or a ball bar with its length")),
+        ("sides", bar or balls or table.along is not None, later("balls, a ball bar or a line")),
+        ("touches", usual.all_round and table.sides != "mean", later("a sphere that is not read as the mean of sides")),
+    )
+    for keys, has, owner in owners:
+        for key in (key for key in keys.split() if not has and key in table.model_fields_set):
+            what, remedy = "nothing comes of {key} without {owner}", "Take {key} out, or add that, too"
+            raise stated.misstated(key, what, remedy, key=key, owner=said(owner))
+
+
+def refuse_of_length(stated: Stated[SetupTable]) -> None:
+    """Raise DescriptionError for a length without its ends, or with a way beside them."""
+    table = stated.table
+    if table.instrument.site != "length":
+        return
+    for key in ("direction", "moves", "along", "raster", "approach"):
+        if key in table.model_fields_set:
+            what = "a length goes from its first end to its second"
+            raise stated.misstated(key, what, "Take {key} out", key=key)
+    if not table.lengths:
+        what = "it is not said between which places the {instrument} lies"
+        remedy = (
+            'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, in the workpiece frame'
+        )
+        raise stated.misstated("instrument", what, remedy, instrument=table.instrument.name)
 
 
 def refuse_both(stated: Stated[SetupTable]) -> None:
     """Raise DescriptionError for keys that exclude one another."""
     table = stated.table
     given = {key for key in ("along", "length", "artefact", "reach") if getattr(table, key)}
-    for pair in ({"along", "length"}, {"along", "artefact"}, {"along", "reach"}, {"artefact", "reach"}):
+    for pair in ({"along", "length"}, {"along", "artefact"}, {"along", "reach"}):
         if pair <= given and table.instrument.name != "straightedge":
             first, second = sorted(pair)
             what = "{first} and {second} exclude one another"

@@ -49,6 +49,7 @@ class Surroundings:
     artefacts : by name
     tool : what is not known of where the tool's point is, where something turns it
     asking : readings are to be asked for, so that every set-up must say where it can be read
+    anew : it is a file that can be changed, and no record of it: keys of which nothing comes are refused
     usual_doubts : zeros of which nothing is stated may wander as those of their instrument do
     printer : the probe is that of a 3D printer
     at_20 : what is found refers to 20 °C
@@ -59,6 +60,7 @@ class Surroundings:
     artefacts: Mapping[str, Artefact]
     tool: tuple[Unknown, ...]
     asking: bool
+    anew: bool
     usual_doubts: bool
     printer: bool = False
     at_20: bool = False

@@ -187,7 +187,9 @@ class Case:
         keys = {**how, "target": {} if target is None else target, "setups": every}
         try:
             text = "".join(f"{key} = {toml_value(value)}\n" for key, value in keys.items())
-            described = campaign_from_texts(text, "Case", machine.text, machine.name, fine_knots=machine.fine_knots)
+            described = campaign_from_texts(
+                text, "Case", machine.text, machine.name, fine_knots=machine.fine_knots, anew=True
+            )
         except TypeError as fault:
             what, remedy = "a set-up cannot be written ({fault})", "Give texts, numbers, lists and mappings"
             raise DescriptionError(what, remedy, fault=fault) from fault
