@@ -71,7 +71,8 @@ class Tracker(ac.Instrument):
 def described(folder: Path, file: str, keys: str, machine: str = "") -> CampaignDescription:
     """Return a campaign of one set-up, a file of instruments beside it."""
     (folder / "own.py").write_text(file)
-    return campaign_from_texts(HEAD + keys, str(folder / "c.toml"), machine or load_machine(MACHINE).text, MACHINE)
+    text = machine or load_machine(MACHINE).text
+    return campaign_from_texts(HEAD + keys, str(folder / "c.toml"), text, MACHINE, anew=True)
 
 
 def plate(folder: Path) -> Path:
@@ -266,7 +267,9 @@ def test_its_causes_that_no_reading_shows_widen_what_is_known(tmp_path: Path) ->
     assert np.allclose(found["offset"].effects, 3e-6, rtol=1e-9)
 
 
-def test_a_first_campaign_offers_an_instrument_of_ones_own(tmp_path: Path, command: Command) -> None:
+def test_a_first_campaign_offers_an_instrument_of_ones_own(
+    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "grid.py").write_text(GRID)
     begun = "--machine", MACHINE, "--instrument", "grid.py:Grid", "--instrument", "level", "--target", "20 um"
     assert "campaign.toml" in command("init", tmp_path, *begun).printed
@@ -274,6 +277,12 @@ def test_a_first_campaign_offers_an_instrument_of_ones_own(tmp_path: Path, comma
     assert (own.name, own.instrument, len(own.moves)) == ("Grid", "grid.py:Grid", 3)
     assert {setup.instrument for setup in others} == {"level"}
     command("init", tmp_path / "elsewhere", *begun).refused("grid.py cannot be loaded", "Put the file there")
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")  # a path is from where it is typed
+    aside = "--machine", MACHINE, "--instrument", "../grid.py:Grid", "--target", "20 um"
+    printed = command("init", "../jobs/there", *aside).printed
+    assert "names ../../grid.py:Grid where it is" in " ".join(printed.split())
+    assert read_campaign(tmp_path / "jobs" / "there" / "campaign.toml").setups[0].title == "Grid"
 
 
 def test_a_file_and_a_command_answer_with_all_of_its_numbers(tmp_path: Path) -> None:

@@ -92,7 +92,7 @@ def init(
     try:
         begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
         begun = replace(begun, folder=folder)
-        given = instrument and instruments_of(", ".join(instrument))
+        given = instrument and instruments_of(", ".join(instrument), folder)
         names = given or _instruments(begun)
         if "probe" in names and not given and begun.beside is None:
             begun = _with_probe(begun)
@@ -112,6 +112,8 @@ def init(
     say(said("{file}: change it to what your machine is", file=written))
     if begun.look:
         say(said("Look at, in {file}: {places}.", file=written, places="; ".join(begun.look)))
+    for own in (name for name in names if ".py:" in name and Path(name).parent != Path()):
+        say(said("{file} names {instrument} where it is: leave that file there.", file=campaign, instrument=own))
     one = "{file}: {count} set-up offered"
     many = "{file}: {count} set-ups offered; a plan takes what is worth mounting"
     say(counted(one, many, len(files.described.setups), file=campaign))
@@ -132,7 +134,7 @@ def _built_in(machine: str | None) -> Beginning:
 
 def _instruments(begun: Beginning) -> list[str]:
     def offered(text: str) -> list[str]:
-        names = instruments_of(text) or [begun.instrument]
+        names = instruments_of(text, begun.folder) or [begun.instrument]
         first_described(begun, names, Purpose())  # refuses those that it has none for
         return names
 

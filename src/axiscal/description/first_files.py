@@ -84,15 +84,16 @@ def _written_in(folder: Path) -> list[str]:
     return found
 
 
-def instruments_of(text: str) -> list[str]:
+def instruments_of(text: str, folder: Path = Path()) -> list[str]:
     """Return the instruments that a person names; raises DescriptionError for a word that is none.
 
-    They are of `OFFERED`, brought by packages, or files as in `grid.py:Grid`.
+    They are of `OFFERED`, brought by packages, or files as in `grid.py:Grid`, from where the person is or from a
+    folder.  folder : of the campaign, from where it names those files
     """
     names, found, brought = _by_word(), list[str](), ports.names(PORTS)
     for part in map(str.strip, text.split(",")):
         own = part in brought or ".py:" in part
-        found += [part] * own
+        found += [_named_from(folder, part)] * own
         words = [] if own else part.casefold().split()
         while words:
             count = next((n for n in (3, 2, 1) if _unspaced(words[:n]) in names), 0)
@@ -103,6 +104,14 @@ def instruments_of(text: str) -> list[str]:
             found.append(names[_unspaced(words[:count])])
             del words[:count]
     return [name for name in dict.fromkeys(found) if name]
+
+
+def _named_from(folder: Path, instrument: str) -> str:
+    """Return how a campaign in a folder names an instrument of a file, which is sought here, and then there."""
+    file, _, made = instrument.rpartition(":")
+    if not file or ((folder / file).is_file() and not Path(file).is_file()):
+        return instrument
+    return f"{Path(os.path.relpath(file, folder)).as_posix()}:{made}"
 
 
 def _by_word() -> dict[str, str]:

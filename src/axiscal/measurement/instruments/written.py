@@ -1,12 +1,13 @@
 """Instruments that somebody wrote: a class derived from `axiscal_core.Instrument` is a kind like ours.
 
-A campaign names it as `file.py:Class`, the file beside campaign.toml, or by the name that an installed package gave it.
+A campaign names it as `file.py:Class`, by the path from campaign.toml, or by the name that a package gave it.
 Python names the class itself, and the campaign that is made of it the module in which it stands.
 Numbers that are not equally noisy are multiplied by σ₁/σᵢ within estimates and plans, so that one noise is that of all.
 """
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from collections.abc import Iterator, Sequence
@@ -115,18 +116,19 @@ def named(text: str, file: Path, line: int | None) -> Instrument | None:
     """
     module, _, name = text.rpartition(":")
     at_hand = _AT_HAND.get(text)
-    found = getattr(_module(file.parent / module), name, None) if module else at_hand or one_of(PORTS, text)
+    found = getattr(_module(file.parent, module), name, None) if module else at_hand or one_of(PORTS, text)
     if found is None and not module:
         return None
     if not (isinstance(found, type) and issubclass(found, Seeing)):
         what = "{name} is no class that is derived from axiscal_core.Instrument"
-        raise DescriptionError(what, "Name it as in file.py:Class, the file beside this one", name=shown(text))
+        raise DescriptionError(what, "Name it as in file.py:Class, its path from here", name=shown(text))
     with _placed(None, None):
         return _figures(text, found, (file, line))
 
 
-def _module(path: Path) -> Any:
-    """Return a file of Python, run once for what it says; raises DescriptionError."""
+def _module(folder: Path, file: str) -> Any:
+    """Return a file of Python, run once for what it says; raises DescriptionError.  folder : may not be there yet"""
+    path = Path(os.path.normpath(folder / file))
     try:
         own = f"axiscal_written_{crc32(str(path.absolute()).encode() + path.read_bytes()):08x}"
         if own not in sys.modules:
