@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from axiscal.errors.volume import Box
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import linear_axes
-from axiscal.measurement.charts.kinds import Balls
 from axiscal.measurement.charts.room import Chart, Coordinate, arrivals, has_room, side_choices
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation
@@ -219,10 +218,6 @@ def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.boo
 
 @remembered
 def _raster(chart: Chart, *choices: tuple[float, ...]) -> Chosen:
-    if isinstance(chart, Balls):
-        places, sides = zip(*(_raster(ball, *(each[1:] for each in choices)) for ball in chart.each), strict=True)
-        number, side = np.repeat(np.arange(len(places)), [len(each) for each in places]), choices[0][0]
-        return np.insert(np.concatenate(places), 0, number, axis=1), np.insert(np.concatenate(sides), 0, side, axis=1)
     values = [each.values for each in chart.coordinates]
     grid = np.stack([g.ravel() for g in np.meshgrid(*values, indexing="ij")], axis=1) if values else np.zeros((1, 0))
     return _taken(chart, np.repeat(grid, len(choices), axis=0), np.tile(np.array(choices), (len(grid), 1)))

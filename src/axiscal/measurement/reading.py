@@ -94,13 +94,9 @@ class Places:
 
     def exchanged(self, index: int, place: Places) -> Places:
         """Return them with another single place for one of them."""
-        result = Places(self.setups.copy(), self.poses.copy(), self.approaches.copy())
-        result.setups[index], result.poses[index], result.approaches[index] = (
-            place.setups[0],
-            place.poses[0],
-            place.approaches[0],
-        )
-        return result
+        order = np.arange(len(self))
+        order[index] = len(self)
+        return Places.joined([self, place]).within(order)
 
     def listed(self, setups: Sequence[Setup]) -> tuple[Place, ...]:
         """Return them one by one.  setups : those that the indices count"""
