@@ -18,7 +18,7 @@ from axiscal.estimation.located import absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.measurement.cells import wandering
+from axiscal.measurement.cells import wandered
 from tests.generators.dense_posterior import mixture
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
@@ -77,7 +77,7 @@ def test_the_way_of_a_zero_is_what_the_readings_say_of_its_drift_and_begins_at_n
     times = [240.0 * i for i in range(16)]
     assert path.times.tolist() == times
     rate = 6e-6 / 3600
-    prior = [float(np.sqrt(wandering(rate, [time])[0, 0])) for time in times]
+    prior = [float(np.sqrt(wandered(rate, time))) for time in times]
     assert path.prior == pytest.approx(prior, rel=1e-9)
     assert (path.mean[0], path.std[0]) == (0.0, 0.0)
     belief, ((_, course),) = known.knowledge.belief, known.knowledge.observation.courses.items()

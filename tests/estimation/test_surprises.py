@@ -15,7 +15,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.judged import bent, limit, nearest_first, surprises
 from axiscal.estimation.stations import tips
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.cells import wandering
+from axiscal.measurement.cells import wandered
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator
@@ -67,7 +67,7 @@ def test_a_zero_that_drifts_is_less_sure_the_farther_in_time_from_the_first_one_
     rate = 6e-6 / 3600
     case = Case(campaign_from_texts(CAMPAIGN.replace('drift = "0 um/h"', 'drift = "6 um/h"'), "c.toml", MACHINE, "m"))
     readings = read(machine(4), 10)[::-1]
-    beside = [float(wandering(rate, [540.0 - each.time])[0, 0]) for each in readings if each.time is not None]
+    beside = [float(wandered(rate, 540.0 - each.time)) for each in readings if each.time is not None]
     found = surprises(case.observation, np.zeros(case.errors.size), case.errors.prior_covariance(), readings)
     assert found == pytest.approx(_dense(case, readings, beside), rel=1e-6)
     untimed = [replace(each, time=None) for each in readings]

@@ -14,7 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
-from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
+from axiscal.measurement.cells import MEMORY, STEP, Course, wandered
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Reading
 from axiscal.numerics import Array
@@ -53,10 +53,18 @@ def _by_steps(times: Array) -> Array:
     return until @ rates @ until.T
 
 
+def _in_closed_form(times: Array) -> Array:
+    """The same, r²T² (2 min(s, t)/T − 1 + exp(−s/T) + exp(−t/T) − exp(−|s − t|/T))."""
+    x = times / MEMORY
+    ends, apart = np.exp(-x), np.exp(-np.abs(x[:, None] - x))
+    return (RATE * MEMORY) ** 2 * (2 * np.minimum(x[:, None], x) - 1 + ends[:, None] + ends - apart)
+
+
 def test_a_wandering_zero_is_the_integral_of_a_rate_that_forgets_itself() -> None:
     times = np.array([0.0, 60.0, 600.0, 3600.0, 3610.0, 20000.0])
-    assert wandering(RATE, times) == pytest.approx(_by_steps(times), rel=1e-3, abs=1e-20)
-    assert np.sqrt(wandering(RATE, [3600.0])[0, 0]) == pytest.approx(6e-6, rel=0.2)
+    assert _in_closed_form(times) == pytest.approx(_by_steps(times), rel=1e-3, abs=1e-20)
+    assert wandered(RATE, times) == pytest.approx(np.diagonal(_in_closed_form(times)), rel=1e-9, abs=1e-20)
+    assert np.sqrt(wandered(RATE, 3600.0)) == pytest.approx(6e-6, rel=0.2)
 
 
 def test_a_course_has_that_covariance_at_its_nodes_and_nearly_so_between_them() -> None:
@@ -68,11 +76,11 @@ def test_a_course_has_that_covariance_at_its_nodes_and_nearly_so_between_them() 
     assert course.columns == tuple(range(7, 16))
     assert not course.needs_node(nodes[-1] + STEP)
     rows = course.rows(np.array(nodes))
-    assert rows @ rows.T == pytest.approx(wandering(RATE, np.array(nodes) - nodes[0]), rel=1e-6, abs=1e-20)
+    assert rows @ rows.T == pytest.approx(_in_closed_form(np.array(nodes) - nodes[0]), rel=1e-6, abs=1e-20)
     assert np.array_equal(course.rows(), rows[-1:])
     assert np.array_equal(course.rows(np.array([np.nan, nodes[1]])), rows[[-1, 1]])
     late = nodes[2] + STEP
-    expected = wandering(RATE, [late - nodes[0]])[0, 0]
+    expected = float(wandered(RATE, late - nodes[0]))
     (row,) = course.rows(np.array([late]))
     assert row @ row == pytest.approx(expected, rel=0.02, abs=0.0)
 

@@ -23,7 +23,7 @@ from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
 from axiscal.estimation.stations import GAUSSIAN, MOST, indices
-from axiscal.measurement.cells import wandering
+from axiscal.measurement.cells import wandered
 from axiscal.measurement.reading import Reading, drawn, reading_text
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -250,7 +250,7 @@ def paths(estimation: Estimation, setup: Setup) -> list[Path]:
         if observation.setups[index].name == setup.name:
             columns, rows = list(course.columns), course.rows(times)
             std = np.sqrt(np.sum((rows @ belief.factor[columns]) ** 2, axis=1))
-            prior = np.sqrt([wandering(course.rate, [after])[0, 0] for after in times - times[0]])
+            prior = np.sqrt(wandered(course.rate, times - times[0]))
             found.append(Path(times, rows @ belief.mean[columns], std, prior))
     return found
 

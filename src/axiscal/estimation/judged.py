@@ -18,7 +18,7 @@ from axiscal.language.spoken import later, listed, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.cells import wandering
+from axiscal.measurement.cells import wandered
 from axiscal.measurement.instrument import reads_angles
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS
 from axiscal.measurement.observation import Observation
@@ -116,8 +116,7 @@ def _drifted(setup: Setup, reading: Reading, first: Mapping[str, float]) -> floa
     """Return the variance by which the zero may have wandered between the first one judged and this, m² or rad²."""
     if setup.drift == 0 or reading.time is None:
         return 0.0
-    apart = abs(reading.time - first.get(setup.name, reading.time))
-    return float(wandering(setup.drift, [apart])[0, 0])
+    return float(wandered(setup.drift, reading.time - first.get(setup.name, reading.time)))
 
 
 def bent(machine: Machine, setup: Setup, reading: Reading) -> float:

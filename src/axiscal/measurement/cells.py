@@ -174,13 +174,7 @@ def _roots(x: float, rate: float) -> Array:
     return np.array([[first, 0.0], [both / first, np.sqrt(pace - (both / first) ** 2)]])
 
 
-def wandering(rate: float, times: Sequence[float] | Array) -> Array:
-    """Return the covariance (m, m) of a zero at times after its first reading, s, m² or rad².
-
-    r²T² (2 min(s, t)/T − 1 + exp(−s/T) + exp(−t/T) − exp(−|s − t|/T))
-    """
-    after = np.abs(np.asarray(times, dtype=float)) / MEMORY
-    apart = np.abs(after[:, None] - after[None, :])
-    decay = np.exp(-after)
-    covariance: Array = 2 * np.minimum(after[:, None], after[None, :]) - 1 + decay[:, None] + decay - np.exp(-apart)
-    return (rate * MEMORY) ** 2 * covariance
+def wandered(rate: float, seconds: Array | float) -> Array:
+    """Return the variances of a zero so long after its first reading, 2 r²T² (x − 1 + exp(−x)), m² or rad²."""
+    after = np.abs(seconds) / MEMORY
+    return np.asarray(2 * (rate * MEMORY) ** 2 * (after + np.expm1(-after)))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, needs_a_way
-from axiscal.measurement.cells import Course, wandering
+from axiscal.measurement.cells import Course, wandered
 from axiscal.measurement.instrument import instrument_of, values_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
@@ -144,7 +144,7 @@ def drift_functions(setup: Setup, clock: Array) -> Array:
     """
     usual, stated = DRIFT.size * setup.noise, 0.0
     if setup.drift > 0:
-        stated = float(np.sqrt(wandering(setup.drift, [causes.time_of(clock)])[0, 0] / 2))
+        stated = float(np.sqrt(wandered(setup.drift, causes.time_of(clock)) / 2))
     return float(np.hypot(usual, stated)) * causes.drift_functions(clock)
 
 
