@@ -121,63 +121,48 @@ _WHOLE_DEGREES = math.radians(1.0)
 
 def reached_arc(circle: Circle, name: str) -> tuple[float, float]:
     """Return the longest arc that is reached in one piece, to whole degrees; raises DescriptionError for none."""
-    angles = _FINE * np.arange(float(round(math.tau / _FINE)))
-    taken = _taken(circle, angles)
+    taken, low, high = _reached(circle, _FINE * np.arange(2.0 * round(math.tau / _FINE)))  # around the circle and on
     if np.all(taken):
         return 0.0, math.tau
-    start, count = _longest(np.concatenate([taken, taken]))  # around the circle
-    start, count = start % len(taken), min(count, len(taken))
-    low, high = _whole(angles[start], angles[start] + (count - 1) * _FINE)
     if high - low < _SHORTEST:
         what = 'the bar of "{name}" reaches no arc of its circle within the travels and clear of stems'
         remedy = "Give another plane, station or length"
         if any(axis.rotary for axis in circle.room.machine.axes):
             remedy = "Give another plane, station or length, or park the rotary axes elsewhere"
         raise DescriptionError(what, remedy, name=name)
-    return (low - math.tau, high - math.tau) if low >= math.pi else (low, high)
+    behind = low >= math.pi and not np.any(circle.turning)  # what turns with it stands elsewhere a turn before
+    return (low - math.tau, high - math.tau) if behind else (low, high)
 
 
 def refuse_gap(circle: Circle, name: str) -> None:
     """Raise DescriptionError where an arc that was asked for cannot be gone round."""
     low, high, *_ = circle.coordinates[0]
     angles = np.linspace(low, high, 2 + int((high - low) / _FINE))
-    taken = _taken(circle, angles)
+    taken, low, high = _reached(circle, angles)
     if np.all(taken):
         return
-    bad = float(angles[np.flatnonzero(~taken)[0]])
+    bad = float(angles[~taken][0])
     pose = circle.poses(np.array([[bad]]))[0]
-    away = [
-        a.name for a, at in zip(circle.room.machine.axes, pose, strict=True) if not a.travel[0] <= at <= a.travel[1]
-    ]
-    first, count = _longest(taken)
-    low, high = _whole(angles[first], angles[first + max(count, 1) - 1])
+    pairs = zip(circle.room.machine.axes, pose, strict=True)
+    axes = [axis.name for axis, at in pairs if not axis.travel[0] <= at <= axis.travel[1]]
     if high - low < _SHORTEST:
         low, high = reached_arc(circle, name)
     what = 'the bar of "{name}" meets a stem, or what is to be kept out, at {angle:.0f} deg'
-    if away:
+    if axes:
         what = 'the bar of "{name}" leaves the travel of {axes} at {angle:.0f} deg'
     remedy, bad, low, high = 'Give arc = ["{low:.0f} deg", "{high:.0f} deg"]', *map(math.degrees, (bad, low, high))
-    raise DescriptionError(what, remedy, name=name, axes=", ".join(away), angle=bad, low=low, high=high)
+    raise DescriptionError(what, remedy, name=name, axes=", ".join(axes), angle=bad, low=low, high=high)
 
 
-def _whole(low: float, high: float) -> tuple[float, float]:
-    """Return the whole degrees within an arc, rad."""
-    first, last = low / _WHOLE_DEGREES - 1e-9, high / _WHOLE_DEGREES + 1e-9
-    return math.ceil(first) * _WHOLE_DEGREES, math.floor(last) * _WHOLE_DEGREES
-
-
-def _taken(circle: Circle, angles: Array) -> NDArray[np.bool_]:
-    return circle.feasible(circle.poses(angles[:, None]))
-
-
-def _longest(taken: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return start and length of the longest run."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], taken.astype(int), [0]])))
-    starts, stops = edges[::2], edges[1::2]
+def _reached(circle: Circle, angles: Array) -> tuple[NDArray[np.bool_], float, float]:
+    """Return at which angles the bar can be, (m,), and the whole degrees within the longest run of them, rad."""
+    taken = circle.feasible(circle.poses(angles[:, None]))
+    starts, stops = np.flatnonzero(np.diff(np.concatenate([[0], taken, [0]]))).reshape(-1, 2).T
     if not len(starts):
-        return 0, 0
-    best = int((stops - starts).argmax())
-    return int(starts[best]), int(stops[best] - starts[best])
+        return taken, 0.0, 0.0
+    best = (stops - starts).argmax()
+    first, last = angles[[starts[best], stops[best] - 1]] / _WHOLE_DEGREES
+    return taken, math.ceil(first - 1e-9) * _WHOLE_DEGREES, math.floor(last + 1e-9) * _WHOLE_DEGREES
 
 
 _KEYS = ("range", "sight", "faces")

@@ -126,23 +126,15 @@ def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]
 def snapped(machine: Machine, setup: Setup, poses: Array) -> Array:
     """Return poses (m, q) moved to the nearest multiples of the set-up's raster that lie in the travel."""
     result = poses.copy()
-    for k in setup.moves:
-        if setup.raster[k] > 0:
-            first, last = raster_range(machine, setup, k)
-            result[:, k] = np.clip(np.round(poses[:, k] / setup.raster[k]), first, last) * setup.raster[k]
+    for k in (k for k in setup.moves if setup.raster[k] > 0):
+        multiples = raster_positions(machine, setup, k)
+        result[:, k] = np.clip(np.round(poses[:, k] / setup.raster[k]) * setup.raster[k], multiples[0], multiples[-1])
     return result
-
-
-def raster_range(machine: Machine, setup: Setup, axis: int) -> tuple[int, int]:
-    """Return the lowest and highest multiple of the raster in the travel of an axis."""
-    low, high = (end / setup.raster[axis] for end in setup.span(machine.axes[axis], axis))
-    return int(np.ceil(low - 1e-9)), int(np.floor(high + 1e-9))
 
 
 def raster_positions(machine: Machine, setup: Setup, axis: int) -> Array:
     """Return the multiples of the raster in the travel of an axis, (p,) m or rad."""
-    first, last = raster_range(machine, setup, axis)
-    return setup.raster[axis] * np.arange(first, last + 1, dtype=np.float64)
+    return Coordinate(*setup.span(machine.axes[axis], axis), setup.raster[axis]).values
 
 
 def knot_lattice(observation: Observation, setup: int, axis: int, parts: int) -> Array:
