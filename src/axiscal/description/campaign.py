@@ -19,6 +19,7 @@ from axiscal.description.campaign_schema import CampaignTable, ReportTable, Sist
 from axiscal.description.fields import CONTROLS, TableContext
 from axiscal.description.screws import BedScrews
 from axiscal.description.setups import each_alone, read_setups
+from axiscal.description.sights import refuse_idle_artefacts
 from axiscal.description.sites import Surroundings
 from axiscal.description.stated_type_b import REFERENCE, Unsourced, refers_to_20, unsourced
 from axiscal.description.target import Target, read_target
@@ -250,6 +251,8 @@ def _described(
     target = replace(target, refers_to="20 degC" if at_20 else "as read")
     around = Surroundings(machine, document, artefacts, tool, asking, anew, usual_doubts, printer, at_20)
     setups = read_setups(table.setups, around)
+    if anew:
+        refuse_idle_artefacts(table.artefacts, document)
     driving = Driving(**dict(table.programs))
     setups = tuple(replace(setup, driving=driving) for setup in setups)
     setups, tools = unsourced(setups) if usual_doubts and not table.tool_certificate else (setups, ())

@@ -6,13 +6,16 @@ Trackers and tracers say by `stations`, `range`, `sight` and `faces` where they 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.description.artefacts import ArtefactTable
 from axiscal.description.campaign_schema import SetupTable
+from axiscal.document import Document
 from axiscal.document.validation import Stated
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
@@ -195,8 +198,25 @@ def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
         ("sides", bar or balls or table.along is not None, later("balls, a ball bar or a line")),
         ("touches", usual.all_round and table.sides != "mean", later("a sphere that is not read as the mean of sides")),
     )
+    _refuse_idle(stated, owners)
+
+
+def refuse_idle_artefacts(tables: Sequence[ArtefactTable], document: Document) -> None:
+    """Raise DescriptionError for keys of artefacts of which nothing comes."""
+    for number, table in enumerate(tables):
+        together, balls = table.calibrated is not None, bool(table.balls or table.grid)
+        owners = (
+            ("scale", together, later("calibrated, of three balls or more")),
+            ("turned", together or not balls, later("calibrated, of three balls or more")),
+            ("placed diameter free cone", balls, later("balls")),
+        )
+        _refuse_idle(Stated(document, table, ("artefacts", number)), owners)
+
+
+def _refuse_idle(stated: Stated[Any], owners: Iterable[tuple[str, bool, str]]) -> None:
+    """Raise DescriptionError for keys.  owners : keys, whether there is what they belong to, and that in words"""
     for keys, has, owner in owners:
-        for key in (key for key in keys.split() if not has and key in table.model_fields_set):
+        for key in (key for key in keys.split() if not has and key in stated.table.model_fields_set):
             what, remedy = "nothing comes of {key} without {owner}", "Take {key} out, or add that, too"
             raise stated.misstated(key, what, remedy, key=key, owner=said(owner))
 
