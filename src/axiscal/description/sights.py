@@ -178,7 +178,9 @@ def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
     table, usual = stated.table, stated.table.instrument
     bar, lies = usual.site == "bar" and table.length is not None, usual.name == "straightedge"
     balls = table.artefact is not None and usual.contact != "free"
+    warm = table.temperature is not None or usual.against_length or balls
     owners = (
+        ("temperature_std expansion expansion_std", warm, later("a temperature, or a length that is compared with")),
         ("direction", usual.model.directed, later("an instrument that reads in one direction")),
         ("offset", issubclass(usual.model, Displacement), later("an instrument that reads a length in one direction")),
         ("base", issubclass(usual.model, Rotation), later("a level or the mirror of an autocollimator")),
