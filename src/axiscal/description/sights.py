@@ -243,12 +243,11 @@ def refuse_of_length(stated: Stated[SetupTable]) -> None:
 def refuse_both(stated: Stated[SetupTable]) -> None:
     """Raise DescriptionError for keys that exclude one another."""
     table = stated.table
-    given = {key for key in ("along", "length", "artefact", "reach") if getattr(table, key)}
-    for pair in ({"along", "length"}, {"along", "artefact"}, {"along", "reach"}):
-        if pair <= given and table.instrument.name != "straightedge":
-            first, second = sorted(pair)
-            what = "{first} and {second} exclude one another"
-            raise stated.misstated(second, what, "Give one of them", first=first, second=second)
+    if table.along is None or table.instrument.name == "straightedge":
+        return
+    for pair in (sorted(("along", key)) for key in ("length", "artefact", "reach") if getattr(table, key)):
+        what = "{first} and {second} exclude one another"
+        raise stated.misstated(pair[1], what, "Give one of them", first=pair[0], second=pair[1])
 
 
 def seen(stated: Stated[SetupTable], machine: Machine, setup: Setup) -> Setup:
