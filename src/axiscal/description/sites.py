@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -150,18 +150,14 @@ class SiteReader(Stated[SetupTable]):
         owner = f"bar of {format_quantity(length, 'mm', 6)}"
         zero = Unknown("zero", OPEN_LENGTH, owner)
         plane = self.table.plane
+        machine, turning = self.around.machine, self.table.turning.items()
         chart = self._circle(centre, length, artefact, plane) if plane else self._sphere(centre, length, artefact)
-        moving = set(linear_axes(self.around.machine)) | set(self._followers(chart))
+        turned = [machine.index(name) for name, rate in turning if rate] if plane else self._turned_by_moves()
+        moving = {*linear_axes(machine), *turned}
         setup = self._standing(sorted(moving), self._park([*moving]))
         unknowns = (zero, *owned, *self.around.tool)
         setup = replace(setup, chart=chart, contact="held", unknowns=unknowns, station=centre, length=length)
         return replace(setup, artefact=artefact, balls=balls)
-
-    def _followers(self, chart: Chart) -> Iterator[int]:
-        if isinstance(chart, Bar):
-            yield from chart.turning
-        if isinstance(chart, Circle):
-            yield from np.flatnonzero(chart.turning).tolist()
 
     def _centre(self) -> tuple[Vector, tuple[Unknown, ...], Artefact | None, tuple[int, ...]]:
         table = self.table
