@@ -115,7 +115,7 @@ def _told(case: Model, search: _Search, places: Places, after: Readings | Places
     course = [search.value(joined([search.taken, n.at(n.place < i)])) for i in range(1, len(places) + 1)]
     found = evaluated(case, sorted_places, after, search.goal, bounded=False)
     least, every = (1 - _NOTHING) * search.state.value, range(len(search.fixed), len(search.own))
-    if found.J >= least and search.value(search.numbers(every)) >= least:
+    if least <= found.J and least <= search.value(search.numbers(every)):
         what = "falls by no reading: what it asks for moves none of the instruments"
         raise InputError("Case.plan", "criterion", what, "Mount others, or a tool that the errors move")
     return Plan(**vars(found), places=sorted_places, course=np.array(course))
