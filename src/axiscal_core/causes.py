@@ -9,11 +9,14 @@ way       parts of a reversal of which exp(-d/l) is missing, d the way since the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from axiscal_core.columns import Scale
+from axiscal_core.eigen import of_rank
 from axiscal_core.errors import CELLS, Curved
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places
@@ -39,13 +42,17 @@ def time_of(clock: Array) -> float:
     return float(np.ptp(clock)) or 1.0
 
 
-def drift_functions(clock: Array) -> Array:
-    """Return a line and Brownian motion over T, of unknowns of variance one, (r, 21).  clock : (r,) s
+def drift(clock: Array, sigma: ArrayLike, wander: float) -> Array:
+    """Return how far a zero has drifted, of unknowns of variance one, (r, 21): as usual, with what is stated.
 
-    The latter has Karhunen-Loève functions √2 sin((k - ½)π t/T)/((k - ½)π), k = 1…20.
+    A line, and Brownian motion by Karhunen-Loève functions √2 sin((k - ½)π t/T)/((k - ½)π), k = 1…20.
+    clock : (r,) s; sigma : or (r,) m or rad; wander : m/s or rad/s
     """
     share, turns = (clock - clock.min()) / time_of(clock), (np.arange(_FUNCTIONS) + 0.5) * np.pi
-    return np.column_stack([share, np.sqrt(2.0) * np.sin(np.outer(share, turns)) / turns])
+    functions = np.column_stack([share, np.sqrt(2.0) * np.sin(np.outer(share, turns)) / turns])
+    x = time_of(clock) / _HOUR
+    stated = wander * _HOUR * np.sqrt(x - 1 + np.exp(-x))
+    return np.asarray(np.hypot(np.multiply(DRIFT, sigma), stated).reshape(-1, 1) * functions)
 
 
 def growth_functions(clock: Array) -> Array:
@@ -63,35 +70,93 @@ def cycle_correlation(clock: Array, numbers: int) -> Array | None:
     return np.asarray(np.exp(-np.abs(clock[:, None] - clock) / _MINUTES) + _NUGGET * np.eye(len(clock)))
 
 
-def way_since_turn(at: Array, sides: Array, overrun: float) -> Array:
-    """Return how far an axis has come since it turned, (r,) m.
+def absent(at: Array, sides: Array, order: np.ndarray, overrun: float) -> Array:
+    """Return which share of each part of a reversal is missing, (r, ways): exp(-d/l), d the way since the axis turned.
 
-    at, sides : (r,) m and from where it comes, in order; overrun : m, that it has come where the side changes
+    at, sides : (r,) m and from where it comes; order : (r,) in which they are taken
+    overrun : m, that it has come where the side changes
     """
-    since, step = np.full(len(at), overrun), np.diff(at) * sides[1:]
+    at, sides, since = at[order], sides[order], np.full(len(at), overrun)
+    step = np.diff(at) * sides[1:]
     for number in np.flatnonzero((sides[1:] == sides[:-1]) & (step >= 0)).tolist():
         since[number + 1] = since[number] + step[number]
-    return since
+    shares = np.empty((len(at), len(WAYS)))
+    shares[order] = np.exp(-since[:, None] / WAYS)
+    return shares
+
+
+@dataclass(frozen=True, eq=False)
+class OfOneSetup:
+    """The readings of one instrument, whose numbers are `mine` (r,) of all.
+
+    name : of it; count : of all numbers; part : (r,) which of its reading each is
+    clock : (r,) s; sigma : (r,) m or rad; wander : of each zero as stated, m/s or rad/s
+    """
+
+    name: str
+    count: int
+    mine: np.ndarray
+    part: np.ndarray
+    clock: Array
+    sigma: Array
+    wander: float
+
+    @property
+    def zeros(self) -> list[np.ndarray]:
+        """The numbers with one zero each, among its own."""
+        return [np.flatnonzero(self.part == part) for part in np.unique(self.part)]
+
+    def passing(self, growing: Iterable[Array]) -> Columns:
+        """Yield what passes while it is read.  growing : (r,) what it shows of each axis that grows by one"""
+        for zero in self.zeros:
+            clock, sigma = self.clock[zero], self.sigma[zero]
+            yield "drift", self.name, self.wide(zero, of_rank(drift(clock, sigma, self.wander)))
+            if (alike := cycle_correlation(clock, self.count)) is not None:
+                yield "cycle", self.name, self.wide(zero, CYCLE * sigma[:, None] * np.linalg.cholesky(alike))
+        for along in growing:
+            grown = (GROWTH * self.sigma * along)[:, None] * growth_functions(self.clock)
+            yield "growth", self.name, self.wide(np.arange(len(self.mine)), of_rank(grown))
+
+    def wide(self, some: np.ndarray, columns: Array) -> Array:
+        """Return columns of all numbers, (count, q), noughts but for some of its own.  columns : (some, q)"""
+        result = np.zeros((self.count, columns.shape[1]))
+        result[self.mine[some]] = columns
+        return result
 
 
 def columns_of(case: Model, places: Places, n: Numbers, clock: Array) -> Columns:
     """Yield the columns.  clock : (m,) s, of each place"""
     yield from _rests(case, n)
-    if case.usual:
-        for i in np.unique(n.setup).tolist():
-            yield from _OfSetup(case, places, n, clock, i).columns()
+    for i in np.unique(n.setup).tolist() if case.usual else ():
+        of, mine = case.instruments[i], np.flatnonzero(n.setup == i)
+        place, part = n.place[mine], n.part[mine]
+        read = OfOneSetup(case.setups[i], len(n.rows), mine, part, clock[place], of.sigma[part], of.wander)
+        yield from read.passing(
+            n.reach[mine, k] * (places.poses[place, term.at] - np.mean(axis.travel)) / axis.length
+            for k, (_, term) in enumerate(case.machine.curves)
+            if term.error.positioning and _moves(case, i, term) and (axis := case.machine.axes[term.at])
+        )
 
 
 def adding_to_curves(case: Model, places: Places, n: Numbers, clock: Array) -> Iterator[tuple[str, Scale, Array]]:
     """Yield scales of axes and parts of reversals: owner, what it adds, and which share of it readings have, (n,)."""
-    setups = [_OfSetup(case, places, n, clock, i) for i in np.unique(n.setup).tolist()] if case.usual else []
     for at, term in case.machine.curves:
-        part, absent = case.machine.columns[at], sum(each.absent(term) for each in setups)
+        part, missing = case.machine.columns[at], np.zeros((len(places), len(WAYS)))
         if term.ramp is not None:
             yield term.name, Scale("scale", part, term.ramp), np.ones(len(n.rows))
-        if np.any(absent):
+        for i in np.unique(n.setup).tolist() if case.usual and term.error.kind == "reversal" else ():
+            if _moves(case, i, term) and len(case.instruments[i].sides) > 1:
+                mine = np.unique(n.place[n.setup == i])
+                along, order = places.poses[mine, term.at], np.argsort(clock[mine], kind="stable")
+                missing[mine] = absent(along, places.sides[mine, term.at], order, case.machine.axes[term.at].overrun)
+        if np.any(missing):
             each = Scale("way", part, np.full(term.spline.size, WAY * term.std))
-            yield from ((term.name, each, share) for share in np.transpose(1 - absent))
+            yield from ((term.name, each, share) for share in np.transpose(1 - missing[n.place]))
+
+
+def _moves(case: Model, index: int, term: Curved) -> bool:
+    """Return whether an instrument is read while the linear axis of a curve moves."""
+    return term.linear and case.machine.names[term.at] in case.instruments[index].moves
 
 
 def _rests(case: Model, n: Numbers) -> Columns:
@@ -101,60 +166,3 @@ def _rests(case: Model, n: Numbers) -> Columns:
             wide = cells // max(1, round(WIDE * CELLS * (len(term.spline.knots) - 1)))
             alike = 0.5 * np.eye(len(cells)) + 0.5 * (wide[:, None] == wide) if case.usual else np.eye(len(cells))
             yield "rest", term.name, term.rest * n.reach[:, i, None] * np.linalg.cholesky(alike)[which]
-
-
-class _OfSetup:
-    """The readings of one instrument: mine, the numbers (r,) that are its own, with the time of each."""
-
-    def __init__(self, case: Model, places: Places, n: Numbers, clock: Array, index: int) -> None:
-        self.case, self.places, self.n = case, places, n
-        self.instrument, self.name = case.instruments[index], case.setups[index]
-        self.mine = np.flatnonzero(n.setup == index)
-        self.clock = clock[n.place[self.mine]]
-        self.sigma = self.instrument.sigma[n.part[self.mine]]
-
-    def columns(self) -> Columns:
-        """Yield what passes while it is read."""
-        parts = self.n.part[self.mine]
-        for part in np.unique(parts):  # each number has a zero of its own
-            zero = parts == part
-            yield "drift", self.name, self._wide(zero[:, None] * self._drift())
-            alike = cycle_correlation(self.clock[zero], len(self.n.rows))
-            if alike is not None:
-                root = np.zeros((len(parts), len(alike)))
-                root[zero] = CYCLE * self.sigma[zero, None] * np.linalg.cholesky(alike)
-                yield "cycle", self.name, self._wide(root)
-        for i, (_, term) in enumerate(self.case.machine.curves):
-            if self._moves(term) and term.error.positioning:
-                yield "growth", self.name, self._wide(self._growth(i, term))
-
-    def _moves(self, term: Curved) -> bool:
-        return term.linear and self.case.machine.names[term.at] in self.instrument.moves
-
-    def _wide(self, columns: Array) -> Array:
-        """Return columns of all numbers, (n, q).  columns : (r, q)"""
-        result = np.zeros((len(self.n.rows), columns.shape[1]))
-        result[self.mine] = columns
-        return result
-
-    def _drift(self) -> Array:
-        x = time_of(self.clock) / _HOUR
-        stated = self.instrument.wander * _HOUR * np.sqrt(x - 1 + np.exp(-x))
-        return np.asarray(np.hypot(DRIFT * self.sigma, stated)[:, None] * drift_functions(self.clock))
-
-    def _growth(self, i: int, term: Curved) -> Array:
-        """Return the columns of an axis that grows.  i : its positioning error among the curves"""
-        axis, at = self.case.machine.axes[term.at], self.places.poses[self.n.place[self.mine], term.at]
-        along = self.sigma * self.n.reach[self.mine, i] * (at - np.mean(axis.travel)) / axis.length
-        return np.asarray(GROWTH * along[:, None] * growth_functions(self.clock))
-
-    def absent(self, term: Curved) -> Array:
-        """Return which share of parts of a reversal is missing of all numbers, (n, ways); zero of any other error."""
-        if term.error.kind != "reversal" or not self._moves(term) or len(self.instrument.sides) < 2:
-            return np.zeros((len(self.n.rows), len(WAYS)))
-        taken, first = np.unique(self.n.place[self.mine], return_index=True)
-        order = taken[np.argsort(self.clock[first], kind="stable")]
-        at, sides = self.places.poses[order, term.at], self.places.sides[order, term.at]
-        missing = np.zeros((len(self.places), len(WAYS)))
-        missing[order] = np.exp(-way_since_turn(at, sides, self.case.machine.axes[term.at].overrun)[:, None] / WAYS)
-        return self._wide(missing[self.n.place[self.mine]])

@@ -134,10 +134,7 @@ class Weighed(Generic[GivenT]):
 
 def _density(space: Space[Given], x: Array) -> float:
     """Return log L(θ) φ(x) up to a constant."""
-    return _valued(space.given(space.sizes.theta(x)[0]), x)
-
-
-def _valued(found: Given | None, x: Array) -> float:
+    found = space.given(space.sizes.theta(x)[0])
     return -np.inf if found is None else found.value - 0.5 * float(x @ x)
 
 
@@ -153,7 +150,7 @@ def mode(space: Space[GivenT]) -> Mode[GivenT]:
     sizes = space.sizes
     x, found, taught = sizes.stated, as_stated(space), np.zeros(0, dtype=np.intp)
     if not len(x):
-        return Mode(x, taught, np.zeros((0, 0)), _valued(found, x), found)
+        return Mode(x, taught, np.zeros((0, 0)), found.value, found)
     here = _pull(sizes, found, x)
     while len(more := np.union1d(taught, _taught(here, x))) > len(taught):
         taught = more
@@ -178,9 +175,9 @@ def _climbed(space: Space[GivenT], taught: NDArray[np.intp], x: Array, here: Slo
         step *= _LONGEST / max(_LONGEST, float(np.max(np.abs(step))))
         if float(here.gradient @ step) < _SETTLED * 0.1:
             break
-        there = space.given(sizes.theta(x + step)[0])
-        if there is not None and _valued(there, x + step) > here.value:
-            x, damped = x + step, damped * _LESS
+        there = space.given(sizes.theta(moved := x + step)[0])
+        if there is not None and there.value - 0.5 * float(moved @ moved) > here.value:
+            x, damped = moved, damped * _LESS
             here = _pull(sizes, there, x)
         else:
             damped = max(_MORE * damped, 0.05)

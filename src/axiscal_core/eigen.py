@@ -24,6 +24,12 @@ def unique_root(covariance: Array) -> Array:
     return np.asarray(scale[..., :, None] * (half @ np.swapaxes(vectors, -1, -2)))
 
 
+def of_rank(rows: Array) -> Array:
+    """Return rows with the products Z Zᵀ of these, no more columns of them than rows.  rows : Z (r, q)"""
+    count, columns = rows.shape
+    return rows if columns <= count else np.asarray(np.linalg.qr(rows.T, mode="r")).T
+
+
 def settled(values: Array, vectors: Array) -> Array:
     """Return eigenvectors whose signs are settled, and their turn where eigenvalues are equal, (n, k).
 

@@ -161,15 +161,6 @@ class Given(ABC):
         """Return (K + B Bᵀ)⁻¹X, (m, n).  columns : X (m, n), over the noise"""
         return self.precision(columns) - self._spread @ (self._within @ (self._spread.T @ columns))
 
-    def log_density_of(self, some: NDArray[np.bool_]) -> float:
-        """Return log p(yₛ | others) of some numbers (m,): Λ = (K⁻¹)ₛₛ is their precision, given the others."""
-        alone = np.zeros((len(some), int(some.sum())))
-        alone[some] = np.eye(alone.shape[1])
-        weighted = self.judged(np.column_stack([alone, self.problem.values]))[some]
-        precision, pulled = weighted[:, :-1], weighted[:, -1]
-        square = float(pulled @ np.linalg.solve(precision, pulled))
-        return 0.5 * float(np.linalg.slogdet(precision / (2 * np.pi))[1] - square)
-
     def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return (K + B Bᵀ)⁻¹y (r, k), over the noise, and blocks of the inverse (r, k, k).
 

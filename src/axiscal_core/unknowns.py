@@ -45,8 +45,7 @@ class Unknowns:
             self.totals.append(float(mine.values @ mine.values))
             self.squares.append(mine.rows.T @ mine.rows)
             self.products.append(mine.rows.T @ mine.values)
-            causes = mine.rows.T @ mine.type_b, mine.type_b.T @ mine.type_b, mine.type_b.T @ mine.values
-            self.causes.append(causes)
+            self.causes.append((mine.rows.T @ mine.type_b, mine.type_b.T @ mine.type_b, mine.type_b.T @ mine.values))
 
     def weights(self, theta: Array) -> Array:
         """Return 1/σ² of each group, (g,)."""

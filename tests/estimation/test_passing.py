@@ -15,7 +15,7 @@ from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.passing import passing_columns
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import numbers_of_setups, places_of
+from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from tests.generators.campaigns import built_in, drawn, mixed
@@ -59,9 +59,10 @@ def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:
     places = places_of(case.observation.setups, readings)
     numbers = numbers_of_setups(case.observation.setups)[places.setups]
     reading = np.repeat(np.arange(len(readings)), numbers)
-    found = passing_columns(case.observation, readings, places, reading, case.sizes, case.description.usual)
-    kinds = np.array([case.sizes.of[number].kind if number >= 0 else "" for number in found.size_at])
-    return {kind: found.columns[:, kinds == kind] for kind in np.unique(kinds)}
+    clock, found = times_of(readings), dict[str, list[Array]]()
+    for kind, _, columns in passing_columns(case.observation, places, reading, clock, case.description.usual):
+        found.setdefault(kind, []).append(columns)
+    return {kind: np.hstack(parts) for kind, parts in found.items()}
 
 
 def test_readings_of_a_long_day_and_many_of_them_have_no_cycle() -> None:

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.description.usual import NONE_VARY
 from axiscal.estimation.promise.passing import passing_columns
-from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.plan.order import in_order, interleaved, seconds_along, seconds_each
 from axiscal.planning.plan.task import Limits, Task
@@ -18,11 +17,9 @@ from tests.planning.test_out_and_back import apart, one_axis, planned
 
 def passing(task: Task, order: Places) -> Array:
     """Return the columns of what passes but for a cycle, three times as large as usual, (m, q)."""
-    ends = np.cumsum(seconds_each(task, order)).tolist()
-    rows = zip(order.poses.tolist(), order.approaches.tolist(), ends, strict=True)
-    readings = [Reading("laser", tuple(pose), tuple(side), 0.0, time=end) for pose, side, end in rows]
-    columns = passing_columns(task.observation, readings, order, np.arange(len(order)), NONE_VARY).columns
-    return 3.0 * np.delete(columns, slice(21, 21 + len(order)), axis=1)
+    ends = np.cumsum(seconds_each(task, order))
+    found = passing_columns(task.observation, order, np.arange(len(order)), ends)
+    return 3.0 * np.hstack([columns for kind, _, columns in found if kind != "cycle"])
 
 
 def left(task: Task, order: Places) -> float:

@@ -1,7 +1,7 @@
 """What usually goes wrong, the sizes that readings may teach, and a machine with its sizes as learnt.
 
 One table, `causes.toml`, has a row for each cause. A new one takes a row there, a kind here, its columns in
-`estimation/promise/passing`, which `planning/plan/order` turns against each other, and its words in `present/findings`.
+`axiscal_core.causes`, which `planning/plan/order` turns against each other, and its words in `present/findings`.
 
 Given the logarithms θ of the sizes all causes are Gaussian, y ~ N(0, K(θ)) with K(θ) = Σ_c s_c(θ)² B_c. A size is the
 default, or what somebody stated, times exp(θ). It is log-normal, with all its moments:

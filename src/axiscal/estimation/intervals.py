@@ -35,7 +35,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
 from axiscal.numerics.displays import step_of
-from axiscal.numerics.gaussian import of_rank
+from axiscal_core.eigen import of_rank
 from axiscal_core.from_scipy import log_normal_share
 from axiscal_core.spaces import turned
 

@@ -37,12 +37,6 @@ def root_of(covariance: Array) -> Array:
     return scale[:, None] * root
 
 
-def of_rank(rows: Array) -> Array:
-    """Return rows with the products Z Zᵀ of these, no more columns of them than rows.  rows : Z (r, q)"""
-    count, columns = rows.shape
-    return rows if columns <= count else np.asarray(np.linalg.qr(rows.T, mode="r")).T
-
-
 def lower_root(covariance: Array) -> Array:
     """Return L (n, n) lower triangular with L Lᵀ the positive definite covariance."""
     return np.asarray(np.linalg.cholesky(covariance), dtype=float)

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.usual import WAY
 from axiscal.errors.prior import covariance
 from axiscal.errors.term import Term
 from axiscal.estimation.promise.causes import contributions
@@ -18,16 +17,16 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import (
     cells_shown,
-    linear_values,
     numbers_of_setups,
     places_of,
-    rows_at,
+    seen,
+    times_of,
     visited,
     with_cells,
 )
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
-from axiscal_core.causes import WIDE
+from axiscal_core.causes import WAY, WIDE
 from axiscal_core.columns import NUGGET, Bent, Curves, Scale
 from axiscal_core.eigen import unique_root
 from axiscal_core.problem import MOST_NUMBERS, Problem, by_blocks
@@ -62,36 +61,32 @@ def problem(
     """
     sizes = replace(sizes, share=min(1.0, len(readings) / MANY))
     places = places_of(observation.setups, readings)
+    clock = np.nan_to_num(times_of(readings))
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
     causes = contributions(observation, places, [each.values for each in readings], usual)
     type_b = np.column_stack([np.zeros((len(reading), 0)), *(each.effects for each in causes)])
-    passing = passing_columns(observation, readings, places, reading, sizes, usual)
-    start = passing.columns.shape[1]
-    lacking = absent(observation, readings, places) if usual else {}
+    passing = [*passing_columns(observation, places, reading, clock, usual)]
+    kinds = tuple(kind for kind, _, columns in passing for _ in range(columns.shape[1]))
+    start, lacking = len(kinds), absent(observation, places, clock) if usual else {}
     late = sum(shares.shape[1] for shares in lacking.values())
     cells = _cells(observation, places, len(reading), start + late)
     opened = with_cells(observation, cells)
-    found = rows_at(opened, places)
-    setups = places.setups[reading]
-    stated = np.array([np.nan if r.std is None else r.std**2 for r in readings])[reading]
-    usually = np.array([setup.noise**2 for setup in observation.setups])[setups]
-    variances = found.variances + np.where(np.isnan(stated), 0.0, stated - usually)
-    values = linear_values(observation, places, readings)
+    found = seen(opened, readings)
+    setups, stated = places.setups[reading], np.array([each.std is not None for each in readings])[reading]
     builder = _Builder(opened, sizes, inherited, usual)
     first_cell_roots = builder.cell_roots(cells)
-    noise = np.sqrt(variances)
+    noise = np.sqrt(found.variances)
     names = [setup.name for setup in observation.setups]
-    groups = np.where(np.isnan(stated), sizes.indices("noise", names)[setups], -1)
+    groups = np.where(stated, -1, sizes.indices("noise", names)[setups])
     answered = observation.errors.size + len(observation.unknowns)
     adding = [*builder.scales(lacking)]
     scales = tuple(scale for _, scale, _ in adding)
     scale_size = np.array([sizes.index(scale.kind, owner) for owner, scale, _ in adding], dtype=np.intp)
-    columns = [opened.cells[cell] for cell in cells]
     rest_size = sizes.indices("rest", [observation.errors.terms[term].name for term, _ in cells])
     first = start + len(cells)
     rows = np.empty((len(reading), first + len(scales) + answered))  # many readings make gigabytes: in no second copy
-    rows[:, :start] = passing.columns
-    rows[:, start:first] = by_blocks(found.rows[:, columns], first_cell_roots)
+    rows[:, :start] = np.hstack([np.zeros((len(reading), 0)), *(columns for _, _, columns in passing)])
+    rows[:, start:first] = by_blocks(found.rows[:, [opened.cells[cell] for cell in cells]], first_cell_roots)
     for at, (_, scale, missing) in enumerate(adding, start=first):
         rows[:, at] = (1.0 if missing is None else 1 - missing[reading]) * (found.rows[:, scale.part] @ scale.ramp)
     own = rows[:, first + len(scales) :]
@@ -101,13 +96,14 @@ def problem(
     mean = np.zeros(answered)
     if inherited is not None:
         mean[: len(inherited.mean)] = inherited.mean
-    values = (values - found.rows[:, :answered] @ mean) / noise
-    size_at = np.concatenate([passing.size_at, rest_size, scale_size, own_size]).astype(np.intp)
+    values = (found.values - found.rows[:, :answered] @ mean) / noise
+    passing_size = [np.full(columns.shape[1], sizes.index(kind, owner)) for kind, owner, columns in passing]
+    size_at = np.concatenate([*passing_size, rest_size, scale_size, own_size]).astype(np.intp)
     judging = np.array([not cause.row.of_values for cause in causes], dtype=bool)
     return Problem(
         rows, values, noise, reading, setups, groups, sizes, size_at, curves, roots, scales, answered,
         len(observation.unknowns), mean, tuple(cells), start,
-        tuple(first_cell_roots), passing.kinds, type_b / noise[:, None], tuple(causes), judging,
+        tuple(first_cell_roots), kinds, type_b / noise[:, None], tuple(causes), judging,
     )  # fmt: skip
 
 
@@ -190,7 +186,7 @@ class _Builder:
             if self.inherited is None and term.entry.scale:
                 yield term.name, Scale("scale", term.columns, term.entry.scale * ramp(term.basis)), None
             for share in absent.get(term.name, np.zeros((0, 0))).T:
-                part = WAY.size * np.sqrt(np.diagonal(term.covariance))
+                part = WAY * np.sqrt(np.diagonal(term.covariance))
                 yield term.name, Scale("way", term.columns, part), share
 
     def errors(

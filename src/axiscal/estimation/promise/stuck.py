@@ -118,10 +118,19 @@ def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) 
         pairs = zip(problem.setup[again].tolist(), problem.noise[again].tolist(), strict=True)
         steps = (each.steps[setup] / noise for setup, noise in pairs)
         prior = math.log(PRIOR) - each.log_places - sum(math.log(max(step, _FINEST)) for step in steps)
-        if prior - found.drawn.stated.log_density_of(again) <= math.log(NAMED):
+        if prior - log_density_of(found.drawn.stated, again) <= math.log(NAMED):
             continue
         rest = problem.only(~again)
         others = sized(space_of(rest))
         density = found.log_evidence - others.log_evidence - 0.5 * int(again.sum()) * math.log(2 * math.pi)
         first = int(each.readings.min())
         yield Tried(Explained("stuck", prior - density, each.setups, first), tail_of(rest, others))
+
+
+def log_density_of(given: Given, some: NDArray[np.bool_]) -> float:
+    """Return log p(yₛ | others) of some numbers (m,): Λ = (K⁻¹)ₛₛ is their precision, given the others."""
+    alone = np.eye(len(some))[:, some]
+    weighted = given.judged(np.column_stack([alone, given.problem.values]))[some]
+    precision, pulled = weighted[:, :-1], weighted[:, -1]
+    square = float(pulled @ np.linalg.solve(precision, pulled))
+    return 0.5 * float(np.linalg.slogdet(precision / (2 * np.pi))[1] - square)

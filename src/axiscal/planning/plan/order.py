@@ -22,13 +22,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.passing import Turning, drift_functions, growing, growth_functions, turning
+from axiscal.estimation.promise.passing import Turning, growing, turning
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way, way_seconds
 from axiscal.numerics import Array
 from axiscal.planning.gains.covariance import criterion_after
 from axiscal.planning.plan.task import Limits, Task
+from axiscal_core import causes
 from axiscal_core.ties import ALIKE, first_best
 
 
@@ -244,7 +245,8 @@ class _AtTurns(NamedTuple):
     @classmethod
     def timed(cls, setup: Setup, clock: Array) -> _AtTurns:
         """Return it.  clock : (r,) of the turns, s"""
-        drift, growth = (_LARGER * each(setup, clock) for each in (drift_functions, growth_functions))
+        drift = _LARGER * causes.drift(clock, setup.noise, setup.drift)
+        growth = _LARGER * causes.GROWTH * setup.noise * causes.growth_functions(clock)
         return cls(drift @ drift.T, growth @ growth.T)
 
 
