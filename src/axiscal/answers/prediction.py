@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.errors.volume import deviation_of
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import beside_the_line
-from axiscal.estimation.knowledge import block
+from axiscal.estimation.knowledge import taken
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
@@ -120,6 +120,7 @@ def expectation(known: Estimation, place: Place) -> Band:
     mean, std : (k,) of each number of the reading, its noise included, m or rad
     """
     blanks = blank_readings(known.case.description.setups, [place])
-    (found,) = block(known.knowledge, blanks, np.zeros(len(blanks), dtype=bool))[0].innovations
+    (part,), _ = taken(known.knowledge, blanks, left_out=[0])
+    (found,) = part.innovations
     scales = scales_of(known.case.description.setup(place.setup))
     return Band(-np.atleast_1d(found.value) / scales, np.atleast_1d(found.std) / scales)

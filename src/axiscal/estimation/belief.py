@@ -38,14 +38,9 @@ class Innovations:
     std: Array
 
     @property
-    def chi_square(self) -> float:
-        """The sum of the squared standardised innovations: chi-square with `degrees` degrees of freedom."""
-        return float(np.sum((self.value / self.std) ** 2))
-
-    @property
-    def degrees(self) -> int:
-        """Number of readings."""
-        return len(self.value)
+    def size(self) -> float:
+        """Root of the mean square of the standardised ones: one where all is as expected."""
+        return float(np.sqrt(np.mean((self.value / self.std) ** 2)))
 
 
 class Updated(NamedTuple):

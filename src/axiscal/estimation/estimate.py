@@ -18,7 +18,7 @@ from axiscal.estimation.case import Case, timed
 from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
-from axiscal.estimation.learnt import other_ways, posed, posterior_of, without_bad
+from axiscal.estimation.learnt import posed, posterior_of, without_bad
 from axiscal.estimation.located import absorbed, bent, located, refuse_mirrors, taken_as_normal
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.posterior import Sorted
@@ -32,6 +32,8 @@ from axiscal_core.threads import one_thread
 @stage("what the readings make known")
 def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
     """Return what readings make known while others are to follow."""
+    if not stated.rivals:
+        return _estimated(stated, stated, readings)
     return _of_likeliest(stated, lambda side: _estimated(stated, stated.sides[side], readings), 0)
 
 
@@ -66,7 +68,7 @@ def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
         case = stated.sides[side]
         return last if side == before.side else _finished(case, _estimated(stated, case, readings))
 
-    return _of_likeliest(stated, found, before.side)
+    return _of_likeliest(stated, found, before.side) if stated.rivals else last
 
 
 def in_detail(stated: Case, readings: Sequence[Reading], so_far: Estimation | None = None) -> Estimation:
@@ -92,19 +94,20 @@ def _answered(case: Case, known: Estimation, kept: Sorted | None = None) -> Esti
     at = case.linear_as(known.case)
     taken = taken_as_normal(known.absorbed, readings)
     stays = taken is readings and at.observation.about == case.observation.about and at.description == case.description
+    if kept is None and stays:
+        return known
     if kept is None:
-        return known if stays else replace(known, posterior=posterior_of(at, taken, known.implausible))
-    kept = kept if stays else kept.where(posed(at, taken))
-    return replace(known, posterior=kept.posterior(*other_ways(at, taken), at.about_volume))
+        kept = without_bad(at, taken, known.implausible)
+    elif not stays:
+        kept = kept.where(posed(at, taken))
+    return replace(known, posterior=posterior_of(at, taken, kept))
 
 
 def _of_likeliest(stated: Case, found: Callable[[int], Estimation], first: int) -> Estimation:
-    """Return the estimation by the likeliest of the rival beliefs, where there are any.
+    """Return the estimation by the likeliest of the rival beliefs.
 
     found : by one of them, by its index; first : the one to begin with
     """
-    if not stated.rivals:
-        return found(0)
     tried, side = dict[int, Estimation](), first
     while side not in tried:
         known = found(side)

@@ -109,10 +109,10 @@ class Estimation:
         """How well the machine is known, with the bands that are printed."""
         return self.case.yardstick.measure(self.printed.belief)
 
-    @cached_property
+    @property
     def left_out(self) -> frozenset[int]:
         """The indices of the readings that are not used."""
-        return frozenset(doubt.reading for doubt in self.outliers)
+        return self.absorbed.left_out
 
     @property
     def whole(self) -> Belief:

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief, Innovations
@@ -70,26 +69,7 @@ class Block(NamedTuple):
 
     def accuracies(self, yardstick: Yardstick) -> list[Accuracy]:
         """Return how well the machine was known after each reading."""
-        return yardstick.accuracies(self.factor, self.losses, np.cumsum([each.degrees for each in self.innovations]))
-
-
-def block(
-    knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.bool_], among: Collection[Cell] | None = None
-) -> tuple[Block, Knowledge]:
-    """Return readings, all at once, and what they make of knowledge.
-
-    counts : (m,) which are used; the others are predicted; among : as of `Knowledge.opened`
-    """
-    before = knowledge.opened(readings, among)
-    numbers = seen(before.observation, readings)
-    used = np.where(counts[numbers.reading], numbers.variances, np.inf)
-    done = before.belief.update_many(numbers.rows, numbers.values, numbers.variances, used, numbers.reading)
-    cuts = np.searchsorted(numbers.reading, np.arange(1, len(readings)))
-    surprises = (np.split(part, cuts) for part in (done.innovations.value, done.innovations.std))
-    innovations = tuple(Innovations(*pair) for pair in zip(*surprises, strict=True))
-    errors = before.observation.errors.size
-    own = before.belief.factor[:errors].copy(), done.losses[:, :errors].copy()  # the rest of them is large
-    return Block(innovations, *own), Knowledge(before.observation, done.belief)
+        return yardstick.accuracies(self.factor, self.losses, np.cumsum([len(each.value) for each in self.innovations]))
 
 
 def taken(
@@ -105,7 +85,15 @@ def taken(
     found = list[Block]()
     for start in range(0, len(readings), AT_ONCE):
         mine = readings[start : start + AT_ONCE]
-        counts = np.array([index not in left_out for index in range(start, start + len(mine))])
-        part, knowledge = block(knowledge, mine, counts, among)
-        found.append(part)
+        before = knowledge.opened(mine, among)
+        numbers = seen(before.observation, mine)
+        used = np.where(np.isin(start + numbers.reading, [*left_out]), np.inf, numbers.variances)
+        done = before.belief.update_many(numbers.rows, numbers.values, numbers.variances, used, numbers.reading)
+        cuts = np.searchsorted(numbers.reading, np.arange(1, len(mine)))
+        surprises = (np.split(part, cuts) for part in (done.innovations.value, done.innovations.std))
+        innovations = tuple(Innovations(*pair) for pair in zip(*surprises, strict=True))
+        errors = before.observation.errors.size
+        own = before.belief.factor[:errors].copy(), done.losses[:, :errors].copy()  # the rest of them is large
+        found.append(Block(innovations, *own))
+        knowledge = Knowledge(before.observation, done.belief)
     return tuple(found), knowledge

@@ -22,7 +22,7 @@ from axiscal.estimation.estimation import Estimation, printed
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import NOUGHT, AxisLine
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.learnt import posterior_of
+from axiscal.estimation.learnt import posterior_of, without_bad
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
 from axiscal_core.threads import one_thread
@@ -162,7 +162,8 @@ def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Belief | None
         return None
     case = known.stated.linear_as(known.case)
     readings = [*known.readings, *(_turned(known.readings, line) for line in lines)]
-    more = posterior_of(case, readings, {doubt.reading: doubt for doubt in known.outliers if doubt.implausible})
+    kept = without_bad(case, readings, [*known.implausible])
+    more = posterior_of(case, readings, kept)
     # What it shows is not known, so it teaches no sizes and disagrees with nothing.
     return printed(known.knowledge, more, known.widening).belief
 

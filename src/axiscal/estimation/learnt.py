@@ -11,7 +11,7 @@ from axiscal.estimation.promise.mistaken import with_feed
 from axiscal.estimation.promise.passing import at_feed
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import problem
-from axiscal.estimation.promise.stuck import Repeats, repeats
+from axiscal.estimation.promise.stuck import repeats
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.reading import Reading
@@ -19,9 +19,14 @@ from axiscal.record.accepted import in_workpiece
 from axiscal_core.problem import Problem
 
 
-def posterior_of(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Posterior:
-    """Return the posterior of readings where a case has them linear.  case : with the sizes as stated"""
-    return without_bad(case, readings, implausible).posterior(*other_ways(case, readings), case.about_volume)
+def posterior_of(case: Case, readings: Sequence[Reading], kept: Sorted) -> Posterior:
+    """Return the posterior of readings where a case has them linear.
+
+    case : with the sizes as stated; kept : the readings without the bad ones
+    How they were read if not as said is made only where somebody asks for it.
+    """
+    again = repeats(case.description.setups, readings)
+    return kept.posterior(turned(case, readings), framed(case, readings), again, case.about_volume)
 
 
 def without_bad(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Sorted:
@@ -36,11 +41,6 @@ def posed(case: Case, readings: Sequence[Reading]) -> Problem:
     plain = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
     circles = [*at_feed(case.observation, readings)] if case.description.usual else []
     return with_feed(plain, circles) if circles else plain
-
-
-def other_ways(case: Case, readings: Sequence[Reading]) -> tuple[Iterator[Turned], Iterator[Framed], Iterator[Repeats]]:
-    """Return the readings if they were read otherwise than said; nothing is made before it is asked for."""
-    return turned(case, readings), framed(case, readings), repeats(case.description.setups, readings)
 
 
 def framed(case: Case, readings: Sequence[Reading]) -> Iterator[Framed]:

@@ -16,7 +16,7 @@ from axiscal.exceptions import AmbiguityError
 from axiscal.language.spoken import said
 from axiscal.measurement.cells import Cell
 from axiscal.measurement.reading import Reading, drawn, place_text
-from axiscal.measurement.reading_rows import Seen, linear_values, places_of, seen
+from axiscal.measurement.reading_rows import linear_values, places_of, seen
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -37,10 +37,6 @@ class Absorbed:
     def innovations(self) -> tuple[Innovations, ...]:
         """Those of each reading."""
         return tuple(each for part in self.blocks for each in part.innovations)
-
-    def precisions(self, numbers: Seen) -> Array:
-        """Return one over the variance of each number of the readings, 0 of those that are left out, (m,)."""
-        return ~np.isin(numbers.reading, [*self.left_out]) / numbers.variances
 
 
 def absorbed(
@@ -143,7 +139,7 @@ def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> floa
     observation, belief = known.knowledge.observation, known.knowledge.belief
     numbers, there = seen(observation, readings), replace(observation, about=better.about)
     change = numbers.values - linear_values(there, places_of(observation.setups, readings), readings)
-    trust = known.precisions(numbers)
+    trust = ~np.isin(numbers.reading, [*known.left_out]) / numbers.variances
     if float(np.sqrt(np.sum(trust * change**2) / belief.size)) < SETTLED:
         return 0.0
     pulled = belief.factor.T @ (numbers.rows.T @ (trust * change))

@@ -15,7 +15,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.data_equation import data_equation, moments_of, shares_of
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.learnt import posterior_of
+from axiscal.estimation.learnt import without_bad
 from axiscal.estimation.located import Absorbed, absorbed, displayed
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.reading import Reading
@@ -76,7 +76,7 @@ def shares_of_rivals(
     before: Array = each / each.sum()
     if not readings:
         return before
-    found = posterior_of(widest, readings, implausible)
+    found = without_bad(widest, readings, implausible)
     counts = [index for index in range(len(readings)) if index not in found.bad and index not in implausible]
     if not counts:
         return before

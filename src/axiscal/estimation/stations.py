@@ -122,8 +122,8 @@ def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[
     bad. So the mode is found before readings are doubted (docs/evidence/nonlinear.md).
     """
     kept = [reading for index, reading in enumerate(readings) if index not in implausible]
-    some = drawn(kept, MOST) if case.bends else []
-    if float(np.max(indices(case.knowledge, some), initial=0.0)) <= GAUSSIAN:
+    some = drawn(kept, MOST)
+    if not case.bends or float(np.max(indices(case.knowledge, some), initial=0.0)) <= GAUSSIAN:
         return case
     return case.linear_about(mode(BentReadings(case, some)).point)
 

@@ -88,8 +88,7 @@ def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool 
     minds = [said(doubtful, reading=_shown(campaign, index)) for index in sorted(now - before - {last})]
     minds += [said("with this one, {reading}, is believed.", reading=_shown(campaign, index)) for index in before - now]
     minds += _clock_asked(campaign)
-    surprise, doubt = known.absorbed.innovations[last], last_doubt(campaign)
-    size = (surprise.chi_square / surprise.degrees) ** 0.5
+    size, doubt = known.absorbed.innovations[last].size, last_doubt(campaign)
     if doubt is not None:
         refused = "{why}. It is not used: take it back and read there again. If it is right, record it with --accept."
         kept = "{why}. It is not used: take it back and read there again. If it is right, keep it as really so."
