@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from axiscal.document import shown
@@ -157,6 +157,7 @@ class ErrorEntry:
     sides : of a plane knots and correlation lengths along each axis, as of an error of std 1
     stretch : factor on the length along each axis that readings have taught; the splines stay those as stated
     usual : nobody stated it, it is what two axes usually do together; then its lengths stay
+    parts : the name taken apart; axis : whose error this is, of two the first; kind, component : as of `ErrorName`
     """
 
     name: str
@@ -177,26 +178,16 @@ class ErrorEntry:
     sides: tuple[ErrorEntry, ...] = ()
     stretch: tuple[float, ...] = (1.0, 1.0)
     usual: bool = False
+    parts: ErrorName = field(init=False, repr=False)
+    axis: str = field(init=False, repr=False)
+    kind: Kind = field(init=False, repr=False)
+    component: int = field(init=False, repr=False)
 
-    @property
-    def parts(self) -> ErrorName:
-        """The name taken apart."""
-        return parse_any_name(self.name)
-
-    @property
-    def axis(self) -> str:
-        """Name of the axis whose error this is; of two the first."""
-        return self.parts.axis
-
-    @property
-    def kind(self) -> Kind:
-        """ "motion", "location" or "reversal"."""
-        return self.parts.kind
-
-    @property
-    def component(self) -> int:
-        """0…5 for displacements along x y z and rotations about x y z."""
-        return self.parts.component
+    def __post_init__(self) -> None:
+        parts = parse_any_name(self.name)
+        found = {"parts": parts, "axis": parts.axis, "kind": parts.kind, "component": parts.component}
+        for name, value in found.items():
+            object.__setattr__(self, name, value)
 
     @property
     def constant(self) -> bool:
