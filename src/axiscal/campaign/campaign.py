@@ -118,7 +118,7 @@ class Campaign(Closing):
 
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
-        return self._memo.answer("case", lambda: case_of(self.description))
+        return self._memo.answer("case", case_of, self.description)
 
     def estimate(self, ended: bool = False) -> Estimation:
         """Return what the readings make known, found once for the same readings.  ended : no others are to follow
@@ -127,8 +127,8 @@ class Campaign(Closing):
         """
         readings = self.state.readings
         if ended:
-            return self._memo.answer(("ended", readings), lambda: in_detail(self.case(), readings, self.estimate()))
-        return self._memo.answer(readings, lambda: estimated(self.case(), readings))
+            return self._memo.answer(("ended", readings), in_detail, self.case(), readings, self.estimate())
+        return self._memo.answer(readings, estimated, self.case(), readings)
 
     def next(self, *, beyond: bool = False) -> Asked | Ended:
         """Return the reading to take; the same one until it is answered.
@@ -275,7 +275,7 @@ class Campaign(Closing):
         target, readings = self.description.target, self.state.readings
         said = count_reached(target, len(readings))
         if said is None and target.accurate and readings and (ended or self.state.continued is None):
-            said = self._memo.answer(("standing", ended, readings), lambda: standing(target, self._said(ended)))
+            said = self._memo.answer(("standing", ended, readings), standing, target, self._said(ended))
         return said or (BUDGET if self._over_budget() else None)
 
     def looked_at_again(self) -> State:
@@ -388,7 +388,7 @@ class Campaign(Closing):
 
     def _times(self) -> Timed:
         readings = self.state.readings
-        return self._memo.answer(("timed", readings), lambda: timed(self.case(), readings))
+        return self._memo.answer(("timed", readings), timed, self.case(), readings)
 
     def _over_budget(self, places: Sequence[Place] = ()) -> bool:
         budget = self.description.target.budget

@@ -32,11 +32,13 @@ class Memo:
     def __init__(self, most: int | None = None) -> None:
         self._most, self._answers = most, dict[Hashable, object]()
 
-    def answer(self, content: Hashable, find: Callable[[], Answer]) -> Answer:
-        """Return what follows from a content.  find : it, where it is not kept"""
+    def answer(
+        self, content: Hashable, find: Callable[About, Answer], *of: About.args, **named: About.kwargs
+    ) -> Answer:
+        """Return what follows from a content.  find : it, where it is not kept; of, named : its arguments"""
         answers = self._answers
         if content not in answers:
-            answers[content] = find()
+            answers[content] = find(*of, **named)
         elif self._most is not None:
             answers[content] = answers.pop(content)  # asked for last
         found = answers[content]
@@ -57,6 +59,6 @@ def remembered(question: Callable[Concatenate[Of, About], Answer]) -> Callable[C
         memo = memos.get(of)
         if memo is None:
             memo = memos[of] = Memo()
-        return memo.answer((about, tuple(named.items())), lambda: question(of, *about, **named))
+        return memo.answer((about, tuple(named.items())), question, of, *about, **named)
 
     return answered
