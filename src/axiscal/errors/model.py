@@ -142,15 +142,12 @@ class ErrorModel:
         """
         how, of = self._moving, self._moving.axis
         levers: Array = nominal.rotations[of, :, :, how.along]
-        levers[how.tilted] = self._tilted(levers[how.tilted], of[how.tilted], poses, nominal)
+        about, tilted = levers[how.tilted], of[how.tilted]
+        travels = [nominal.rotations[axis] @ np.array(self.machine.axes[axis].direction) for axis in tilted]
+        levers[how.tilted] = cross(about, np.array(travels).reshape(about.shape)) * poses.T[tilted][:, :, None]
         levers[how.turning] = cross(levers[how.turning], (nominal.tcp - nominal.origins)[of[how.turning]])
         levers *= how.sign[:, None, None]
         return levers
-
-    def _tilted(self, about: Array, of: NDArray[np.intp], poses: Array, nominal: Frames) -> Array:
-        """Return what tilts of directions of travel do, (t, m, 3).  about : (t, m, 3); of : (t,) whose travel"""
-        travels = [nominal.rotations[axis] @ np.array(self.machine.axes[axis].direction) for axis in of]
-        return cross(about, np.array(travels).reshape(about.shape)) * poses.T[of][:, :, None]
 
     @cached_property
     def _moving(self) -> _Moving:
@@ -197,7 +194,13 @@ class ErrorModel:
         groups = dict[object, list[int]]()
         for i, term in enumerate(self.terms):
             groups.setdefault(tuple(side.key for side in term.sides), []).append(i)
-        return tuple(self._group(members) for members in groups.values())
+        found = list[SameRows]()
+        for members in groups.values():
+            each = [self.terms[i].columns for i in members]
+            columns = np.concatenate([np.arange(one.start, one.stop) for one in each])
+            together = slice(columns[0], columns[-1] + 1) if np.all(np.diff(columns) == 1) else columns
+            found.append(SameRows(self.terms[members[0]], np.array(members), together))
+        return tuple(found)
 
     @cached_property
     def firsts(self) -> NDArray[np.intp]:
@@ -206,12 +209,6 @@ class ErrorModel:
         for group in self.alike:
             found[group.terms] = group.terms[0]
         return found
-
-    def _group(self, members: list[int]) -> SameRows:
-        each = [self.terms[i].columns for i in members]
-        columns = np.concatenate([np.arange(one.start, one.stop) for one in each])
-        together = slice(columns[0], columns[-1] + 1) if np.all(np.diff(columns) == 1) else columns
-        return SameRows(self.terms[members[0]], np.array(members), together)
 
     def effects(self, levers: Array, approaches: Array) -> Array:
         """Return what a unit of each term adds to scalar readings, reversals by their sign, (..., terms, m)."""
