@@ -72,7 +72,7 @@ def rounds(case: Case, seed: int) -> list[Round]:
     known = absorbed(case, readings, {})
     for number in range(_ROUNDS + 1):
         if number == _ROUNDS:
-            known = bent(known, readings)
+            known = bent(known)
         belief = known.knowledge.belief
         mean, factor = belief.mean[: case.errors.size], belief.factor[: case.errors.size]
         exact = deviation_of(case.errors, mean, poses, sides).displacement if number else nominal @ mean

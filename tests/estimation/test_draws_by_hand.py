@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
-from axiscal.estimation.promise.posterior import _may_be_a_detail, _surely, sorted_out
+from axiscal.estimation.promise.posterior import Drawn, _may_be_a_detail, sorted_out
+from axiscal.numerics import Array
 from axiscal_core import left_out as left_out_of
 from axiscal_core.draws import Mode, Weighed, draws, mode, weighed
 from axiscal_core.left_out import LeftOut, left_out
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
-from axiscal_core.theta import Sizes
+from axiscal_core.theta import Size, Sizes
 from axiscal_core.unknowns import Space, space_of
 from tests.generators.dense_posterior import Dense, mixture
 from tests.generators.problems import asked, case_of, readings_of, sized, stated
@@ -93,25 +95,21 @@ THETAS = np.log(np.array([[0.5, 1.0, 2.0], [1.0, 2.0, 2.0], [4.0, 3.0, 1.0]]))
 WEIGHTS = np.array([0.005, 0.5, 0.495])
 
 
-def _told() -> tuple[Problem, Weighed[Given]]:
-    """Return three draws of a curve's size, a noise and a length."""
-    of = [SimpleNamespace(kind=kind, owners=owners) for kind, owners in (
-        ("std", ("EXX", "EYX")), ("noise", ("laser",)), ("length", ("EXX",)),
-    )]  # fmt: skip
-    return SimpleNamespace(sizes=Sizes(tuple(of))), SimpleNamespace(thetas=THETAS, weights=WEIGHTS)  # type: ignore
+def _told(thetas: Array, weights: Array) -> Drawn:
+    """Return draws of a curve's size, a noise and a length."""
+    of = Size("std", ("EXX", "EYX"), 1.0), Size("noise", ("laser",), 1.0), Size("length", ("EXX",), 1.0)
+    return Drawn(cast("Problem", SimpleNamespace(sizes=Sizes(of))), thetas, weights)
 
 
 def test_of_an_error_so_much_is_there_with_99_percent() -> None:
     """Below 1.0 are 0.5 %, so that 1 % of the draws are no smaller than 1.0; noises and lengths do not count."""
-    problem, found = _told()
-    assert _surely(problem, found) == pytest.approx(1.0 / float(WEIGHTS @ np.array([0.25, 1.0, 16.0])) ** 0.5)
-    more = SimpleNamespace(thetas=THETAS, weights=np.array([0.02, 0.5, 0.48]))
-    expected = 0.5 / float(more.weights @ np.array([0.25, 1.0, 16.0])) ** 0.5
-    assert _surely(problem, more) == pytest.approx(expected)  # type: ignore[arg-type]
-    large = SimpleNamespace(thetas=0.0 * THETAS, weights=WEIGHTS)
-    assert _surely(problem, large) == 1.0  # type: ignore[arg-type]
-    sure = SimpleNamespace(thetas=THETAS * [0.0, 1.0, 1.0], weights=WEIGHTS)  # noise and length alone are in doubt
-    assert _surely(problem, sure) == 1.0  # type: ignore[arg-type]
+    expected = 1.0 / float(WEIGHTS @ np.array([0.25, 1.0, 16.0])) ** 0.5
+    assert _told(THETAS, WEIGHTS).surely == pytest.approx(expected)
+    assert _told(THETAS, WEIGHTS / 2).surely == pytest.approx(expected)  # of two that count one half each
+    more = np.array([0.02, 0.5, 0.48])
+    assert _told(THETAS, more).surely == pytest.approx(0.5 / float(more @ np.array([0.25, 1.0, 16.0])) ** 0.5)
+    assert _told(0.0 * THETAS, WEIGHTS).surely == 1.0
+    assert _told(THETAS * [0.0, 1.0, 1.0], WEIGHTS).surely == 1.0  # noise and length alone are in doubt
 
 
 def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:

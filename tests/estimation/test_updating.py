@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -10,17 +11,27 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.estimation.belief import Belief, Innovations
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path, paths
-from axiscal.estimation.knowledge import Block, Knowledge
-from axiscal.estimation.located import Absorbed, absorbed
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.located import absorbed
 from axiscal.exceptions import ShapeError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
+from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed
 
 
-def _after_one(before: Absorbed, reading: Reading, counts: bool) -> Absorbed:
+class Twin(NamedTuple):
+    """What is known after some readings, and by what the last one surprised."""
+
+    case: Case
+    knowledge: Knowledge
+    surprise: Innovations | None = None
+
+
+def _after_one(before: Twin, reading: Reading, counts: bool) -> Twin:
     """What is known after one reading more, by one plain update."""
     opened = before.knowledge.opened([reading])
     numbers = seen(opened.observation, [reading])
@@ -30,9 +41,7 @@ def _after_one(before: Absorbed, reading: Reading, counts: bool) -> Absorbed:
     case = before.case
     if reading.setup not in case.both and not case.came_as_allowed(reading):
         case = replace(case, both=case.both | {reading.setup})
-    errors = slice(opened.observation.errors.size)
-    mine = Block((surprise,), opened.belief.factor[errors], np.zeros((len(numbers.values), errors.stop)))
-    return Absorbed(case, before.left_out, Knowledge(opened.observation, belief), (*before.blocks, mine))
+    return Twin(case, Knowledge(opened.observation, belief), surprise)
 
 
 def test_the_history_is_what_was_known_after_each_reading(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -43,7 +52,7 @@ def test_the_history_is_what_was_known_after_each_reading(monkeypatch: pytest.Mo
     readings[15] = replace(readings[15], value=2.0)
     known = concluded(case, readings)
     moments, final, implausible = path(known), known.absorbed, known.implausible
-    twin = absorbed(known.absorbed.case, [])
+    twin = Twin(final.case, final.case.knowledge)
     assert 15 in implausible
     assert len(moments) == 25
     assert moments[0] == (known.stated.yardstick.measure(known.stated.prior), None, 0.0)
@@ -54,13 +63,23 @@ def test_the_history_is_what_was_known_after_each_reading(monkeypatch: pytest.Mo
             expected = twin.case.yardstick.measure(twin.knowledge.belief)
             np.testing.assert_allclose(moment.accuracy, expected, rtol=1e-8)
         assert moment.innovations is not None
-        np.testing.assert_allclose(moment.innovations.std, twin.innovations[-1].std, rtol=1e-8)
-        sizes = moment.innovations.value - twin.innovations[-1].value
+        assert twin.surprise is not None
+        np.testing.assert_allclose(moment.innovations.std, twin.surprise.std, rtol=1e-8)
+        sizes = moment.innovations.value - twin.surprise.value
         assert np.all(np.abs(sizes) < 1e-6 * moment.innovations.std + 1e-8 * np.abs(moment.innovations.value))
     assert twin.case.both == {"probe", "nest"}
     assert len(paths(known, case.description.setup("nest"))) == 3  # each number drifts on its own
     assert moments[24].accuracy == known.accuracy
     assert moments[24].seconds == known.timed.seconds
+
+
+@pytest.mark.parametrize("slip", [0.0, 20e-6])
+def test_the_surprise_of_the_last_reading_is_by_what_it_differs_from_all_before(slip: float) -> None:
+    readings = laser_axis.read(laser_axis.machine(1), 12)
+    readings[-1] = replace(readings[-1], value=readings[-1].value + slip)
+    known = absorbed(laser_axis.CASE, readings, [3])
+    last = known.blocks[-1].innovations[-1]
+    assert known.surprise(11) == pytest.approx(float(np.abs(last.value[0]) / last.std[0]), rel=1e-6)
 
 
 @given(st.integers(0, 10_000), st.floats(-3.0, 8.0), st.integers(0, 3))

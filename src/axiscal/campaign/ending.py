@@ -130,7 +130,7 @@ def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> li
     A floor counts with the size that is surely there. As stated it counts once a few readings have checked the sizes,
     if it is clearly above its limit. A floor above what is left already counts no more.
     """
-    surely = 1.0 if known.posterior is None else known.posterior.surely
+    surely = 1.0 if known.posterior is None else known.posterior.draws[0].surely
     sizes = {} if known.posterior is None else known.posterior.sizes
     largest = max([1.0, *(size for (kind, _), size in sizes.items() if kind not in _PASSING)])
 

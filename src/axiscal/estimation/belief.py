@@ -37,11 +37,6 @@ class Innovations:
     value: Array
     std: Array
 
-    @property
-    def size(self) -> float:
-        """Root of the mean square of the standardised ones: one where all is as expected."""
-        return float(np.sqrt(np.mean((self.value / self.std) ** 2)))
-
 
 class Updated(NamedTuple):
     """The belief after many readings.

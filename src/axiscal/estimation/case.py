@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import accumulate
 from typing import NamedTuple
 
@@ -75,8 +75,8 @@ class Case:
     both: frozenset[str] = frozenset()
     about: About | None = None
     rivals: tuple[Rival, ...] = ()
-    yardsticks: Memo = field(default_factory=lambda: Memo(_YARDSTICKS), repr=False)
-    volumes: Memo = field(default_factory=lambda: Memo(_YARDSTICKS), repr=False)
+    yardsticks: Memo = field(default_factory=partial(Memo, _YARDSTICKS), repr=False)
+    volumes: Memo = field(default_factory=partial(Memo, _YARDSTICKS), repr=False)
     sized_from: Case | None = field(default=None, repr=False)
 
     @cached_property
@@ -122,8 +122,9 @@ class Case:
         for setup in self.description.setups:
             times = sizes.get(("noise", setup.name), 1.0)  # one step of a coarse display, read again, tells of no noise
             setups.append(replace(setup, noise=setup.noise * (max(times, 1.0) if setup.coarse else times)))
-        plain = self._plain(replace(self.description, machine=machine, setups=tuple(setups)))
-        return replace(plain, sized_from=self.sized_from or self)
+        described = replace(self.description, machine=machine, setups=tuple(setups))
+        before = self.sized_from or self
+        return replace(self, description=described, both=frozenset(), rivals=(), sized_from=before)
 
     @property
     def bends(self) -> bool:
@@ -138,7 +139,7 @@ class Case:
             return None
         pairs = zip(self.description.setups, found, strict=True)
         setups = tuple(replace(setup, found=place) for setup, place in pairs)
-        return self._plain(replace(self.description, setups=setups))
+        return replace(self, description=replace(self.description, setups=setups), both=frozenset(), rivals=())
 
     def turned(self, names: Sequence[str]) -> Case:
         """Return the case of a machine of which some axes, by name, count the other way."""
@@ -151,10 +152,6 @@ class Case:
         stated = self.description.setups
         setups = as_shown(stated, readings) if len(readings) > 2 else stated  # two are any step apart
         return self if setups == stated else replace(self, description=replace(self.description, setups=setups))
-
-    def _plain(self, description: CampaignDescription) -> Case:
-        """Return the case of another description, with set-ups read as it allows and no rivals."""
-        return replace(self, description=description, both=frozenset(), rivals=())
 
     def linear_as(self, other: Case) -> Case:
         """Return the case with readings linearised where another case of the same set-ups has them."""

@@ -124,7 +124,7 @@ def _posed(finer: Case, known: Estimation, judged: Problem) -> Problem:
         size = known.case.errors.size
         carried: Array = np.concatenate([across.matrix @ point[:size], point[size:]])
         at = replace(at, about=About(carried, at.about.bent))
-    whole = posed(at, taken_as_normal(known.absorbed, known.readings))
+    whole = posed(at, taken_as_normal(known.absorbed))
     return whole.only(np.isin(whole.reading, judged.reading))
 
 

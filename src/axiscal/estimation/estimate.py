@@ -19,9 +19,8 @@ from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
 from axiscal.estimation.learnt import posed, posterior_of, without_bad
-from axiscal.estimation.located import absorbed, bent, located, refuse_mirrors, taken_as_normal
+from axiscal.estimation.located import absorbed, bent, linear, located, refuse_mirrors, taken_as_normal
 from axiscal.estimation.membership import membership
-from axiscal.estimation.promise.posterior import Sorted
 from axiscal.estimation.stations import progressed
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
@@ -44,12 +43,20 @@ def _estimated(stated: Case, case: Case, readings: Sequence[Reading]) -> Estimat
     implausible = judged(case, times.readings)
     if not times.readings:
         return Estimation(stated, times, implausible, {}, absorbed(case, ()))
-    case = progressed(case, times.readings, implausible)
+    bends = case.bends
+    case = progressed(case, times.readings, implausible) if bends else case
     kept = without_bad(case, times.readings, implausible)
     implausible = {index: each for index, each in implausible.items() if index not in kept.mine.problem.reading}
     bad = {index: Doubt(index, each.z) for index, each in kept.bad.items()}
-    known = located(case.rescaled(kept.sizes), times.readings, [*implausible, *bad], {*kept.problem.cells})
-    return _answered(case, Estimation(stated, times, implausible, bad, known), kept)
+    known = absorbed(case.rescaled(kept.sizes), times.readings, [*implausible, *bad], {*kept.problem.cells})
+    if bends or not linear(case, times.readings, kept):
+        known = located(known)
+    at, taken = case.linear_as(known.case), taken_as_normal(known)
+    if taken is known.readings and at.about == case.about and at.description == case.description:
+        at = case
+    else:
+        kept = kept.where(posed(at, taken))
+    return Estimation(stated, times, implausible, bad, known, posterior_of(at, taken, kept))
 
 
 @one_thread()
@@ -80,27 +87,13 @@ def in_detail(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
 
 def _finished(case: Case, known: Estimation) -> Estimation:
     """Return what is known if no reading is to follow; itself where that changes nothing."""
-    there = bent(known.absorbed, known.readings)
-    refuse_mirrors(there, known.readings, [*known.implausible])
-    return known if there is known.absorbed else _answered(case, replace(known, absorbed=there))
-
-
-def _answered(case: Case, known: Estimation, kept: Sorted | None = None) -> Estimation:
-    """Return what is known with the posterior of readings as they are linearised and taken as normal there.
-
-    kept : what is sorted out of the same readings where `case` has them linear
-    """
-    readings, case = known.readings, case.shown_by(known.readings)
-    at = case.linear_as(known.case)
-    taken = taken_as_normal(known.absorbed, readings)
-    stays = taken is readings and at.observation.about == case.observation.about and at.description == case.description
-    if kept is None and stays:
+    there = bent(known.absorbed)
+    refuse_mirrors(there, known.implausible)
+    if there is known.absorbed:
         return known
-    if kept is None:
-        kept = without_bad(at, taken, known.implausible)
-    elif not stays:
-        kept = kept.where(posed(at, taken))
-    return replace(known, posterior=posterior_of(at, taken, kept))
+    at, taken = case.shown_by(known.readings).linear_as(there.case), taken_as_normal(there)
+    kept = without_bad(at, taken, known.implausible)
+    return replace(known, absorbed=there, posterior=posterior_of(at, taken, kept))
 
 
 def _of_likeliest(stated: Case, found: Callable[[int], Estimation], first: int) -> Estimation:

@@ -68,7 +68,7 @@ class Estimation:
     @cached_property
     def knowledge(self) -> Knowledge:
         """What is known at the sizes as learnt."""
-        return displayed(self.absorbed, self.readings).knowledge
+        return displayed(self.absorbed)
 
     @cached_property
     def printed(self) -> Knowledge:

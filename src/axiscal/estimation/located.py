@@ -4,74 +4,99 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from axiscal.estimation.belief import Innovations
+from axiscal.description.usual import NONE_VARY
 from axiscal.estimation.case import Case
 from axiscal.estimation.intervals import sited
 from axiscal.estimation.knowledge import Block, Knowledge, taken
+from axiscal.estimation.promise.posterior import Sorted
+from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.stations import GAUSSIAN, MOST, BentReadings, Optimum, indices, mirrored, polished
 from axiscal.exceptions import AmbiguityError
 from axiscal.language.spoken import said
 from axiscal.measurement.cells import Cell
 from axiscal.measurement.reading import Reading, drawn, place_text
 from axiscal.measurement.reading_rows import linear_values, places_of, seen
+from axiscal.measurement.setup import About
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from axiscal_core.draws import as_stated
+from axiscal_core.left_out import surprises
+from axiscal_core.spaces import variances_of
+from axiscal_core.threads import one_thread
+from axiscal_core.unknowns import space_of
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Absorbed:
-    """case : with the set-ups that were read from other sides than they say; left_out : readings that do not count
+    """Readings as a case has them linear; what they make known is found once somebody asks.
 
-    blocks : of all readings, those left out as well
+    case : with the set-ups that were read from other sides than they say; left_out : readings that do not count
+    among : cells whose rests are unknowns, None for all
     """
 
     case: Case
+    readings: Sequence[Reading]
     left_out: frozenset[int]
-    knowledge: Knowledge
-    blocks: tuple[Block, ...]
+    among: Collection[Cell] | None
+
+    @cached_property
+    @one_thread()
+    def _taken(self) -> tuple[tuple[Block, ...], Knowledge]:
+        return taken(self.case.knowledge, self.readings, self.left_out, self.among)
 
     @property
-    def innovations(self) -> tuple[Innovations, ...]:
-        """Those of each reading."""
-        return tuple(each for part in self.blocks for each in part.innovations)
+    def blocks(self) -> tuple[Block, ...]:
+        """All readings, those left out as well."""
+        return self._taken[0]
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What is known after them."""
+        return self._taken[1]
+
+    @one_thread()
+    def surprise(self, reading: int) -> float:
+        """Return how far one that counts is from what all others say, its numbers together, in standard deviations."""
+        kept = [index for index in range(len(self.readings)) if index not in self.left_out]
+        some = [self.readings[index] for index in kept]
+        posed = problem(self.case.observation, some, NONE_VARY, self.case.inherited, usual=False)
+        numbers = np.flatnonzero(posed.reading == kept.index(reading))
+        return float(surprises(*as_stated(space_of(posed)).blocks(numbers[None]))[0])
 
 
 def absorbed(
     case: Case, readings: Sequence[Reading], left_out: Iterable[int] = (), among: Collection[Cell] | None = None
 ) -> Absorbed:
-    """Return what is known after readings.
+    """Return readings as a case has them linear.
 
     left_out : indices of those that do not count; among : cells whose rests are unknowns, None for all
     """
-    apart = frozenset(left_out)
-    blocks, knowledge = taken(case.knowledge, readings, apart, among)
     other = {reading.setup for reading in readings if not case.came_as_allowed(reading)}
     widened = replace(case, both=case.both | other) if other else case  # sides that nobody said they allow
-    return Absorbed(widened, apart, knowledge, blocks)
+    return Absorbed(widened, readings, frozenset(left_out), among)
 
 
-def displayed(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
-    """Return what is known with such readings instead of normal ones, and the surprises as they were.
+def displayed(known: Absorbed) -> Knowledge:
+    """Return what is known with normal readings in the place of those that are far from normal.
 
     known : after all readings, each as the value that was shown
     """
-    normal = taken_as_normal(known, readings)
-    if normal is readings:
-        return known
-    fresh = absorbed(known.case, normal, known.left_out, known.knowledge.observation.cells)
-    return replace(fresh, blocks=known.blocks)
+    normal = taken_as_normal(known)
+    return known.knowledge if normal is known.readings else replace(known, readings=normal).knowledge
 
 
-def taken_as_normal(known: Absorbed, readings: Sequence[Reading]) -> Sequence[Reading]:
+def taken_as_normal(known: Absorbed) -> Sequence[Reading]:
     """Return the readings with normal ones in the place of those that are far from normal; themselves if none is."""
-    observation = known.case.observation
-    if not any(setup.coarse for setup in observation.setups):
+    readings = known.readings
+    if not any(setup.coarse for setup in known.case.description.setups):
         return readings
     kept = [index for index in range(len(readings)) if index not in known.left_out]
-    instead = dict(zip(kept, sited(observation, [readings[i] for i in kept], known.case.inherited), strict=True))
+    prior = known.case.observation, [readings[i] for i in kept], known.case.inherited
+    instead = dict(zip(kept, sited(*prior), strict=True))
     return [instead.get(index, reading) for index, reading in enumerate(readings)]
 
 
@@ -80,33 +105,47 @@ _LINEAR = 1e-2
 """RMS over all directions, in σ, of what the exact machine would change: less is not worth a second round."""
 
 
-def located(
-    case: Case, readings: Sequence[Reading], left_out: Collection[int] = (), among: Collection[Cell] | None = None
-) -> Absorbed:
-    """Return what readings make known, linearised about the machine and the stations that they show until these stay.
+def linear(case: Case, readings: Sequence[Reading], kept: Sorted) -> bool:
+    """Return whether the machine that readings show changes none of them by as much as counts.
+
+    It does not where ‖Δe/σ‖/√N, which is never less than what the mean would move by, is less than that.
+    case : which does not bend, with the sizes as stated; kept : the readings without the bad ones
+    """
+    whole, observation, weighed = kept.problem, case.observation, kept.mine.found
+    found = weighed.given[int(np.argmax(weighed.weights))]
+    places = places_of(observation.setups, readings)
+    there = replace(observation, about=About(found.without_causes().mean))
+    change = linear_values(observation, places, readings) - linear_values(there, places, readings)
+    counts = np.isin(whole.reading, kept.mine.problem.reading)
+    squares = (change / whole.noise) ** 2 / variances_of(whole, found.theta)
+    return bool(np.sum(squares[counts]) < _LINEAR**2 * whole.answered)
+
+
+def located(known: Absorbed) -> Absorbed:
+    """Return readings linearised about the machine and the stations that they show until these stay.
 
     A distance is linear about the assumed place of its station, so a better place makes a better estimate. Large errors
     of the machine also separate the exact chain from its rows. A round that asks for more than the one before goes half
     as far, and so do those after it: else the rounds would swing.
-    case : with the sizes as learnt; left_out, among : as of `absorbed`
+    known : with the sizes as learnt
     """
-    return _followed(absorbed(case, readings, left_out, among), readings, turned=False)
+    return _followed(known, turned=False)
 
 
-def bent(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
-    """Return what is known with rows taken at the machine as it is believed, where those of the nominal one mislead."""
+def bent(known: Absorbed) -> Absorbed:
+    """Return readings with rows taken at the machine as it is believed, where those of the nominal one mislead."""
     about = known.case.about
-    if about is None or float(np.max(indices(known.knowledge, readings), initial=0.0)) <= GAUSSIAN:
+    if about is None or float(np.max(indices(known.knowledge, known.readings), initial=0.0)) <= GAUSSIAN:
         return known
-    return _followed(known, readings, turned=True)
+    return _followed(known, turned=True)
 
 
-def _followed(known: Absorbed, readings: Sequence[Reading], *, turned: bool) -> Absorbed:
-    """Return what is known once readings are linearised about what they show.  turned : rows are taken there, too"""
+def _followed(known: Absorbed, *, turned: bool) -> Absorbed:
+    """Return readings once they are linearised about what they show.  turned : rows are taken there, too"""
     share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
         mean, about = known.knowledge.belief.mean, known.case.about
-        asked = moved_by(known, readings, known.case.linear_about(mean, turned))
+        asked = moved_by(known, known.case.linear_about(mean, turned))
         share, last = (share / 2 if asked > last else share), asked
         there = about is not None and about.bent == turned
         if asked < (SETTLED if there else 0.0 if turned else _LINEAR):
@@ -115,7 +154,7 @@ def _followed(known: Absorbed, readings: Sequence[Reading], *, turned: bool) -> 
             better = known.case.linear_about(_towards(known.case, mean, share), turned)
         if better is None:
             break
-        known = absorbed(better, readings, known.left_out, known.knowledge.observation.cells)
+        known = absorbed(better, known.readings, known.left_out, known.among)
     return known
 
 
@@ -128,14 +167,13 @@ def _towards(case: Case, mean: Array, share: float) -> Array:
     return result
 
 
-def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> float:
+def moved_by(known: Absorbed, better: Case) -> float:
     """Return by how much the mean moves when readings are linearised elsewhere, in σ, RMS over all directions.
 
     known : after readings as they are linearised now
     With S Sᵀ the covariance it is ‖Sᵀ Hᵀ R⁻¹ Δe‖/√N, and never more than ‖Δe/σ‖/√N.
     """
-    if not readings:
-        return 0.0
+    readings = known.readings
     observation, belief = known.knowledge.observation, known.knowledge.belief
     numbers, there = seen(observation, readings), replace(observation, about=better.about)
     change = numbers.values - linear_values(there, places_of(observation.setups, readings), readings)
@@ -154,20 +192,20 @@ _NEAR, _APART = 6.0, 5.0
 """Optima within so much of the best one's log posterior, and so many standard deviations apart, are two."""
 
 
-def refuse_mirrors(known: Absorbed, readings: Sequence[Reading], implausible: Sequence[int]) -> None:
+def refuse_mirrors(known: Absorbed, implausible: Collection[int]) -> None:
     """Raise AmbiguityError where a station's mirror image fits as well, with the reading that decides."""
     case = known.case
-    kept = [reading for index, reading in enumerate(readings) if index not in implausible]
+    kept = [reading for index, reading in enumerate(known.readings) if index not in implausible]
     size = case.errors.size + len(case.observation.unknowns)
-    for index in range(len(case.description.setups)):
+    for index in filter(case.station_columns, range(len(case.description.setups))):
         images = mirrored(case, kept, known.knowledge.belief.mean[:size], index)
         for number, (columns, image) in enumerate(zip(case.station_columns(index), images, strict=False)):
             here = known.knowledge.belief.mean[list(columns)]
             spread = np.sqrt(np.diagonal(known.knowledge.belief.covariance)[list(columns)])
             if np.all(np.abs(image[list(columns)] - here) < _APART * spread):
                 continue
-            problem = BentReadings(case, drawn(kept, MOST))
-            best, other = (polished(problem, start) for start in (known.knowledge.belief.mean[:size], image))
+            bent_ones = BentReadings(case, drawn(kept, MOST))
+            best, other = (polished(bent_ones, start) for start in (known.knowledge.belief.mean[:size], image))
             apart = np.abs(best.point - other.point)[list(columns)] > _APART * spread
             if other.cost - best.cost < _NEAR and np.any(apart):
                 raise _ambiguity(case, index, number, best, other)

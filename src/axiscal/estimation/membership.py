@@ -58,8 +58,8 @@ def membership(
     cases = [replace(known.case, inherited=rival.belief) for rival in stated.rivals]
     shares = shares_of_rivals(stated.rivals, stated.sides[-1].linear_as(known.case), readings, implausible)
     counts = [index for index, share in enumerate(shares) if share > _GONE]
-    after = (absorbed(cases[k], readings, known.left_out, known.knowledge.observation.cells) for k in counts)
-    beliefs = [displayed(each, readings).knowledge.belief for each in after]
+    after = (absorbed(cases[k], readings, known.left_out, known.among) for k in counts)
+    beliefs = [displayed(each).belief for each in after]
     parts = [Inherited(belief.mean, belief.covariance) for belief in beliefs]
     mixed = moments_of(parts, shares[counts] / shares[counts].sum())
     return Membership(stated.rivals, shares, len(readings), Belief(mixed.mean, mixed.covariance))

@@ -123,7 +123,7 @@ def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[
     """
     kept = [reading for index, reading in enumerate(readings) if index not in implausible]
     some = drawn(kept, MOST)
-    if not case.bends or float(np.max(indices(case.knowledge, some), initial=0.0)) <= GAUSSIAN:
+    if float(np.max(indices(case.knowledge, some), initial=0.0)) <= GAUSSIAN:
         return case
     return case.linear_about(mode(BentReadings(case, some)).point)
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.description.type_b import Read, TypeB, rows_of
 from axiscal.measurement.instrument import instrument_of, model_of
@@ -39,29 +38,20 @@ def contributions(
     """
     found, each = dict[tuple[str, str], Contribution](), numbers_of_setups(observation.setups)[places.setups]
     first = np.cumsum(each) - each
-    for mine, read in _by_setup(observation, places, values):
-        for row in rows_of(instrument_of(read.kind.setup)):
-            stated = row.name in dict(read.kind.setup.stated)
-            if not row.met(read.kind.setup) or not (usual or stated):
-                continue
-            owners = {"set-up": read.kind.setup.name, "instrument": read.kind.setup.instrument, "machine": ""}
-            owner = owners[row.shared]
-            before = found.get((row.name, owner), Contribution(row, owner, True, np.zeros(each.sum())))
-            for number, effect in enumerate(row.column(read)):
-                before.effects[first[mine] + number] += effect
-            found[row.name, owner] = replace(before, stated=stated and before.stated)
-    return [each for each in found.values() if np.any(each.effects)]
-
-
-def _by_setup(
-    observation: Observation, places: Places, values: Sequence[tuple[float, ...]] | None
-) -> Iterator[tuple[NDArray[np.intp], Read]]:
-    """Yield the readings of each set-up, and which of all they are, (r,)."""
     for index, chosen in places.by_setup():
-        setup = observation.setups[index]
+        setup, mine = observation.setups[index], np.arange(len(places))[chosen]
         kind = model_of(setup)(setup, observation.machine)
         at = kind.places(places.poses[chosen], places.approaches[chosen])
         ways = kind.slopes(at).moved.swapaxes(0, 1)
-        mine = np.arange(len(places))[chosen]
         shown = np.zeros(ways.shape[:2]) if values is None else np.array([values[i] for i in mine], dtype=float).T
-        yield mine, Read(kind, at, ways, shown)
+        read = Read(kind, at, ways, shown)
+        owners = {"set-up": setup.name, "instrument": setup.instrument, "machine": ""}
+        for row in rows_of(instrument_of(setup)):
+            stated, key = row.name in dict(setup.stated), (row.name, owners[row.shared])
+            if not row.met(setup) or not (usual or stated):
+                continue
+            before = found.get(key, Contribution(row, key[1], True, np.zeros(each.sum())))
+            for number, effect in enumerate(row.column(read)):
+                before.effects[first[mine] + number] += effect
+            found[key] = replace(before, stated=stated and before.stated)
+    return [each for each in found.values() if np.any(each.effects)]

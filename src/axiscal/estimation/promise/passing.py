@@ -55,7 +55,7 @@ def absent(observation: Observation, places: Places, clock: Array) -> dict[str, 
         poses, order = places.poses[which], np.argsort(clock[which], kind="stable")
         for turn in turning(observation, index, poses, places.approaches[which]):
             shares = found.setdefault(turn.name, np.zeros((len(places), len(causes.WAYS))))
-            shares[which] = turn.absent(poses, order)
+            shares[which] = causes.absent(poses[:, turn.axis], turn.sides, order, turn.overrun)
     return found
 
 
@@ -129,16 +129,13 @@ class Turning:
     sides: Array
     effects: Array
 
-    def absent(self, poses: Array, order: NDArray[np.intp]) -> Array:
-        """Return which share of each part is missing at readings, (r, ways).
-
-        poses : (r, q); order : (r,) in which they are taken
-        """
-        return causes.absent(poses[:, self.axis], self.sides, order, self.overrun)
-
     def missing(self, poses: Array, order: NDArray[np.intp], way: int = 1) -> Array:
-        """Return what is missing of each number of readings, (k, r) m or rad.  way : which of the parts it is"""
-        return -causes.WAY * self.absent(poses, order)[:, way] * self.effects
+        """Return what is missing of each number of readings, (k, r) m or rad.
+
+        poses : (r, q); order : (r,) in which they are taken; way : which of the parts it is
+        """
+        shares = causes.absent(poses[:, self.axis], self.sides, order, self.overrun)
+        return -causes.WAY * shares[:, way] * self.effects
 
 
 def turning(observation: Observation, index: int, poses: Array, approaches: Array) -> list[Turning]:

@@ -58,7 +58,7 @@ class Posterior:
     degrees : of freedom of a t of that covariance
     cells : means of the rests of visited cells by (term, cell), m or rad
     sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square
-    surely : share of the sizes of errors that is there with 99 %, the least of all; effective : number of draws
+    effective : number of draws
     bad : readings that were taken out, in this order, by index; agreement : of the others
     left_out : of each reading that stayed; draws : of which it is the mean
     """
@@ -69,7 +69,6 @@ class Posterior:
     degrees: float
     cells: dict[tuple[int, int], float]
     sizes: dict[tuple[Kind, str], float]
-    surely: float
     effective: float
     bad: dict[int, LeftOut]
     agreement: Agreement
@@ -84,6 +83,17 @@ class Drawn:
     problem: Problem
     thetas: Array
     weights: Array
+
+    @property
+    def surely(self) -> float:
+        """The lower 1 % quantile of a size of errors over its root mean square, the least of all; 1 for none."""
+        shares, weights = [1.0], self.weights / self.weights.sum()
+        for size, thetas in zip(self.problem.sizes.of, self.thetas.T, strict=True):
+            if size.kind == "std":
+                rising = np.argsort(thetas)
+                least = thetas[rising][np.searchsorted(np.cumsum(weights[rising]), _UNSURE)]
+                shares.append(float(np.exp(least) / np.sqrt(weights @ np.exp(2 * thetas))))
+        return min(shares)
 
     def without_readings(self) -> Array:
         """Return the covariance of the answered unknowns without readings, the mean over the draws, m² and rad²."""
@@ -174,7 +184,7 @@ class Sorted:
         told = (*(self.jumps or at_turns(mine, found, self.sure)), *stuck(mine, found, repeated))
         agreed = agreement(mine, found, z, out, others, frames, every, told)
         known = dict(zip(self.problem.cells, cells.tolist(), strict=True))
-        of_sizes = self.sizes, _surely(mine, found), found.effective
+        of_sizes = self.sizes, found.effective
         drawn = tuple(Drawn(each.problem, each.found.thetas, each.found.weights / len(judged)) for each in judged)
         return Posterior(mean, covariance, shared, degrees, known, *of_sizes, self.bad, agreed, left, drawn)
 
@@ -279,17 +289,6 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> tuple[Array, Array, Ar
     varied = float(weights @ (squares - mean) ** 2)
     degrees = 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
     return about + shift, total, moved @ moved.T, degrees, cells
-
-
-def _surely(problem: Problem, found: Weighed[Given]) -> float:
-    """Return the lower 1 % quantile of a size of errors over its root mean square, the least of all; 1 for none."""
-    shares = [1.0]
-    for size, thetas in zip(problem.sizes.of, found.thetas.T, strict=True):
-        if size.kind == "std":
-            rising = np.argsort(thetas)
-            least = thetas[rising][np.searchsorted(np.cumsum(found.weights[rising]), _UNSURE)]
-            shares.append(float(np.exp(least) / np.sqrt(found.weights @ np.exp(2 * thetas))))
-    return min(shares)
 
 
 def _sizes(problem: Problem, found: Weighed[Given]) -> dict[tuple[Kind, str], float]:

@@ -202,15 +202,17 @@ class _Builder:
             roots.append((0, unique_root(self.inherited.covariance)))
         else:
             for term in self.observation.errors.terms:
+                entry = term.entry
                 kind: Kind = "together" if len(term.axes) > 1 else "reversal" if term.kind == "reversal" else "std"
                 size_at[term.columns] = self.sizes.index(kind, term.name)
-                if term.entry.length is not None and term.basis.size > 1 and not term.stated_shape:
-                    by_kind.setdefault((term.basis.size, term.entry.smoothness), []).append(term)
+                if entry.length is not None and term.basis.size > 1 and not term.stated_shape:
+                    by_kind.setdefault((term.basis.size, entry.smoothness), []).append(term)
                 elif kind == "together" and (length := self.sizes.index("length", term.name)) >= 0:
                     columns = np.arange(term.columns.start, term.columns.stop)[None] + start
                     curves.append(PlaneUnknowns(columns, np.array([length]), term))
                 else:
-                    roots.append((term.columns.start, unique_root(_without_scale(term))))
+                    bare = covariance(replace(entry, scale=None), term.basis) if entry.scale else term.covariance
+                    roots.append((term.columns.start, unique_root(bare)))  # the scale of its axis has a column
         stds = [unknown.std for unknown in self.observation.unknowns]
         roots += [(self.observation.errors.size + i, np.array([[std]])) for i, std in enumerate(stds)]
         for at, root in roots:
@@ -229,11 +231,6 @@ class _Builder:
             np.array([term.entry.length for term in terms], dtype=float),
             np.array([distances(term.basis) for term in terms]),
         )
-
-
-def _without_scale(term: Term) -> Array:
-    """Return the prior of the control values of an error, (size, size), without the scale of its axis."""
-    return covariance(replace(term.entry, scale=None), term.basis) if term.entry.scale else term.covariance
 
 
 def _cell_root(term: Term, cells: Sequence[int]) -> Array:

@@ -55,8 +55,12 @@ def repeats(setups: Sequence[Setup], readings: Sequence[Reading]) -> Iterator[Re
     numbers, mine = {setup.name: number for number, setup in enumerate(setups)}, defaultdict[int, list[int]](list)
     for index, reading in enumerate(readings):
         mine[numbers[reading.setup]].append(index)
-    again = {number: np.array(found) for number, each in mine.items() if (found := [*_repeating(readings, each)])}
-    steps = _steps(setups, readings, again)
+    again = dict[int, NDArray[np.intp]]()
+    for number, every in mine.items():
+        same = [i for last, i in pairwise(every) if readings[i].values == readings[last].values]
+        if shown_again := [i for i in same if not readings[i].accepted]:  # what nobody vouches for
+            again[number] = np.array(shown_again)
+    steps = _steps(setups, readings, again) if again else {}
     for number, each in again.items():
         count, at = len(mine[number]), np.searchsorted(mine[number], each)
         run = max(np.split(each, np.flatnonzero(np.diff(at) > 1) + 1), key=len)
@@ -65,20 +69,13 @@ def repeats(setups: Sequence[Setup], readings: Sequence[Reading]) -> Iterator[Re
             yield Repeats((number,), run, of_run, steps)
         yield Repeats((number,), each, of_all if len(run) < len(each) else min(of_run, of_all), steps)
     if len(again) > 1:
-        every, possible = np.concatenate([*again.values()]), sum(len(mine[number]) - 1 for number in again)
-        yield Repeats((*again,), every, _log_patterns(possible, len(every)), steps)
+        whole, possible = np.concatenate([*again.values()]), sum(len(mine[number]) - 1 for number in again)
+        yield Repeats((*again,), whole, _log_patterns(possible, len(whole)), steps)
 
 
 def _log_patterns(count: int, some: int) -> float:
     """Return log of (n + 1) binomial(n, s): any share of readings may repeat."""
     return math.log((count + 1) * math.comb(count, some))
-
-
-def _repeating(readings: Sequence[Reading], mine: Sequence[int]) -> Iterator[int]:
-    """Yield the indices of readings that nobody vouches for and that show what the one before shows."""
-    for before, index in pairwise(mine):
-        if readings[index].values == readings[before].values and not readings[index].accepted:
-            yield index
 
 
 def _steps(setups: Sequence[Setup], readings: Sequence[Reading], some: Iterable[int]) -> dict[int, float]:

@@ -88,12 +88,12 @@ def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool 
     minds = [said(doubtful, reading=_shown(campaign, index)) for index in sorted(now - before - {last})]
     minds += [said("with this one, {reading}, is believed.", reading=_shown(campaign, index)) for index in before - now]
     minds += _clock_asked(campaign)
-    size, doubt = known.absorbed.innovations[last].size, last_doubt(campaign)
+    doubt = last_doubt(campaign)
     if doubt is not None:
         refused = "{why}. It is not used: take it back and read there again. If it is right, record it with --accept."
         kept = "{why}. It is not used: take it back and read there again. If it is right, keep it as really so."
         minds.append(said(refused if command else kept, why=known.objection_to(doubt)))
-    elif not campaign.state.readings[last].accepted and size >= _SURPRISING:
+    elif not campaign.state.readings[last].accepted and (size := known.absorbed.surprise(last)) >= _SURPRISING:
         strange = (
             "it is {size} standard deviations from what was expected. It is believed so far; take it back and read "
             "there again if anything may have been wrong."
