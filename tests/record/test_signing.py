@@ -49,7 +49,7 @@ def key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def public(path: Path) -> str:
     with Record.open(path, write=False) as record:
-        found = signed_until(record.texts())
+        found = signed_until(record)
     assert found is not None
     return found.by.key
 
@@ -156,7 +156,7 @@ def test_two_people_sign_and_nobody_twice(path: Path, key: Path, monkeypatch: py
         assert "of a key that was not given" in checked(path.read_bytes(), [otto]).faults[0]
         newer = EventText("2028-03-01T08:00:00.000+00:00", "signed", '{"key":"","signature":"","seal":""}')
         record.extend([newer])
-        found = signed_until(record.texts())
+        found = signed_until(record)
     assert found is not None
     assert found.by.key == otto
 
@@ -182,7 +182,7 @@ def test_a_copy_and_a_salvaged_record_keep_their_signature(path: Path, key: Path
     assert run(["salvage", str(path), str(new)]) == 0
     assert not checked(copy.read_bytes(), [public(path)]).faults
     with Record.open(new, write=False) as record:
-        found = signed_until(record.texts())
+        found = signed_until(record)
     assert found is not None
     assert (found.number, found.holds) == (7, True)
 

@@ -268,7 +268,7 @@ class Campaign(Closing):
 
     def signed(self) -> SignedUntil | None:
         """Return the last signature, None without one."""
-        return self._memo.answer(("signed", self.state.name), lambda: signed_until(self._record.texts()))
+        return self._memo.answer(("signed", self.state.name), signed_until, self._record)
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""

@@ -127,21 +127,20 @@ class SignedUntil(NamedTuple):
     reading: int
 
 
-def signed_until(texts: Sequence[ChainedText]) -> SignedUntil | None:
+def signed_until(log: EventLog) -> SignedUntil | None:
     """Return the last signature of a log, or the first that does not hold; None where nobody has signed."""
-    found: SignedUntil | None = None
-    for number, text in enumerate(texts, 1):
-        row = text.row
-        event = decode(row.kind, row.payload) if row.kind == "signed" else None
-        if isinstance(event, Signed):
-            by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
-            found = SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by), 0)
-            if not found.holds:
-                break
+    events, found = log.events(), None
+    signed = [(each.number, each.event) for each in events if isinstance(each.event, Signed)]
+    texts = log.texts() if signed else ()
+    for number, event in signed:
+        row = texts[number - 1].row
+        by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
+        found = SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by), 0)
+        if not found.holds:
+            break
     if found is None:
         return None
-    rows = (text.row for text in texts[: found.number])
-    readings = fold(Stored(n, row.at, decode(row.kind, row.payload)) for n, row in enumerate(rows, 1)).readings
+    readings = fold(events[: found.number]).readings
     return found._replace(reading=readings[-1].numbered(len(readings) - 1) if readings else 0)
 
 
