@@ -14,7 +14,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
 from axiscal.present.drawing.strokes import Point, simplified
 from axiscal.present.drawn_by_standards import (
     BallBarCircle,
@@ -23,6 +22,7 @@ from axiscal.present.drawn_by_standards import (
     division,
     positioning_curves,
 )
+from tests.evaluation.said import idle
 from tests.generators.kinematics import tip
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 from tests.generators.texts import campaign_text, setup_text
@@ -32,10 +32,6 @@ _BAR = campaign_text(
     setup_text("bar", "ballbar", length="150 mm", station=["300 mm", "200 mm", "80 mm"], plane="xy", approach="both"),
     target={"readings": 40},
 )
-
-
-def _idle(poses: Array, approaches: Array) -> Array:
-    return np.zeros_like(poses)
 
 
 def _laser() -> tuple[Case, list[Reading]]:
@@ -79,7 +75,7 @@ def test_a_circle_shows_the_readings_without_their_centre() -> None:
         Reading("bar", tuple(pose.tolist()), (1, 1, 1), float(v)) for pose, v in zip(poses, values, strict=True)
     ]
     known = concluded(case, readings)
-    (circle,) = ball_bar_circles(known, _idle)
+    (circle,) = ball_bar_circles(known, idle)
     assert circle.plane == "xy"
     np.testing.assert_allclose(circle.angle, np.degrees(angles), atol=1e-6)
     np.testing.assert_allclose(circle.read, 1e6 * oval, atol=1e-6)

@@ -10,12 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.exceptions import TableError
-from axiscal.machine import load_machine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import writer
-from axiscal.ports.linuxcnc.tables.exporting import Linuxcnc
 from axiscal.ports.linuxcnc.tables.writer import LinuxcncTable, dead_band, notes, parse, write
-from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.table import CompensationTable
 
 SEEN = "-100 -100.010 -100.014\n0 0 -0.004\n100 100.020 100.016\n200 200.005 200.001\n"
@@ -114,17 +111,6 @@ def test_what_is_written_takes_the_deviation_away(written: CompensationTable, se
     assert resolution < 2.1e-6 * scale
     assert text.isascii()
     assert text[0] in "-0123456789"
-
-
-def test_the_readme_names_only_files_that_are_there() -> None:
-    machine, control = load_machine("three-axis-mill"), Linuxcnc()
-    across = table(over="Y", reverse=[1e-6, 3e-6, -1e-6])
-    own, over, both = (
-        control.write(each, machine, ExportOptions()).holds for each in ([table()], [across], [table(), across])
-    )
-    assert own == "one COMP_FILE for each of X (own positions, both directions)."
-    assert over.startswith("HAL text")
-    assert both == f"{own[:-1]} and {over}"
 
 
 def long_table(n: int) -> CompensationTable:

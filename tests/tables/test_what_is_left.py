@@ -29,6 +29,7 @@ from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.surface import CommandedMachine, Effect, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
+from tests.evaluation.said import idle
 from tests.generators.known import sure
 from tests.generators.planes import BED
 from tests.generators.texts import TWO_SPHERES
@@ -174,11 +175,6 @@ def unread() -> tuple[Estimation, Estimate]:
     machine = load_machine("dmu60").text
     known = estimated(case_of(campaign_from_texts(TWO_SPHERES, "campaign.toml", machine, "dmu60")), ())
     return known, known.estimate()
-
-
-def idle(poses: Array, approaches: Array) -> Array:
-    """Send the axes where they were told to go."""
-    return np.zeros_like(poses)
 
 
 def test_what_is_not_known_with_the_files_is_what_is_not_known_without_them() -> None:
