@@ -114,22 +114,6 @@ def ignore(milestone: Milestone) -> None:
     pass
 
 
-def test_asking_again_gives_the_same_question_and_a_skipped_one_does_not_come_again(start: Start) -> None:
-    campaign = start("readings = 3")
-    asked = campaign.next()
-    assert asked == Asked(1, Place("laser along X", (0.0, 0.2), (1, 0)))
-    with reopened(campaign) as again:
-        assert again.next() == asked
-        again.record(1e-6)
-        following = again.next()
-        assert isinstance(following, Asked)
-        assert (following.reading, following.place.pose[0]) == (2, 0.01)
-        assert again.skip("the beam is blocked") == following
-        third = again.next()
-        assert isinstance(third, Asked)
-        assert (third.reading, third.place.pose[0]) == (3, 0.02)
-
-
 def test_undo_takes_back_and_asks_again(start: Start) -> None:
     campaign = start("readings = 3")
     first = campaign.next()
@@ -141,38 +125,6 @@ def test_undo_takes_back_and_asks_again(start: Start) -> None:
     assert campaign.next() == first
     with pytest.raises(RecordError, match="nothing to take back"):
         campaign.undo()
-
-
-def test_a_reading_keeps_the_number_under_which_it_was_asked_for(start: Start) -> None:
-    campaign = start("readings = 9")
-    asked = []
-    for answer in ("read", "skip", "read", "undo", "read", "read"):
-        if answer == "undo":
-            campaign.undo()
-            continue
-        question = campaign.next()
-        assert isinstance(question, Asked)
-        asked.append(question.reading)
-        if answer == "skip":
-            campaign.skip("the beam is blocked")
-        else:
-            campaign.record(1e-6)
-    assert asked == [1, 2, 3, 3, 4]
-    assert [reading.number for reading in campaign.state.readings] == [1, 3, 4]
-    assert [milestone.number for milestone in campaign.history()] == [0, 1, 3, 4]
-    assert [reading.number for reading in reopened(campaign).estimate().readings] == [1, 3, 4]
-
-
-def test_readings_of_a_program_keep_its_numbers(start: Start) -> None:
-    """A program goes set-up by set-up, and rows that were not read are taken out: 1, 5, 2, 3 and no 4."""
-    campaign = start("readings = 9")
-    rows = [("laser along X", 1), ("laser along X", 5), ("laser along Y", 2), ("laser along Y", 3)]
-    campaign.adopt(tuple(Reading(setup, (0.01 * n, 0.01 * n), (0, 0), n * 1e-6, number=n) for setup, n in rows))
-    assert [reading.number for reading in campaign.state.readings] == [1, 5, 2, 3]
-    again = reopened(campaign)
-    assert [reading.number for reading in again.state.readings] == [1, 5, 2, 3]
-    assert isinstance(question := again.next(), Asked)
-    assert question.reading == 6
 
 
 @pytest.mark.parametrize(

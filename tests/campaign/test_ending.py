@@ -11,7 +11,6 @@ import pytest
 from axiscal.answers.answer_of_campaign import answered
 from axiscal.campaign import ending
 from axiscal.campaign.ending import (
-    _BEYOND,
     ALL_REACHED,
     CONTRADICT,
     FUTILE,
@@ -114,18 +113,6 @@ def wanting(wants: Sequence[Want], expanded: float | None = None, taken: int = 2
     return target, concluded(case, closed(read(machine(5), 28))[:taken])
 
 
-def test_all_rows_with_a_limit_have_to_be_reached_by_the_u_that_the_screen_shows() -> None:
-    names = POSITIONING, BACKLASH
-    _, known = wanting([Want(name, 1.0) for name in names])
-    position, back = (row.known for row in answered(known, {}))
-    none_can = f"positioning X {_BEYOND}"  # what these readings leave of it is the laser's own scale
-    for factors, said in (((1.01, 1.01), ALL_REACHED), ((1.01, 0.99), None), ((0.9, 1.01), none_can)):
-        limits = [factor * u for factor, u in zip(factors, (position, back), strict=True)]
-        target, known = wanting([Want(name, limit) for name, limit in zip(names, limits, strict=True)])
-        assert standing(target, known) == said
-        assert reaches(target, known) is (said == ALL_REACHED)
-
-
 def test_the_volume_and_the_rows_are_wanted_together() -> None:
     few = 10  # endless readings would leave a tenth less
     _, known = wanting([Want(POSITIONING, 1.0)], taken=few)
@@ -142,17 +129,6 @@ def test_a_wanted_row_without_a_limit_has_to_be_measured(monkeypatch: pytest.Mon
         found = replace(back, known=size * back.before, floor=floor * back.before, measured=size < 0.5)
         monkeypatch.setattr(ending, "known_rows", lambda *_, found=found: (position, found))
         assert standing(target, known) == said
-
-
-def test_an_unreachable_row_ends_it_once_readings_have_taken_away_what_they_can(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    target, known = wanting([Want(POSITIONING, 1e-9)])
-    (row,) = known_rows(known.case, known.printed, known.readings)
-    for floor, said in ((0.85, None), (0.95, "positioning X cannot be reached with these set-ups")):
-        monkeypatch.setattr(ending, "known_rows", lambda *_, f=floor: (replace(row, floor=f * row.known),))
-        assert standing(target, known) == said
-        assert reaches(target, known) is False
 
 
 def test_an_unreachable_volume_ends_no_job_whose_rows_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,6 @@ import pytest
 from axiscal.campaign import campaign as running
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimation import estimate
-from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
@@ -96,24 +93,3 @@ def test_what_a_campaign_goes_on_by_is_kept_until_it_is_read_again(
         again.record(1e-6)
         with pytest.raises(TypeError):  # of another reading nobody has said it
             again.reached()
-
-
-@pytest.mark.parametrize("said", SAID)
-def test_one_that_has_ended_says_what_its_readings_say_and_goes_on_with_it(said: str, tmp_path: Path) -> None:
-    description, readings = _described(said), _readings(COUNT + 1)
-    with Campaign.create(tmp_path / "c.axiscal", description) as campaign:
-        campaign.adopt(readings[:COUNT])
-        campaign.finish("all were read")
-        expected, ended = estimate.concluded(Case(description), campaign.state.readings), campaign.status()
-        assert campaign.estimate(ended=True).accuracy == ended.accuracy == expected.accuracy
-        assert (ended.seconds, ended.agreement) == (expected.timed.seconds, expected.agreement)
-        campaign.undo()
-        known = estimate.estimated(Case(description), readings[:COUNT])
-        assert campaign.status().accuracy == known.accuracy == ended.accuracy
-        assert campaign.status().agreement == known.agreement
-        campaign.adopt((replace(readings[COUNT], number=COUNT + 1),))
-        more = estimate.estimated(Case(description), readings)
-        assert campaign.status().accuracy == pytest.approx(more.accuracy)
-        campaign.undo()
-        campaign.finish("once more")
-        assert campaign.status().accuracy == ended.accuracy

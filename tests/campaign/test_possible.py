@@ -60,15 +60,3 @@ def test_what_no_reading_has_is_not_recorded(asked: Campaign, value: float, std:
     with pytest.raises(ReadingError, match=says):
         asked.record(value, std)
     assert asked.state.readings == ()
-
-
-def test_readings_from_before_the_record_was_begun_have_a_time_that_can_be(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The clock is set back by a day between `start` and the first reading."""
-    with begun(tmp_path / "r.axiscal") as campaign:
-        campaign.next()
-        monkeypatch.setattr(Campaign, "begun", "2999-01-01T00:00:00.000+00:00")
-        assert campaign.record(1e-6).time == 0.0
-        campaign.next()
-        assert campaign.record(1e-6).time == 0.0

@@ -59,18 +59,6 @@ def new(tmp_path: Path) -> Path:
     return tmp_path / "new.axiscal"
 
 
-def test_numbers_and_bytes_of_what_is_missing_are_named_and_noted(path: Path, new: Path) -> None:
-    made(path, *(recorded(1e-6 * number) for number in range(1, 9)))
-    lines = without(path, 4, 6, 7)
-    found = salvaged(path, new)
-    assert found.missing == (
-        f"event 4 (bytes {lines[3].begin} to {lines[3].end})",
-        f"events 6 to 7 (bytes {lines[5].begin} to {lines[6].end})",
-    )
-    assert values(found) == [1e-6, 2e-6, 4e-6, 7e-6, 8e-6]
-    assert all(words in found.state.notes[-1].text for words in (*found.missing, "mill.axiscal", "6 events"))
-
-
 def test_what_is_taken_back_has_another_number_now(path: Path, new: Path) -> None:
     made(path, recorded(1e-6), recorded(2e-6), recorded(3e-6), Undone(4), recorded(4e-6))
     without(path, 2)

@@ -53,18 +53,6 @@ def test_the_next_reading_has_a_zero_of_its_own_and_undo_takes_that_back(tmp_pat
         assert again.next().reading == 5  # type: ignore[union-attr]
 
 
-def test_it_may_be_told_of_a_reading_before_and_twice(tmp_path: Path) -> None:
-    with _begun(tmp_path / "r.axiscal", 6) as campaign:
-        campaign.accept("jump", "laser", 3)
-        campaign.accept("jump", before=5)
-        names = ["laser, before reading 3"] * 2 + ["laser, before reading 5"] * 2 + ["laser"] * 2
-        assert _setups(campaign) == names
-        campaign.accept("jump", before=campaign.state.free)
-        assert _setups(campaign)[-2:] == ["laser, before reading 7"] * 2
-        with pytest.raises(RecordError, match="none of its readings stands before that"):
-            campaign.accept("jump", before=campaign.state.free)
-
-
 @pytest.mark.parametrize(("setup", "before"), [("laser", 1), ("laser", 0), ("laser", 9), ("other", 3)])
 def test_a_zero_before_the_first_reading_or_behind_the_next_is_refused(setup: str, before: int, tmp_path: Path) -> None:
     with _begun(tmp_path / "r.axiscal", 3) as campaign:

@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 
 from axiscal.answers.answer_of_campaign import standing_answer
-from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.adopting import adopted
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.inheritance import last_campaign
 from axiscal.exceptions import DescriptionError, ReadingError, RecordError
-from axiscal.language.spoken import speaking
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import STEEL
 from axiscal.present.guide.progress import due, last_step, open_temperature
@@ -140,21 +138,3 @@ def test_a_later_campaign_and_one_that_takes_readings_over_have_it(warm: Campaig
         with Record.open(warm.path, write=False) as mine, Record.open(branch, write=False) as theirs:
             adopted(warm, mine, theirs, same_mounting=True)
     assert warm.description.setup("laser").warmer == pytest.approx(4.0)
-
-
-@pytest.mark.parametrize(
-    ("language", "sentence"),
-    [
-        ("en", "Scale X: a lead error, or +5.0 K; its temperature is not stated."),
-        ("de", "Maßstab X: ein Steigungsfehler, oder +5,0 K; die Temperatur ist nicht angegeben."),
-    ],
-)
-def test_the_answer_says_at_which_temperature_a_scale_would_be_right(
-    warm: Campaign, language: str, sentence: str
-) -> None:
-    with speaking(language):
-        assert sentence in answer_text(standing_answer(warm), "", "").sentences
-        warm.note("25 °C")
-        answer = standing_answer(warm)
-        assert not any(text.startswith(sentence[:5]) for text in answer_text(answer, "", "").sentences)
-    assert {row.kelvin for row in answer.rows} == {None}
