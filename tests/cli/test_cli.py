@@ -33,28 +33,6 @@ def started(axiscal: Command, tmp_path: Path) -> Command:
     return axiscal
 
 
-@pytest.mark.parametrize(
-    ("words", "value"),
-    [
-        (["-1.7 um"], -1.7),
-        (["-1.7um"], -1.7),
-        (["-1.7", "um"], -1.7),
-        (["--", "-1.7um"], -1.7),
-        (["-.5", "um"], -0.5),
-        (["-1e3 nm"], -1.0),
-        (["2.1um", "--std", "0.2 um"], 2.1),
-        (["--std", "0.2 um", "-2.1 um"], -2.1),
-        (["3µm"], 3.0),
-    ],
-)
-def test_values_as_they_are_typed(started: Command, words: list[str], value: float) -> None:
-    started("next", "m.axiscal")
-    kept = started("record", "m.axiscal", "--json", *words)
-    assert kept.status == 0, kept
-    assert kept.document["value"] == pytest.approx(value, rel=1e-12)
-    assert kept.document["unit"] == "um"
-
-
 def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> None:
     Path("r").mkdir()
     assert started("start", "c.toml", "r/campaign.axiscal").status == 0

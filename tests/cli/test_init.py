@@ -29,15 +29,11 @@ from axiscal.description.first_files import (
     offered_names,
     with_travels,
 )
-from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
-from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import questions
-from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Reading
-from axiscal.present.plan_answer import reach_answer
 from tests.commands import Command
 from tests.generators.machines import random_machine
 
@@ -96,41 +92,11 @@ def test_every_instrument_that_is_offered_can_be_had(tmp_path: Path) -> None:
     assert {setup.instrument for setup in read_campaign(tmp_path / "campaign.toml").setups} == offered
 
 
-@pytest.mark.parametrize("instrument", ["laser", "indexer"])
-def test_what_is_offered_on_five_axes_reads_along_its_axis(tmp_path: Path, instrument: str) -> None:
-    """A table that stands turned would turn the sign of a reading, or take a part of it."""
-    assert written(tmp_path, "dmu60", instrument) == 0
-    campaign = read_campaign(tmp_path / "campaign.toml")
-    for setup in campaign.setups:
-        (moving,) = setup.moves
-        before, after = np.array([setup.park, setup.park])
-        after[moving] += 1e-6
-        at = frames(campaign.machine, np.stack([before, after]))
-        turned = at.tool[1] @ at.tool[0].T
-        about = np.array([turned[2, 1], turned[0, 2], turned[1, 0]])
-        way = (about if instrument == "indexer" else at.tcp[1] - at.tcp[0]) / 1e-6
-        assert way == pytest.approx(np.array(setup.direction), abs=1e-5)
-
-
 @pytest.mark.parametrize("kind", OFFERED)
 def test_set_ups_are_offered_for_any_chain(kind: str) -> None:
     """Of axes that turn alone, too: no probe gets to a ball there."""
     found = [list(OFFERED[kind].setups(random_machine(seed))) for seed in range(60)]
     assert any(found)
-
-
-def test_spheres_are_offered_where_an_axis_turns(tmp_path: Path) -> None:
-    """Whoever turns something gets balls at which every rotary axis can turn far."""
-    assert written(tmp_path, "dmu60", "sphere") == 0
-    assert '\ntool_length = "100 um" ' in (tmp_path / "campaign.toml").read_text()
-    campaign = read_campaign(tmp_path / "campaign.toml")
-    (setup,) = campaign.setups
-    assert campaign.machine.stylus > 0
-    assert setup.chart is not None
-    poses, _ = chart_candidates(campaign.machine, setup, setup.chart, 200)
-    for k, axis in enumerate(campaign.machine.axes):
-        if axis.rotary:
-            assert np.ptp(poses[:, k]) > 0.5 * axis.length
 
 
 def test_a_board_that_is_turned_is_offered_where_no_axis_does(tmp_path: Path) -> None:
@@ -209,19 +175,6 @@ def test_a_length_that_is_longer_than_the_travel_is_asked_about() -> None:
     (asked,) = questions(machine_from_text(short))
     assert asked.startswith("The length of EXX is longer than the travel of X: the error is taken as nearly straight.")
     assert asked.endswith('length = "5 mm".')
-
-
-def test_an_empty_answer_is_the_usual_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sys.stdin", io.StringIO("\n\n\n\n"))
-    assert app.run(["init", str(tmp_path / "mill")]) == 0
-    campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
-    usual = load_machine("three-axis-mill")
-    assert [axis.travel for axis in campaign.machine.axes] == [axis.travel for axis in usual.axes]
-    assert {setup.name.partition(" along")[0] for setup in campaign.setups} == {
-        f"dial on the leg of square {pair}" for pair in ("XY", "XZ", "YZ")
-    }
-    assert (campaign.target.accurate, campaign.target.readings) == (False, 40)
-    assert reach_answer(case_of(campaign)) is None
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -320,24 +273,6 @@ def test_the_schemas_fit_the_examples_of_the_documentation() -> None:
     assert [data for data in whole if not fits(data, schema)] == []
     machines = machine_schema()
     assert all(fits(tomllib.loads(load_machine(name).text), machines) for name in builtin_names())
-
-
-@pytest.mark.parametrize(
-    ("good", "bad"),
-    [
-        ('instrument = "interferometer"', 'instrument = "interferometre"'),
-        ('moves = ["X"]', 'move = ["X"]'),
-        ('approach = "both"', 'approach = "all"'),
-        ("[target]", "[goal]"),
-        ("readings = 150", 'readings = "150"'),
-    ],
-)
-def test_the_schema_marks_a_slip(tmp_path: Path, good: str, bad: str) -> None:
-    written(tmp_path, "one-axis", "interferometer")
-    text, schema = (tmp_path / "campaign.toml").read_text(), campaign_schema()
-    assert fits(tomllib.loads(text), schema)
-    assert text.count(good) == 1
-    assert not fits(tomllib.loads(text.replace(good, bad)), schema)
 
 
 def test_at_a_terminal_a_wrong_answer_is_asked_for_again(

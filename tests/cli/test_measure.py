@@ -15,12 +15,10 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli import app
-from axiscal.present.guide.progress import named_now
 from axiscal.record.events import Asked
 from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
-from tests.generators.turned_back import OUT, begun_out_and_back
 from tests.web.served import kept
 
 STANDS = "Enter when it stands, or ? > "
@@ -122,20 +120,6 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
         assert campaign.state.notes[-1].text == "it was 21.4 °C"
         assert campaign.description.setup("laser").warmer == pytest.approx(1.4)
-
-
-def test_a_set_up_is_left_once_its_cost_is_confirmed(folder: Path) -> None:
-    terminal = Terminal(folder)
-    for answer in ("", "yes"):
-        terminal.until(STANDS)
-        terminal.type("leave the beam is lost")
-        assert "unmeasured" in terminal.until("Enter to go on: ")
-        terminal.type(answer)
-    assert "Done: nothing is left to measure" in terminal.until("note or pause > ")
-    terminal.type("pause")
-    assert terminal.ended() == 0
-    with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
-        assert [(gap.reason, gap.whole) for gap in campaign.state.skipped] == [("the beam is lost", True)]
 
 
 @pytest.mark.long
@@ -265,25 +249,3 @@ def test_a_zero_that_was_set_anew_is_asked_about_at_once_and_may_be_told_at_any_
         assert [setups.count(f"laser, before reading {n}") for n in (9, 11)] == [8, 2]
         assert setups[-1] == "laser"
         assert not campaign.estimate().agreement.contradicts
-
-
-@pytest.mark.parametrize("answer", ["backlash", ""])
-def test_a_step_where_the_axis_turned_is_asked_about_once(tmp_path: Path, answer: str) -> None:
-    """The zero set anew and backlash look the same: the second reading behind the turn asks, later ones do not."""
-    record = begun_out_and_back(tmp_path / "mill.axiscal", OUT + 1, 30e-6)
-    terminal = Terminal(tmp_path)
-    terminal.until("reading [um] > ")
-    terminal.type("-13")
-    shown = terminal.until("Enter if you do not know: ")
-    assert '"laser" shows a step before reading 11, where X turned: zero set anew, or backlash?' in shown
-    assert "Type jump or backlash" in shown
-    terminal.type(answer)
-    shown = terminal.until("reading [um] > ")
-    assert ('Kept: the step of "laser" before reading 11 is backlash; undo' in shown) is (answer == "backlash")
-    terminal.type(re.findall(r"expect +(\S+) ±", shown)[-1])
-    assert "backlash" not in terminal.until("reading [um] > ")
-    terminal.type("pause")
-    assert terminal.ended() == 0
-    with Campaign.open(record, write=False) as campaign:
-        assert [each.mistake for each in campaign.state.accepted] == [answer] * bool(answer)
-        assert named_now(campaign) is None or not answer

@@ -6,7 +6,6 @@ The encoder is written out here: eccentric by 0.3 deg, with a second wave and a 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -60,16 +59,6 @@ def test_its_row_says_what_the_table_leaves(answer: Answer) -> None:
         left, found = rows[name]["left"]["linuxcnc"], rows[name]["found"]
         assert left < 0.1 * found
         assert left < rows[name]["known_to"]
-
-
-def test_the_end_and_an_export_say_to_load_it(answer: Answer, tmp_path: Path) -> None:
-    assert "load " in answer.text
-    for control in ("csv", "linuxcnc", "sinumerik"):
-        told = given("export", answer.folder / "campaign.axiscal", "--to", control, "--out", tmp_path / control)
-        assert told.status == 0, told
-        readme = (tmp_path / control / "README.txt").read_text()
-        assert f"load {tmp_path / control}" in told.out.replace("\n", " ")
-        assert "do not load" not in (told.out + readme).lower()
 
 
 def test_the_table_is_right_for_the_angle(answer: Answer) -> None:

@@ -15,7 +15,7 @@ from axiscal.cli.progress import progress_line
 from axiscal.cli.stages import StageLine
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.language.stages import Listener, Stage, listening, stage, stage_text, staged
+from axiscal.language.stages import Listener, listening, stage, staged
 from axiscal.measurement.reading import Reading
 
 
@@ -24,19 +24,6 @@ class Terminal(io.StringIO):
 
     def isatty(self) -> bool:
         return True
-
-
-@pytest.mark.parametrize(
-    ("of", "seconds", "said"),
-    [
-        (Stage("tables"), 3.0, "tables"),
-        (Stage("tables", 1, 3), 3.0, "tables, 1 of 3"),
-        (Stage("readings", 0, 100), 3.0, "readings, 0 of 100"),
-        (Stage("readings", 25, 100), 4.0, "readings, 25 of 100, about 12 s left"),
-    ],
-)
-def test_a_stage_in_words(of: Stage, seconds: float, said: str) -> None:
-    assert stage_text(of, seconds) == said
 
 
 def test_nothing_is_said_in_the_first_seconds(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,8 +14,6 @@ from xml.etree import ElementTree
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.record.events import Asked
-from tests.generators.texts import FOUR_READINGS
 from tests.generators.turned_back import OUT, begun_out_and_back
 from tests.web.served import PATIENCE, Answer, Served, kept, served, started
 
@@ -80,31 +78,6 @@ def test_the_tables_of_a_control_are_one_file_and_made_anew_once_its_sign_is_mea
     with Campaign.open(page.record) as campaign:
         campaign.bump("linuxcnc", 1e-5)
     assert tables("linuxcnc").status == 422  # no readings, no tables anew
-
-
-def test_what_is_late_surprising_or_empty_is_refused_and_nothing_is_lost(page: Served) -> None:
-    seen = page.state()["last"]
-    assert page.call("readings", after=seen, text="1.5").status == 200
-    late = page.call("readings", after=seen, text="2.5")
-    assert (late.status, late.document["problem"]) == (409, "overtaken")
-    for path in ("undo", "next", "finish"):
-        assert page.call(path, after=seen).status == 409
-    assert page.call("skips", after=seen, reason="late").status == 409
-    assert kept(page.record) == [1.5]
-    last, place = page.state()["last"], page.state()["question"]["places"]
-    asked = page.call("readings", after=last, text="400")
-    assert (asked.status, asked.document["problem"]) == (409, "surprising")
-    assert kept(page.record) == [1.5]
-    assert page.call("readings", after=last, text="400", cause="really").status == 200
-    assert kept(page.record) == [1.5, 400.0]
-    assert page.call("undo", after=page.state()["last"]).status == 200
-    assert (kept(page.record), page.state()["question"]["places"]) == ([1.5], place)
-    assert page.call("skips", after=page.state()["last"], reason=" ").document["problem"] == "refused"
-    assert page.call("skips", after=page.state()["last"], reason="the beam is blocked").status == 200
-    assert page.state()["question"]["places"] != place
-    left = page.call("skips", after=page.state()["last"], reason="the beam is lost", rest=True)
-    assert left.document["sentence"].startswith('Left "laser"')
-    assert (page.state()["question"], page.state()["ended"]) == (None, "nothing is left to measure")
 
 
 def test_what_is_typed_is_understood_before_it_is_sent(still: Served) -> None:
@@ -194,36 +167,3 @@ def test_a_page_asks_once_whether_a_step_where_the_axis_turned_is_backlash(tmp_p
         assert (page.state()["asks"], page.state()["choices"]) == ("", {})
     with Campaign.open(record, write=False) as campaign:
         assert [each.mistake for each in campaign.state.accepted] == ["backlash"]
-
-
-def test_a_page_asks_whether_a_zero_was_set_anew_and_keeps_that_it_was(tmp_path: Path) -> None:
-    """Asked at the second reading behind a step; told at any time, or with a surprising reading."""
-    record = started(tmp_path, FOUR_READINGS.replace("readings = 4", "readings = 14"))
-    with Campaign.open(record) as campaign:
-        for _ in range(8):
-            place = campaign.next()
-            assert isinstance(place, Asked)
-            campaign.record(1e-6 * place.place.pose[0])
-    with served(record) as page:
-
-        def keep(text: str, **how: str) -> dict[str, Any]:
-            done = page.call("readings", after=page.state()["last"], text=text, **how)
-            assert done.status == 200, done.document
-            return page.state()
-
-        assert keep("140.5", cause="keep")["asks"] == ""
-        state = asked(page, keep("140.6", cause="keep"))
-        assert state["asks"] == 'Was the zero of "laser" set anew before reading 9?'
-        assert state["choices"] == {"jump": "Yes"}
-        assert page.call("zeros", after=state["last"], answer="jump").status == 200
-        assert page.state()["asks"] == ""
-        done = page.call("zeros", after=page.state()["last"])
-        assert "has another zero from reading 11 on" in done.document["sentence"]
-        assert keep("-80")["asks"] == ""
-        keep("70", cause="anew")
-        again = page.call("zeros", after=page.state()["last"])
-        assert again.status == 200
-        assert page.call("zeros", after=page.state()["last"]).status != 200
-    with Campaign.open(record, write=False) as campaign:
-        setups = [reading.setup for reading in campaign.state.readings]
-        assert [setups.count(f"laser, before reading {n}") for n in (9, 11, 12, 13)] == [8, 2, 1, 1]
