@@ -32,24 +32,6 @@ def setup(name: str) -> Setup:
 DIAL, LEVEL, NEST = setup("dial"), setup("level"), setup("nest")
 
 
-@pytest.mark.parametrize(
-    ("text", "metres"),
-    [
-        ("-1.7", -1.7e-6),
-        ("−1,7", -1.7e-6),
-        (" 2 ", 2e-6),
-        (".5", 0.5e-6),
-        ("2.1um", 2.1e-6),
-        ("0,0021 mm", 2.1e-6),
-        ("1e-3 mm", 1e-6),
-    ],
-)
-def test_a_number_is_in_the_unit_shown_unless_one_is_said(text: str, metres: float) -> None:
-    typed = answer(text, DIAL)
-    assert not isinstance(typed, Word)
-    np.testing.assert_allclose(typed, [metres], rtol=1e-12)
-
-
 def test_angles_are_in_microradians() -> None:
     typed = answer("4 arcsec", LEVEL), answer("19.39", LEVEL)
     values = [each[0] for each in typed if not isinstance(each, Word)]
@@ -68,21 +50,6 @@ def test_three_values_stand_in_one_line_and_a_unit_after_the_last_is_of_all(text
     typed = answer(text, NEST)
     assert not isinstance(typed, Word)
     np.testing.assert_allclose(typed, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("text", "word"),
-    [
-        ("", Word("show")),
-        ("u", Word("undo")),
-        ("UNDO", Word("undo")),
-        ("skip the clamp is there", Word("skip", "the clamp is there")),
-        ("q", Word("pause")),
-        ("?", Word("help")),
-    ],
-)
-def test_words_are_no_readings(text: str, word: Word) -> None:
-    assert answer(text, DIAL) == word
 
 
 @given(st.text(max_size=30))

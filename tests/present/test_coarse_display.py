@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.intervals import as_shown
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -129,14 +126,3 @@ def test_what_is_stated_is_not_asked_for() -> None:
     assert list(coarse_displays(taken(shown(curve(3, 26), 10.0), 3e-6), setups(""))) == []
     (finer,) = coarse_displays(readings, setups('resolution = "1 um"'))
     assert 'State resolution = "10 um"' in finer.text
-
-
-def test_a_set_up_that_shows_one_number_has_the_step_of_its_instrument() -> None:
-    both = setups("\n" + setup_text("again", "interferometer", direction="x", noise="0.5 um"))
-    flat = [replace(reading, setup="again") for reading in taken(np.zeros(26))]
-    found = coarse_displays([*flat, *taken(shown(curve(3, 26), 10.0))], both)
-    assert ['"again" move in steps of 10 um' in each.text for each in found] == [False, True]
-    assert as_shown(both, [*flat, *taken(shown(curve(3, 26), 10.0))])[1].interval == pytest.approx(10e-6)
-    assert list(coarse_displays(flat, both)) == []
-    dial = setup_text("again", "indicator", direction="x", moves=["X"])
-    assert len([*coarse_displays([*flat, *taken(shown(curve(3, 26), 10.0))], setups(f"\n{dial}"))]) == 1

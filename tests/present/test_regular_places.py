@@ -31,24 +31,6 @@ def said_of(millimetres: Sequence[float], of: CampaignDescription = DESCRIBED) -
     return [each.text for each in regular_places(readings, of.setups, of.machine.axes)]
 
 
-@pytest.mark.parametrize(
-    ("places", "step"),
-    [
-        (range(0, 1001, 100), "100 mm"),
-        ([*range(25, 800, 50)] * 2, "50 mm"),
-        ([0, 40, 100, 120, 200, 300], "20 mm"),
-        ([0, 101.3, 198.7, 302.2, 405.9], ""),
-        ([0, 100, 200, 300], ""),
-        ([*range(0, 1001, 100), 231.0, 455.5, 873.1], ""),
-        ([3, 100, 207, 301, 402, 530], ""),
-    ],
-)
-def test_the_step_of_regular_places_is_named(places: Sequence[float], step: str) -> None:
-    found = said_of(places)
-    assert len(found) == bool(step)
-    assert all(f"a multiple of {step} apart along X" in text for text in found)
-
-
 def odd_places(text: str) -> list[float]:
     return [float(part.split(" mm")[0]) for part in text.split("X = ")[1:]]
 
