@@ -163,17 +163,6 @@ def test_an_instrument_that_does_not_move_decides_nothing(state: State, eight: P
     assert "the instrument does not move" in said_of(judged)
 
 
-def test_growth_that_is_known_is_not_taken_for_a_deviation(state: State, eight: Places) -> None:
-    estimate, _, control = state
-    truth, setups = true(), description().setups
-    left = readings(truth, eight, control, 2)
-    warm = (replace(setups[0], warmer=10.0, expansion=1e-5), *setups[1:])
-    grown = tuple(replace(r, value=r.value + 1e-4 * (r.pose[0] - 0.15)) if r.setup == "along x" else r for r in left)
-    one, other = judge(estimate, setups, left, left, control, 6e-6), judge(estimate, warm, grown, grown, control, 6e-6)
-    assert max(abs(g.value - r.value) for g, r in zip(grown, left, strict=True)) > 1e-6
-    assert other.left == pytest.approx(one.left, abs=1e-12)
-
-
 @pytest.mark.long
 def test_checks_are_as_far_off_as_they_say(state: State, eight: Places) -> None:
     """On machines drawn from the belief itself z² is 1 in the mean, and p is as likely to be anything."""

@@ -154,16 +154,6 @@ def test_machines_of_two_builds_may_have_the_same_number_and_one_that_cannot_be_
     assert [(each.file, each.left_out) for each in found.left_out] == [("mirrored.axiscal", "two places fit")]
 
 
-def test_a_renewed_axis_is_due_at_once(folder: Path) -> None:
-    before = due_dates(folder.glob("b.axiscal"), DAY, 15e-6).machines[0]
-    assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "X"]) == 0
-    after = due_dates(folder.glob("b.axiscal"), DAY, 15e-6).machines[0]
-    assert after.renewed == ("X",)
-    assert after.now > 1.2 * before.now
-    with Campaign.open(folder / "b.axiscal", write=False) as campaign:
-        assert campaign.state.notes[-1].text == "new ball screw (renewed: X)"
-
-
 def test_the_command(folder: Path, command: Command) -> None:
     (folder / "torn.axiscal").write_text("no record")
     words = ["due", str(folder), "--today", "2030-01-01", "--target", "6 um"]

@@ -18,7 +18,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.evaluation.check import Check
 from axiscal.exceptions import ReadingError
-from axiscal.machine import machine_from_text
 from axiscal.measurement.readers.csv_readings import filled_sheet
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.simulation import Simulator
@@ -26,7 +25,7 @@ from axiscal.numerics import Array
 from axiscal.ports.fleet.quick_check import QuickCheck, _CrashRows, crashes, showing_crashes
 from tests.commands import Command
 from tests.generators.campaigns import mixed
-from tests.generators.sisters import MACHINE, measured, read_on, slide, write_record
+from tests.generators.sisters import measured, read_on, slide, write_record
 
 KEPT, TRIALS = 0.9, 40
 
@@ -150,41 +149,6 @@ def test_a_check_of_tables_refuses_what_was_found_in_another_unit(tmp_path: Path
     found.write_text(found.read_text().replace("value_um", "value_mm"))
     with pytest.raises(ReadingError, match=r"found\.csv, line .*mm instead of um"):
         check.read(found, left)
-
-
-SECOND = """[axes.U]
-travel = ["0 mm", "100 mm"]
-[errors]
-EXU = { std = "5 um", knots = 4, length = "50 mm" }
-EYU = { std = "5 um", knots = 4, length = "50 mm" }
-"""
-
-
-TURNING = """chain = "w-C'-b-Y-t"
-[axes.C]
-travel = TRAVEL
-[axes.Y]
-travel = ["0 mm", "100 mm"]
-[errors]
-C0Y = { std = "40 urad" }
-ECC = { std = "20 urad", knots = 12, length = "60 deg" }
-"""
-
-
-@pytest.mark.parametrize(
-    ("machine", "looked_for"),
-    [
-        (MACHINE.format(serial="", travel=500).replace("-X-", "-X-U-").replace("[errors]", SECOND), ["EXU", "EXX"]),
-        (TURNING.replace("TRAVEL", '["-180 deg", "180 deg"]'), ["C0Y"]),
-        (TURNING.replace("TRAVEL", '["-100 deg", "100 deg"]'), ["C0Y", "ECC"]),
-    ],
-    ids=["two slides along one direction", "round an axis there is no scale", "a part of a turn"],
-)
-def test_a_scale_of_each_axis_is_looked_for(machine: str, looked_for: list[str]) -> None:
-    errors = ErrorModel(machine_from_text(machine))
-    columns = {term.name: term.columns for term in errors.terms}
-    shown = [name for each in crashes(errors) for name, own in columns.items() if np.any(each[own])]
-    assert sorted(shown) == looked_for
 
 
 def _loss(case: Case, places: Places) -> float:

@@ -17,8 +17,6 @@ from axiscal.exceptions import RecordError
 from axiscal.ports.fleet import shop_list as listing
 from axiscal.ports.fleet.shop_list import brought, shop_list
 from axiscal.ports.fleet.sister_records import read_records
-from axiscal.record.events import Finished
-from axiscal.record.store import Record
 from tests.commands import Command
 from tests.generators.sisters import read_on, slide, write_record
 
@@ -54,16 +52,6 @@ def test_each_record_is_listed_with_what_it_comes_to(folder: Path, ended: bool) 
         assert (each.result.rms, each.result.expanded) == pytest.approx(sizes, rel=5e-4)
         assert (each.target, each.readings) == ("RMS 2 um", 16)
         assert bool(each.ended) == ended
-
-
-def test_what_an_earlier_version_ended_is_estimated_where_that_is_asked_for(folder: Path) -> None:
-    with Record.open(folder / "A.axiscal") as record:
-        record.append(Finished("16 readings taken"))
-    first, asked = (
-        next(each for each in shop_list(folder, estimate).listed if each.serial == "A") for estimate in (False, True)
-    )
-    assert first.ended == asked.ended == "16 readings taken"
-    assert (first.result.agreement, asked.result.agreement) == ("", "agree")
 
 
 def test_a_name_need_not_be_text(folder: Path) -> None:

@@ -53,18 +53,6 @@ def single(name: str) -> Machine:
     return Machine("m", (Axis(name, False, (0.0, 0.5)),), 0.0, (), "", "")
 
 
-def test_each_set_up_has_its_program_and_readings_keep_their_numbers() -> None:
-    other = replace(SETUP, name="laser 2")
-    first, second = programs(MACHINE, [SETUP, other], [UP, replace(DOWN, setup=other.name), DOWN], dialect("fanuc"))
-    assert [r.number for r in first.readings] == [1, 3]
-    assert [r.number for r in second.readings] == [2]
-    assert (first.file_name, second.file_name) == ("AXISCAL_01_LASER_1.NC", "AXISCAL_02_LASER_2.NC")
-    assert [program.text.splitlines()[1] for program in (first, second)] == ["O1001", "O1002"]
-    assert [line for line in first.text.splitlines() if "STAND" in line or "BALLS" in line] == [
-        "(IT IS ASSUMED THAT NOTHING STANDS IN THE WAY)"
-    ]
-
-
 def test_an_approach_without_room_is_refused_and_named() -> None:
     why = refusal(UP, replace(UP, pose=(0.0, 0.00005)))
     assert 'reading 2 of the set-up "laser 1" is to be approached with X+ at X = 0.0500 mm' in why
@@ -172,16 +160,6 @@ def test_the_form_with_values_filled_in_is_a_file_of_readings(tmp_path: Path) ->
     assert (first.setup, first.position, first.approach, first.value) == ("laser 1", {"X": 0.1}, {"X": 1}, 1.5e-6)
     assert second.approach == {"X": -1}
     assert (first.number, second.number) == (1, 2)
-
-
-def test_the_form_has_a_column_for_each_value_of_an_instrument_that_reads_three(tmp_path: Path) -> None:
-    tracker = replace(SETUP, name="tracker", instrument="tracker")
-    write_programs(MACHINE, [tracker], [replace(UP, setup="tracker")], "linuxcnc", tmp_path)
-    header, row = (tmp_path / "readings.csv").read_text().splitlines()
-    assert header.endswith("approach,value_x_um,value_y_um,value_z_um")
-    (tmp_path / "readings.csv").write_text(f"{header}\n{row.removesuffix(',,,')},1.5,2,3\n")
-    (reading,) = read_any(tmp_path / "readings.csv")
-    assert (reading.value, reading.others) == (1.5e-6, (2e-6, 3e-6))
 
 
 def test_nothing_is_written_where_one_reading_is_refused(tmp_path: Path) -> None:

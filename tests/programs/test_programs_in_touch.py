@@ -25,9 +25,9 @@ from axiscal.programs import Program, controllers, dialect, programs
 from axiscal.programs.gliding import TipDriver
 from axiscal.programs.scale import AxisScale
 from axiscal.programs.steps import ProgramAxes, groups
-from tests.generators.kinematics import pose_with_tip, tip
+from tests.generators.kinematics import pose_with_tip
 from tests.generators.printed_machine import printed_machine
-from tests.generators.program_ways import STEP, Reader
+from tests.generators.program_ways import Reader
 from tests.generators.said_places import Said
 from tests.generators.texts import artefact_text, campaign_text, setup_text
 from tests.generators.ways_said import WaysSaid
@@ -203,17 +203,6 @@ def test_slides_come_to_a_reading_in_touch_from_the_side_that_was_planned() -> N
     assert checked >= 60
 
 
-@pytest.mark.parametrize("controller", controllers())
-def test_a_program_says_which_mode_and_zero_it_needs(controller: str) -> None:
-    campaign = described(NEST)
-    program = program_of(campaign, places_of(campaign, 2), controller)
-    head = program.text.split("READING 1")[0]
-    assert "TOOL POINT ON THE" in head
-    assert "NEEDS" in head
-    assert any("zero" in note or "datum" in note for note in program.notes)
-    assert any("option" in note or "configurations" in note for note in program.notes)
-
-
 def test_a_control_without_kinematics_for_the_chain_refuses() -> None:
     campaign = described(NEST)
     places, machine = places_of(campaign, 1), campaign.machine
@@ -223,24 +212,6 @@ def test_a_control_without_kinematics_for_the_chain_refuses() -> None:
     with pytest.raises(ProgramError, match="no kinematics for the chain") as refused:
         programs(swivel_first, campaign.setups, places, dialect("linuxcnc"))
     assert "choose another control" in str(refused.value)
-
-
-@pytest.mark.parametrize(("kind", "controller"), [("nest", "sinumerik"), ("bar", "heidenhain"), ("bar", "linuxcnc")])
-def test_where_no_way_in_touch_leads_the_tool_goes_off_and_comes_back(
-    kind: str, controller: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    campaign = described(*KINDS[kind])
-    places = places_of(campaign, 3)
-    monkeypatch.setattr(SmoothChart, "between", lambda self, here, there: None)
-    text, trace = program_of(campaign, places, controller).text, read(campaign, places, controller)
-    readings = [k for k, (what, _) in enumerate(trace) if what.startswith("READING")]
-    centre, radius = (BALL, 0.0) if kind == "nest" else (np.array([0.3, 0.2, -0.07]), 0.15)
-    off = [abs(float(np.linalg.norm(tip(campaign.machine, pose) - centre)) - radius) for _, pose in trace]
-    assert max(off[k] for k in readings) < 2e-9 + 2e-3 * STEP[controller]
-    assert min(max(off[a:b]) for a, b in pairwise(readings)) > 4e-3
-    asked = [re.findall(words, text) for words in ("TAKE THE BAR OFF", "PUT THE BAR ON")]
-    assert len(asked[0]) == len(asked[1])
-    assert (len(asked[0]) >= 2) == (kind == "bar")
 
 
 def test_over_a_clearance_the_slides_move_aside_where_it_is_clear_alone(monkeypatch: pytest.MonkeyPatch) -> None:

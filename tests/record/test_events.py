@@ -19,7 +19,6 @@ from axiscal.record.events import (
     EventOrderError,
     Finished,
     Mounted,
-    Note,
     Noted,
     Planned,
     Recorded,
@@ -213,15 +212,6 @@ def test_a_set_up_that_is_left_takes_its_readings_out_of_the_plan_and_taken_back
 
 def test_a_skip_is_written_as_before_there_was_leaving() -> None:
     assert encode(Skipped("blocked")) == ("skipped", '{"reason":"blocked"}')
-
-
-def test_a_note_or_a_bump_changes_nothing_else_and_may_come_after_the_end() -> None:
-    events: list[Event] = [CREATED, QUESTION, Noted("21 degC"), VALUE, Finished("done"), Noted("new ball screw X")]
-    bumps = Bumped("isg", 1e-5, "2026-11-28"), Bumped("isg", -1e-5, "2026-11-29")
-    state = fold(stored([*events, *bumps]))
-    assert state.notes == (Note("21 degC", "", 0), Note("new ball screw X", "", 1))
-    assert (len(state.readings), state.finished, decode(*encode(events[2]))) == (1, "done", events[2])
-    assert state.bumps == bumps
 
 
 PLACE = Place("laser", (0.0,), (1,))
