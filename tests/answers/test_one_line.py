@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import AnsweredRow, answered
 from axiscal.answers.prediction import tcp_prediction
 from axiscal.description.usual import OFFSET
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import EACH, beside_the_line, offset_each
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
@@ -41,23 +39,6 @@ def _known(others: tuple[str, ...] = (), usual: str = "on", volume: str = "") ->
         for number, place in enumerate(at)
     ]
     return concluded(Case(described), readings)
-
-
-def _rows(known: Estimation) -> Mapping[str, AnsweredRow]:
-    return {row.row.kind: row for row in answered(known, {})}
-
-
-@pytest.mark.parametrize("volume", ["", 'volume = { X = ["300 mm", "700 mm"] }'])
-def test_positioning_is_the_volume_where_nothing_else_is_described(volume: str) -> None:
-    known = _known(volume=volume)
-    rows = _rows(known)
-    for figure in ("known", "before", "before", "floor", "found", "largest"):
-        assert getattr(rows["positioning"], figure) == getattr(rows["volume"], figure)
-    assert rows["volume"].known == expanded_uncertainty(known).space
-    ends = rows["positioning"].lines[0].positions[[0, -1]].tolist()
-    assert ends == ([0.1, 0.9] if not volume else [0.3, 0.7])
-    assert [row.lines[0].read for row in (rows["positioning"], rows["volume"])] == [9, 9]
-    assert rows["volume"].lines[0].poses[0, 1:].tolist() == [0.2, 0.1]
 
 
 def test_beside_the_line_pitch_and_yaw_are_added_to_what_is_predicted() -> None:

@@ -12,10 +12,9 @@ import pytest
 
 from axiscal.answers.prediction import predict_poses, tcp_prediction
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import deviation_of, whole_travel
+from axiscal.errors.volume import deviation_of
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.readers.csv_table import RawPose
@@ -125,20 +124,3 @@ def test_an_end_of_the_travel_is_within_it_up_to_rounding(at: float, allowed: bo
 def test_an_axis_that_the_machine_has_not_is_named_with_its_line(pose: Any) -> None:
     with pytest.raises(ReadingError, match=r'line 4.*no axis "Y".*Its axes are X, C'):
         predict_poses(known().estimation(), [pose], FILE)
-
-
-def test_what_readings_say_of_a_rest_is_in_the_deviation_of_its_cell_alone() -> None:
-    model = ErrorModel(load_machine("one-axis"))
-    index = list(model.terms).index(model.names["EXX"])
-    cells = np.zeros(model.terms[index].cell_count)
-    belief = Belief(np.zeros(model.size), np.zeros((model.size, model.size)))
-    low, high = whole_travel(model)[0]
-    poses = np.linspace(low, high, 101)[:, None]
-    found = model.terms[index].cells(poses[:, 0])
-    inside = found == found[30]
-    cells[found[30]] = 3e-6
-    assert 0 < inside.sum() < len(poses)
-    known = Estimate(model, belief, whole_travel(model), rests={index: cells})
-    expected = np.where(inside[:, None], 3e-6 * model.levers(poses)[index], 0.0)
-    np.testing.assert_allclose(known.deviation(poses, np.ones_like(poses)), expected, rtol=0, atol=1e-15)
-    assert np.abs(expected).max() == 3e-6

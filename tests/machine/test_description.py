@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Axis, ErrorEntry, Machine, builtin_names, load_machine, machine_from_text
-from axiscal.machine.axis import LINEAR_ACCELERATION, LINEAR_SPEED, ROTARY_ACCELERATION, ROTARY_SPEED
 
 TEXT = """\
 name = "Mill"
@@ -39,57 +38,9 @@ X0C = { std = "5 um" }
 """
 
 
-def test_axes_are_in_the_order_of_the_chain_in_si_units() -> None:
-    machine = machine_from_text(TEXT)
-    x, y, c = machine.axes
-    assert x == Axis("X", True, (0.0, 0.6), 10 / 60, 2.0, (0, 0, 0))
-    assert y == Axis("Y", False, (-0.1, 0.3), LINEAR_SPEED, LINEAR_ACCELERATION, (0, 0, 0))
-    turn = (0.0, math.tau)
-    assert c == Axis("C", False, turn, ROTARY_SPEED, ROTARY_ACCELERATION, (0.001, 0.002, -0.15))
-    assert (x.sign, y.sign) == (-1, 1)
-    assert (y.cyclic, c.cyclic) == (False, True)
-    assert y.length == pytest.approx(0.4)
-    assert machine.tool == 0.12
-    assert (machine.name, machine.chain, machine.text) == ("Mill", "[w X' b Y C (C) t]", TEXT)
-    assert [machine.index(name) for name in "XYC"] == [0, 1, 2]
-    assert machine.axis("C") is c
-
-
-def test_an_axis_that_counts_against_iso_841_moves_the_tool_the_other_way() -> None:
-    plain = machine_from_text(TEXT)
-    stated = machine_from_text(TEXT.replace("[axes.C]", '[axes.C]\ndirection = "reversed"'))
-    iso = machine_from_text(TEXT.replace("[axes.C]", '[axes.C]\ndirection = "iso"'))
-    assert [m.axis("C").counting for m in (plain, stated, iso)] == [None, "reversed", "iso"]
-    assert [m.axis("C").direction for m in (plain, stated, iso)] == [(0, 0, 1), (0, 0, -1), (0, 0, 1)]
-    assert stated.axis("C").travel == plain.axis("C").travel
-    assert stated.axis("X") == plain.axis("X")
-
-
 def test_machine_zero_is_within_the_travel() -> None:
     machine = machine_from_text(TEXT.replace('["0 deg", "360 deg"]', '["10 deg", "370 deg"]'))
     assert machine.zero == pytest.approx((0.0, 0.0, math.radians(10)))
-
-
-def test_priors_are_read_in_si_units() -> None:
-    errors = {entry.name: entry for entry in machine_from_text(TEXT).errors}
-    assert list(errors) == [
-        "EXX",
-        "EZX",
-        "C0Y",
-        "EXX_reversal",
-        "EYX",
-        "EXY",
-        "ECC",
-        "ECC_reversal",
-        "X0C",
-    ]
-    assert errors["EXX"] == ErrorEntry("EXX", 10e-6, knots=13, length=0.15)
-    assert errors["EZX"] == ErrorEntry("EZX", 5e-6, spacing=0.05)
-    assert errors["C0Y"] == ErrorEntry("C0Y", 30e-6)
-    assert errors["EYX"] == ErrorEntry("EYX", 5e-6, knots=13, rest=0.5e-6)
-    assert errors["EXY"] == ErrorEntry("EXY", 5e-6, length=0.09, rest_estimated=True, fine=True)
-    assert errors["ECC"].std == pytest.approx(math.radians(5 / 3600))
-    assert (errors["ECC"].axis, errors["ECC"].kind, errors["ECC"].component) == ("C", "motion", 5)
 
 
 def test_knots_stand_twice_as_far_apart_where_there_would_be_many() -> None:

@@ -61,20 +61,6 @@ HEAD = (
 )
 
 
-def test_a_plane_says_its_knots_and_lengths_along_both_axes() -> None:
-    (plane,) = machine_from_text(
-        f'{HEAD}EZXY = {{ std = "10 um", knots = [9, 7], length = ["150 mm", "100 mm"], rest = "1 um" }}'
-    ).planes
-    assert (plane.name, plane.parts.axes, plane.component, plane.std, plane.rest) == (
-        "EZXY",
-        ("X", "Y"),
-        2,
-        10e-6,
-        1e-6,
-    )
-    assert [(side.knots, side.length) for side in plane.sides] == [(9, 0.15), (7, 0.1)]
-
-
 def test_one_value_counts_along_both_axes_and_the_order_of_the_name_counts() -> None:
     (plane,) = machine_from_text(f'{HEAD}EYCX = {{ band = "40 um", knots = 8 }}').planes
     assert plane.parts.axes == ("C", "X")
