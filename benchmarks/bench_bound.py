@@ -9,7 +9,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import Observation
@@ -34,11 +33,6 @@ def root(value: float) -> str:
     return f"{1e6 * value**0.5:7.3f}"
 
 
-def anything(scores: Scores, _: int) -> NDArray[np.bool_]:
-    """Any candidate may stand in any slot."""
-    return np.ones(len(scores.pool), dtype=bool)
-
-
 def random_starts(problem: Task, pool: Pool, readings: int) -> float:
     """Return the best J of exchanges from random plans."""
     generator, base, found = np.random.default_rng(0), Scores(pool, problem.state), []
@@ -46,7 +40,7 @@ def random_starts(problem: Task, pool: Pool, readings: int) -> float:
         scores = base.fork()
         for index in generator.choice(len(pool), readings, replace=False):
             scores.enter(int(index))
-        exchange(scores, anything)
+        exchange(scores)
         found.append(scores.state.value)
     return min(found)
 

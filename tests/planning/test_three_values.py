@@ -109,7 +109,7 @@ def test_no_plan_of_three_values_is_below_its_bound() -> None:
     scores = Scores(pool, asked.state)
     for _ in range(count):
         scores.enter(int(scores.gains.argmax()))
-    exchange(scores, lambda _, __: np.ones(len(pool), dtype=bool))
+    exchange(scores)
     bound = lower_bound(pool, asked.state, scores.places, np.ones(len(pool) + count), float(count))
     assert 0 < bound.value <= scores.state.value
     assert bound.value > 0.25 * scores.state.value
@@ -131,5 +131,5 @@ def test_a_reading_that_alone_holds_an_unknown_keeps_its_place(open_by: float, a
     scores.enter(int(np.flatnonzero(asked.lattice.setups == 0)[0]))
     assert scores.held_alone(0) == alone
     before = scores.places.poses.copy()
-    exchange(scores, lambda scores, _: np.ones(len(scores.pool), dtype=bool))
+    exchange(scores)
     assert np.array_equal(scores.places.poses, before) or not alone

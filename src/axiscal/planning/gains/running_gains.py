@@ -11,7 +11,6 @@ A reading enters and leaves with all its numbers at once, and so do many reading
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -39,10 +38,6 @@ class Leavings(NamedTuple):
     grown: Array
     omega: Array
     least: Array
-
-
-Allowed = Callable[["Scores", int], NDArray[np.bool_]]
-"""(scores, slot) -> which candidates (M,) may stand in that slot."""
 
 
 class Scores:

@@ -26,8 +26,8 @@ from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, Scorer, unexplained
-from axiscal.planning.gains.running_gains import Allowed, Scores
-from axiscal.planning.plan.task import Clock, Patience, work_of_climb
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.task import Patience, work_of_climb
 from axiscal.planning.step.ground import ground_of
 from axiscal_core.climb import Climb
 from axiscal_core.from_scipy import lowest
@@ -225,7 +225,7 @@ _WORK = 4e9
 """Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
 
 
-def exchange(scores: Scores, allowed: Allowed, sweeps: int = SWEEPS, better: float = _BETTER) -> float:
+def exchange(scores: Scores, sweeps: int = SWEEPS, better: float = _BETTER) -> float:
     """Exchange readings for candidates until a whole sweep finds nothing better; return the work, in operations.
 
     better : by this share of what a reading brings, another one must bring more
@@ -240,7 +240,6 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = SWEEPS, better: flo
                 return work
             looked[slot] = changes
             gains, own = scores.without(slot)
-            gains = np.where(allowed(scores, slot), gains, -np.inf)
             best = first_best(gains, ALIKE)
             work += 4.0 * len(scores.pool)
             if gains[best] > own + max(better * own, least):  # the others have to be looked at anew
@@ -252,7 +251,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = SWEEPS, better: flo
     return work
 
 
-def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) -> None:
+def polish(scores: Scores, rounds: int, patience: Patience) -> None:
     """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
     work = work_of_climb(scores.pool.size, scores.pool.size + len(scores.begun.root.matrix))
     least = _WORTH if scores.pool.size <= _FEW else _WORTH_OF_MANY  # rounds are dear with many unknowns
@@ -261,7 +260,7 @@ def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) ->
         if not patience.spent:
             _move(scores)
             patience.take(work * len(scores.places))
-        _climb_all(scores, allowed, patience, work)
+        _climb_all(scores, patience, work)
         if patience.spent or before - scores.state.value <= least * before:
             return
 
@@ -273,7 +272,7 @@ def _move(scores: Scores) -> None:
             scores.exchange(slot, found.single(slot))
 
 
-def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float) -> None:
+def _climb_all(scores: Scores, patience: Patience, work: float) -> None:
     """Put the best reading there is, on the lattice or off it, into each slot; work : of one climb, operations"""
     idle = 0
     for slot in range(len(scores.places)):
@@ -282,17 +281,16 @@ def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float
         if scores.held_alone(slot):
             continue
         patience.take(work)
-        found = _better(scores, slot, allowed)
+        found = _better(scores, slot)
         if found is not None:
             scores.exchange(slot, found)
         idle = 0 if found is not None else idle + 1
 
 
-def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
+def _better(scores: Scores, slot: int) -> Places | None:
     """Return the best reading for a slot, or None where none is better than what it holds."""
-    gains = np.where(allowed(scores, slot), scores.without(slot)[0], -np.inf)
     state, change = scores.known_without(slot)
-    found = _climbed(scores.pool, scores.pool.scorer(state), gains, scores.places.single(slot))
+    found = _climbed(scores.pool, scores.pool.scorer(state), scores.without(slot)[0], scores.places.single(slot))
     more = state.entered(found)[1].gain > -change.gain * (1 + _BETTER)  # tables are changed for what is better only
     return found if more else None
 
@@ -303,8 +301,7 @@ def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
     scorer : without the reading
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
     """
-    order = ranked(gains, ALIKE, _CANDIDATES)
-    starts = Places.joined([old, pool.lattice.within(order[np.isfinite(gains[order])])])
+    starts = Places.joined([old, pool.lattice.within(ranked(gains, ALIKE, _CANDIDATES))])
     setups = [setup for setup, _ in starts.by_setup()]
     climbs = [_climb(scorer, setup, *starts.in_setup(setup)) for setup in setups]
     best = first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)
@@ -334,8 +331,3 @@ def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb
     climb = climb.distinct().best(1, 0.0, 1.0)
     climb.uphill()
     return climb
-
-
-def drop(scores: Scores, times: Clock) -> None:
-    """Take out the reading that is worth least per second."""
-    scores.leave(first_best(-scores.losses() / times.reading(scores.places.setups), ALIKE))

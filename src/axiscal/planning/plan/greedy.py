@@ -159,18 +159,6 @@ def scores_among(task: Task, setups: Setups) -> Scores:
     return Scores(Pool(alone.observation, alone.lattice), alone.state)
 
 
-def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:
-    """Return which candidates may stand in a slot: of these set-ups, and no dearer than what it held plus the slack."""
-
-    seconds = dict(zip(setups, times.reading(setups).tolist(), strict=True))
-
-    def allowed(scores: Scores, slot: int) -> NDArray[np.bool_]:
-        room = seconds[int(scores.places.setups[slot])] + slack
-        return np.isin(scores.pool.lattice.setups, [s for s in setups if seconds[s] <= room + 1e-9])
-
-    return allowed
-
-
 def openings(scores: Scores, setups: Sequence[int], readings: int) -> tuple[Scores, list[int]]:
     """Return the gains after readings that make known what set-ups leave open of themselves, and these candidates.
 

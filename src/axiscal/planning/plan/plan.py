@@ -30,8 +30,8 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, plain_designs
-from axiscal.planning.plan.exchange import ROUNDS, SWEEPS, drop, exchange, polish
-from axiscal.planning.plan.greedy import Setups, affordable, chosen_setups, filled, scores_among, sets_within
+from axiscal.planning.plan.exchange import ROUNDS, SWEEPS, exchange, polish
+from axiscal.planning.plan.greedy import Setups, chosen_setups, filled, scores_among, sets_within
 from axiscal.planning.plan.irregular import irregular
 from axiscal.planning.plan.minutes import grown, quickest, retoured, toured
 from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds_along, seconds_each
@@ -39,7 +39,7 @@ from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Patience, Task, clock
 from axiscal.planning.promise import FEW
 from axiscal_core.threads import one_thread
-from axiscal_core.ties import ALIKE, ranked
+from axiscal_core.ties import ALIKE, first_best, ranked
 
 _SWEEPS = 3
 _WORTH = 0.01
@@ -116,14 +116,14 @@ def _those_of(places: Places) -> Setups:
 
 def _renewed(task: Task, limits: Limits, setups: Setups, left: Places, patience: float) -> Places:
     """Return as many readings to come of these set-ups as there may be, in any order."""
-    scores, times = scores_among(task, setups), clock(task)
+    scores = scores_among(task, setups)
     scores.enter_all(left)
     most = len(left) if limits.readings is None else limits.readings
     while len(scores.places) > most:
-        drop(scores, times)
+        scores.leave(first_best(-scores.losses(), ALIKE))
     scores = filled(scores, most, setups)
-    exchange(scores, affordable(times, setups, np.inf), _SWEEPS, _WORTH)
-    polish(scores, affordable(times, setups, 0.0), _ROUNDS_OF_RENEWAL, Patience(patience))
+    exchange(scores, _SWEEPS, _WORTH)
+    polish(scores, _ROUNDS_OF_RENEWAL, Patience(patience))
     return scores.places
 
 
@@ -243,14 +243,14 @@ def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Place
 
     They are interleaved within a budget.
     """
-    limits, times = replace(within, budget=None), clock(task)
+    limits = replace(within, budget=None)
     with stage("which set-ups"):
         setups = chosen_setups(task, limits)
     task = task.among(setups)
     with stage("readings chosen together"):
         scores = _together(task, within.readings or MANY, setups, _RANDOM * patience)
     with stage("places between the steps"):
-        polish(scores, affordable(times, setups, 0.0), ROUNDS, Patience(patience))
+        polish(scores, ROUNDS, Patience(patience))
     order = in_order(task, irregular(task, limits, scores.places) if usual and len(scores.places) else scores.places)
     return interleaved(task, within, order) if usual else order
 
@@ -290,10 +290,10 @@ def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
 
     work : operations that random starts may take
     """
-    base, times = scores_among(task, setups), clock(task)
-    tried, allowed = [filled(base.fork(), readings, setups)], affordable(times, setups, np.inf)
+    base = scores_among(task, setups)
+    tried = [filled(base.fork(), readings, setups)]
     if not task.patience:
-        exchange(tried[0], allowed, 1)
+        exchange(tried[0], 1)
         return tried[0]
     counts = [(s, int(np.sum(tried[0].places.setups == s))) for s in setups]
     random = best_of_random(task, counts, work)
@@ -306,7 +306,7 @@ def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
     for sweeps in (1, SWEEPS):
         for place, scores in enumerate(_best_first(tried)):
             if place == 0 or done < _MUCH:
-                done += exchange(scores, allowed, sweeps)
+                done += exchange(scores, sweeps)
     return _best_first(tried)[0]
 
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from axiscal.measurement.reading import Places
 from axiscal.planning.plan.exchange import ROUNDS, exchange, polish
-from axiscal.planning.plan.greedy import affordable, scores_among
+from axiscal.planning.plan.greedy import scores_among
 from axiscal.planning.plan.irregular import irregular
 from axiscal.planning.plan.minutes import from_elsewhere
 from axiscal.planning.plan.order import seconds_along
-from axiscal.planning.plan.task import PATIENCE, Limits, Patience, Task, clock
+from axiscal.planning.plan.task import PATIENCE, Limits, Patience, Task
 
 _MOST, _SEED = 20, 2
 """Searches at most: what a few do not find hardly any finds; any seed: they are the same every time."""
@@ -64,15 +64,15 @@ def _in_minutes(task: Task, limits: Limits, places: Places, usual: bool, number:
 
 def _so_many(task: Task, limits: Limits, places: Places, usual: bool, number: int, work: Patience) -> Places:
     """Return as many readings of each set-up as a plan has."""
-    rng, times, counts = np.random.default_rng([_SEED, number]), clock(task), dict[int, int]()
+    rng, counts = np.random.default_rng([_SEED, number]), dict[int, int]()
     for setup, mine in places.by_setup():
         counts[setup] = len(places.within(mine))
     scores = scores_among(task, tuple(counts))
     lattice = scores.pool.lattice
     drawn = [rng.choice(np.flatnonzero(lattice.setups == s), count) for s, count in counts.items()]
     scores.enter_all(lattice.within(np.concatenate(drawn)))
-    work.take(exchange(scores, affordable(times, tuple(counts), np.inf)))
+    work.take(exchange(scores))
     climbs = Patience(PATIENCE)
-    polish(scores, affordable(times, tuple(counts), 0.0), ROUNDS, climbs)
+    polish(scores, ROUNDS, climbs)
     work.take(PATIENCE - climbs.left)
     return irregular(task, limits, scores.places) if usual else scores.places
