@@ -13,7 +13,7 @@ import pytest
 
 from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.learnt import posed
-from axiscal.estimation.promise.passing import passing_columns
+from axiscal.estimation.promise.causes import passing_columns
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
 from axiscal.measurement.travel import reading_seconds, way_seconds

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.estimation.promise.passing import passing_columns
+from axiscal.estimation.promise.causes import passing_columns
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.plan.order import in_order, interleaved, seconds_along, seconds_each

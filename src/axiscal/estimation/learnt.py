@@ -7,8 +7,8 @@ from itertools import combinations
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.agreement import Framed, Turned
+from axiscal.estimation.promise.causes import at_feed
 from axiscal.estimation.promise.mistaken import with_feed
-from axiscal.estimation.promise.passing import at_feed
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.promise.stuck import repeats

@@ -1,18 +1,163 @@
-"""Causes of type B that are there, and what one standard deviation of each does to the readings; see `type_b`."""
+"""What readings suffer beside the errors of the machine: drift, growth, what a reversal lacks yet, causes of type B.
+
+How much passes says `axiscal_core.causes`. Without what usually goes wrong a zero wanders as stated
+(`measurement.cells`).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.description.type_b import Read, TypeB, rows_of
+from axiscal.description.usual import needs_a_way
+from axiscal.measurement.cells import Course
 from axiscal.measurement.instrument import instrument_of, model_of
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import numbers_of_setups
+from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
 from axiscal.numerics import Array
+from axiscal_core import causes
+
+_ONE_WAY = 0.5
+"""Share by which one way round prevails: with a quarter of circles the other way a lag is told from squareness."""
+
+
+def passing_columns(
+    observation: Observation, places: Places, reading: NDArray[np.intp], clock: Array, usual: bool = True
+) -> causes.Columns:
+    """Yield the columns of what only readings suffer.
+
+    reading : (m,) of each number, ascending; clock : (r,) s
+    usual : with what usually goes wrong; else zeros wander as stated and nothing besides
+    """
+    for index, chosen in places.by_setup():
+        setup, which = observation.setups[index], np.arange(len(places))[chosen]
+        mine = np.flatnonzero(np.isin(reading, which))
+        of, part = np.searchsorted(which, reading[mine]), mine - np.searchsorted(reading, reading[mine])
+        noise = np.full(len(mine), setup.noise)
+        read = causes.OfOneSetup(setup.name, len(reading), mine, part, clock[reading[mine]], noise, setup.drift)
+        if usual:
+            yield from read.passing(axis[part, of] for axis in growing(observation, index, places.poses[which]))
+        elif setup.drift > 0:
+            course = Course.over(setup.drift, np.sort(read.clock).tolist())
+            yield from (("drift", setup.name, read.wide(zero, course.rows(read.clock[zero]))) for zero in read.zeros)
+
+
+def absent(observation: Observation, places: Places, clock: Array) -> dict[str, Array]:
+    """Return, by its name, which share of each part of a reversal is missing at readings, (readings, ways)."""
+    found = dict[str, Array]()
+    for index, chosen in places.by_setup():
+        which = np.arange(len(places))[chosen]
+        poses, order = places.poses[which], np.argsort(clock[which], kind="stable")
+        for turn in turning(observation, index, poses, places.approaches[which]):
+            shares = found.setdefault(turn.name, np.zeros((len(places), len(causes.WAYS))))
+            shares[which] = causes.absent(poses[:, turn.axis], turn.sides, order, turn.overrun)
+    return found
+
+
+class AtFeed(NamedTuple):
+    """What servos do to a circle of a ball bar, which runs at feed.
+
+    setup : its name; both : whether it went round both ways: by one way alone a lag is squareness
+    lag : (1, m) m of all numbers, of a noise; late : (q, m) what is missing of reversals, of as much as is stated
+    """
+
+    setup: str
+    both: bool
+    lag: Array
+    late: Array
+
+
+def at_feed(observation: Observation, readings: Sequence[Reading]) -> Iterator[AtFeed]:
+    """Yield what servos do to each circle: axes that lag differently, and reversals that come some way after the turn.
+
+    At a feed v axes lag by v τ. Along a bar at angle φ that shows ± v Δτ sin φ cos φ, the sign that of the way round.
+    """
+    places, times = places_of(observation.setups, readings), np.nan_to_num(times_of(readings))
+    last = np.cumsum(numbers_of_setups(observation.setups)[places.setups])
+    for index, chosen in places.by_setup():
+        setup = observation.setups[index]
+        if instrument_of(setup).site != "bar":
+            continue
+        which = np.arange(len(places))[chosen]
+        turns = turning(observation, index, places.poses[which], places.approaches[which])
+        seen = [turn for turn in turns if np.any(turn.effects)]
+        if len(seen) != 2:  # of three, on a circle
+            continue
+        order, numbers = np.argsort(times[which], kind="stable"), last[which] - 1
+        one, other = (turn.effects[0] / np.abs(turn.effects).max() for turn in seen)
+        missing = [turn.missing(places.poses[which], order, way)[0] for turn in seen for way in range(len(causes.WAYS))]
+        lag, late = np.zeros((1, last[-1])), np.zeros((len(missing), last[-1]))
+        lag[0, numbers] = setup.noise * one * np.abs(other)
+        late[:, numbers] = 2 / causes.WAY * np.array(missing)
+        ways = lag[0, numbers] * one * seen[0].sides * other * seen[1].sides
+        yield AtFeed(setup.name, bool(abs(ways.sum()) < _ONE_WAY * np.abs(ways).sum()), lag, late)
+
+
+def growing(observation: Observation, index: int, poses: Array) -> list[Array]:
+    """Return what growth by one does to each number of readings of a set-up, (k, r), for each axis that may grow.
+
+    A linear axis may if it moves in the set-up and its positions are an error.  poses : (r, q)
+    """
+    machine, levers, found = observation.machine, None, list[Array]()
+    for k in observation.setups[index].moves:
+        axis = machine.axes[k]
+        term = next((i for i, t in enumerate(observation.errors.terms) if t.name == axis.positioning_error), None)
+        if term is None or axis.rotary:
+            continue
+        levers = observation.levers(index, poses) if levers is None else levers
+        along = (poses[:, k] - np.mean(axis.travel)) / axis.length
+        found.append(np.array([lever[term] * along for lever in levers]))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """A reversal of a linear axis that may need a way to be complete.
+
+    name : of the error; axis : k; overrun : m, that the axis has come since it turned where it comes from another side
+    sides : (r,) from where it comes; effects : (k, r) what one standard deviation does to each number when it is whole
+    """
+
+    name: str
+    axis: int
+    overrun: float
+    sides: Array
+    effects: Array
+
+    def missing(self, poses: Array, order: NDArray[np.intp], way: int = 1) -> Array:
+        """Return what is missing of each number of readings, (k, r) m or rad.
+
+        poses : (r, q); order : (r,) in which they are taken; way : which of the parts it is
+        """
+        shares = causes.absent(poses[:, self.axis], self.sides, order, self.overrun)
+        return -causes.WAY * shares[:, way] * self.effects
+
+
+def turning(observation: Observation, index: int, poses: Array, approaches: Array) -> list[Turning]:
+    """Return the reversals of linear axes that readings of a set-up from both sides show.
+
+    poses, approaches : (r, q)
+    """
+    setup, machine, found = observation.setups[index], observation.machine, list[Turning]()
+    terms = [
+        (number, term)
+        for number, term in enumerate(observation.errors.functions)
+        if term.axis in setup.moves and needs_a_way(term.kind, machine.axes[term.axis]) and len(setup.sides) > 1
+    ]
+    if not terms:
+        return []
+    levers = observation.levers(index, poses)
+    for number, term in terms:
+        sides, size = approaches[:, term.axis], 0.5 * float(np.sqrt(term.covariance[0, 0]))
+        effects = size * sides * levers[:, number]
+        found.append(Turning(term.name, term.axis, machine.axes[term.axis].overrun, sides, effects))
+    return found
 
 
 @dataclass(frozen=True, eq=False)

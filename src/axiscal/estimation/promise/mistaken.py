@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.promise.agreement import NAMED, PRIOR, Explained, Mistake
-from axiscal.estimation.promise.passing import AtFeed
+from axiscal.estimation.promise.causes import AtFeed
 from axiscal.numerics import Array
 from axiscal_core.draws import as_stated, sized
 from axiscal_core.problem import Problem

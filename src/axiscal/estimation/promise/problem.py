@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors.prior import covariance
 from axiscal.errors.term import Term
-from axiscal.estimation.promise.causes import contributions
-from axiscal.estimation.promise.passing import absent, passing_columns
+from axiscal.estimation.promise.causes import absent, contributions, passing_columns
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import (
@@ -180,7 +179,7 @@ class _Builder:
     def scales(self, absent: Mapping[str, Array]) -> Iterator[tuple[str, Scale, Array | None]]:
         """Yield what adds to curves: owner, what it adds, and which share of it readings lack, (r,), None for none.
 
-        absent : as of `passing.absent`; a belief that was inherited has the scales of axes
+        absent : as of `causes.absent`; a belief that was inherited has the scales of axes
         """
         for term in self.observation.errors.terms:
             if self.inherited is None and term.entry.scale:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.promise.passing import Turning, growing, turning
+from axiscal.estimation.promise.causes import Turning, growing, turning
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way, way_seconds
