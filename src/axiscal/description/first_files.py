@@ -87,8 +87,8 @@ def _written_in(folder: Path) -> list[str]:
 def instruments_of(text: str, folder: Path = Path()) -> list[str]:
     """Return the instruments that a person names; raises DescriptionError for a word that is none.
 
-    They are of `OFFERED`, brought by packages, or files as in `grid.py:Grid`, from where the person is or from a
-    folder.  folder : of the campaign, from where it names those files
+    They are of `OFFERED`, brought by packages, or files as in `grid.py:Grid`.
+    folder : of the campaign, in which a file is sought that is not where the person is
     """
     names, found, brought = _by_word(), list[str](), ports.names(PORTS)
     for part in map(str.strip, text.split(",")):

@@ -9,7 +9,7 @@ import base64
 import hashlib
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -171,8 +171,12 @@ def position_text(position: Position | None) -> str:
 
 def position_heading(rows: Iterable[HistoryRow]) -> str:
     """Return what stands above positions, with the units that occur: of linear axes, of rotary ones or of both."""
-    units = {axis_unit(axis) for row in rows for axis in row.position or ()}
-    if units == {"deg"}:
+    return heading_in({axis_unit(axis) for row in rows for axis in row.position or ()})
+
+
+def heading_in(units: Collection[str]) -> str:
+    """Return what stands above positions in "mm", in "deg", or in both."""
+    if {*units} == {"deg"}:
         return said("position, °")
     return said("position, mm and °") if "deg" in units else said("position, mm")
 

@@ -51,6 +51,13 @@ class Log:
     closing: Lines | None = None
     files: Mapping[str, str] = field(default_factory=dict)
 
+    def opened(self, axes: Sequence[Axis], **told: str) -> list[str]:
+        """Return what opens it."""
+        names = [axis.name for axis in axes if axis.rotary]
+        turns = " ".join(self.settled.format(axis=name, place=5420 + LETTERS.find(name)) for name in names)
+        settled = f"G53 G1 {turns}" if turns else ""
+        return [line for line in filled(self.on, settled=settled, **told) if line]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dialect:
@@ -126,13 +133,6 @@ class Dialect:
             remedy = "Leave --log out: the program stops at each sphere for the control's own cycle"
             raise ProgramError("{control} programs write no log", remedy, control=self.title)
         return self.log
-
-    def opened(self, log: Log, axes: Sequence[Axis], **told: str) -> list[str]:
-        """Return what opens a log."""
-        names = [axis.name for axis in axes if axis.rotary]
-        turns = " ".join(log.settled.format(axis=name, place=5420 + LETTERS.find(name)) for name in names)
-        settled = f"G53 G1 {turns}" if turns else ""
-        return [line for line in filled(log.on, settled=settled, **told) if line]
 
     def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Iterable[str], logs: bool) -> str:
         """Return the whole text of a program; number : 1 for the first of a plan; logs : whether it writes a log."""

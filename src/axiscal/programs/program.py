@@ -168,7 +168,7 @@ class _Writer:
         name = program_name(number, setup.name, dialect.longest_name)
         lines = [self._comment(text) for text in self._head()]
         told, log = {"code": code, "head": head(code)}, dialect.logging() if self.touches else None
-        lines += dialect.opened(log, self._machine.axes, **told) if log else []
+        lines += log.opened(self._machine.axes, **told) if log else []
         lines += [line for step in run for line in self._lines(step, code)]
         lines += filled(log.off, readings=len(readings), **told) if log else []
         text = dialect.framed(name, number, self._machine.axes, lines, self.touches)

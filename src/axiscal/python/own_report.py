@@ -18,7 +18,7 @@ from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import LANGUAGES, WORDS, joined, said, speaking
 from axiscal.present.drawing.svg_picture import paper_svg
 from axiscal.present.rendering import PANEL, kept_in, printed, template
-from axiscal.present.sentences import as_read, coordinate, figure, quantity, values_text, with_band
+from axiscal.present.sentences import as_read, figure, heading_in, position_text, quantity, values_text, with_band
 from axiscal.present.whose_language import named_language
 from axiscal.python.estimated import Curve
 from axiscal.units import to_unit
@@ -176,29 +176,21 @@ def _instruments(known: Known) -> list[list[str]]:
     return rows
 
 
-def _heading(known: Known) -> str:
-    """Return what stands above positions."""
-    turning = {axis.rotary for axis in known.case.machine.axes}
-    if turning == {True}:
-        return said("position, °")
-    return said("position, mm and °") if True in turning else said("position, mm")
-
-
 def _rows(known: Known, readings: Readings) -> list[list[str]]:
     """Return where was read, what it was, and how far that is from what the others expect."""
     case, places = known.case, readings.places
     of, axes = case.numbers(readings).place, case.machine.axes
     shown_by = case.values(readings, "report")
-    rows = [[said("no."), said("set-up"), _heading(known), said("approach"), said("value"), said("surprise")]]
+    shown = ["deg" if axis.rotary else "mm" for axis in axes]
+    rows = [[said("no."), said("set-up"), heading_in(shown), said("approach"), said("value"), said("surprise")]]
     for i, (name, pose) in enumerate(zip(places.instruments, places.poses, strict=True)):
-        instrument = case.instruments[[each.name for each in case.instruments].index(name)]
-        at = zip(axes, pose.tolist(), strict=True)
-        shown = (f"{axis.name} {coordinate(to_unit(x, 'deg' if axis.rotary else 'mm'))}" for axis, x in at)
+        instrument = case.instruments[case.setups.index(name)]
+        at = {axis.name: to_unit(x, unit) for axis, x, unit in zip(axes, pose.tolist(), shown, strict=True)}
         came = (f"{a.name}{'+' if side > 0 else '−'}" for a, side in zip(axes, places.sides[i], strict=True) if side)
         units = [UNITS[unit] for unit in instrument.units]
         pairs = zip(shown_by[of == i].tolist(), units, strict=True)
         values = values_text([to_unit(value, unit) for value, unit in pairs], *units)
         surprise = as_read(known.z[i]) if i in known.z else ""
         number = f"{i + 1}{' ×' if i in known.bad else ''}"
-        rows.append([number, name, " · ".join(shown), " ".join(came), values, surprise])
+        rows.append([number, name, position_text(at), " ".join(came), values, surprise])
     return rows

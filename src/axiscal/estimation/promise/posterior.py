@@ -7,8 +7,8 @@ multivariate t whose variance varies as much has degrees of freedom (as GUM G.4 
 
     f = 4 + 2 (Σ w s²_θ)²/Σ w (s²_θ − Σ w s²_θ)²
 
-Where the odds of a bad reading (`left_out`) are above 1 the worst is taken out, with those of nearly the same odds, and
-again, up to a fifth of the readings. One reading alone cannot tell a slip from a detail of the machine. Others at its
+The worst reading is taken out while its odds of being bad (`left_out`) are above 1, with those of nearly the same odds.
+At most a fifth of the readings go. One reading alone cannot tell a slip from a detail of the machine. Others at its
 place can, if none of those is bad. Where none tell, the answers with it and without it count one half each if errors
 of the stated size could be as large:
 

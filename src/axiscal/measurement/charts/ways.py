@@ -1,9 +1,9 @@
 """Ways through a chart: straight in u, or one coordinate after the other, where all of it can be taken.
 
-Both ends and the middle of each piece of a way are looked at. Over two degrees what must not be negative, f, is a
-parabola to a micrometre, nowhere below min(f₀, f₁) − |f₀ − 2 f½ + f₁|/2; twice as much is asked for. Every place of the
-tool is within half of its way from one of both ends, where it meets by so much sooner what stands there. Pieces that
-are not free by that are halved; a piece that stays so is not gone.
+Both ends and the middle of each piece of a way are looked at. Over two degrees a function f that must not be negative
+is a parabola to a micrometre. It is nowhere below min(f₀, f₁) − |f₀ − 2 f½ + f₁|/2, and twice that fall has to fit. The
+tool is within half of its way from one of both ends: there it meets by so much sooner what stands in its way. Pieces
+that are not free by that are halved; a piece that stays so is not gone.
 """
 
 from __future__ import annotations
