@@ -76,7 +76,7 @@ class Known:
 
     @property
     def rms(self) -> float:
-        """The RMS standard deviation of the tool point over the volume, m: aligned, without a motion of it all."""
+        """The RMS standard deviation of the tool point over the volume, m; `aligned`, less a motion of it all."""
         return float(np.sqrt(self.case.volume.value(self.covariance)))
 
     @property

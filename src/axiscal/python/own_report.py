@@ -34,7 +34,7 @@ from axiscal_core.units import like
 UNITS = {"m": "um", "rad": "urad"}
 """In which a deviation is shown."""
 _LARGER, _FAR_LARGER = 1.5, 6.0
-"""From here on a size is called larger than stated, of less a dozen readings say little; and from here on a mistake."""
+"""From the first on a size is called larger than stated, for a dozen readings say little of less; then a mistake."""
 
 
 def report(known: Known, folder: str | Path, title: str = "Machine", language: str | None = None) -> Path:
@@ -68,8 +68,9 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
 
 def _filled(known: Known, readings: Readings, told: dict[str, Any], folder: Path) -> str:
     """Return the report as typst sets it; its pictures are written into a folder."""
-    kept, drawn = kept_in(folder), (term for _, term in known.case.machine.curves if term.spline.size > 1)
-    curves = [_curve(known.case, term, known.normal) for term in drawn]
+    kept, normal = kept_in(folder), known.normal
+    drawn = (term for _, term in known.case.machine.curves if term.spline.size > 1)
+    curves = [_curve(known.case, term, normal) for term in drawn]
     values = {
         "figures": _figures(known),
         "sentences": [*_sentences(known)],
@@ -105,7 +106,7 @@ def _sentences(known: Known) -> Iterator[str]:
         shown = [f"{owner} ({said(WORDS['sizes'][kind])}) × {figure(size, 2)}" for (kind, owner), size in kinds]
         yield said("Readings show sizes larger than stated: {sizes}.", sizes=joined(shown))
     if max(known.sizes.values(), default=0.0) > _FAR_LARGER:
-        yield said("So much larger they contradict what is stated: look at the unit of the readings first.")
+        yield said("Sizes that much larger contradict what is stated: look at the unit of the readings first.")
 
 
 def _curve(case: Model, term: Curved, known: Normal) -> Curve:
@@ -131,12 +132,12 @@ def _unit(term: object) -> str:
 
 def _found(known: Known) -> Iterator[list[str]]:
     """Give each unknown with its 95 %, now and before; of a curve that is drawn its range, and both on average."""
-    before, now = known.case.prior.std, known.normal.std
-    machine = known.case.machine
+    machine, both = known.case.machine, (known.normal, known.case.prior)
+    now, before = (each.std for each in both)
     for term, columns in zip(machine.terms, machine.columns, strict=True):
         unit = _unit(term)
         if (count := columns.stop - columns.start) > 1 and isinstance(term, Curved):
-            yield _range(*(_curve(known.case, term, each) for each in (known.normal, known.case.prior)))
+            yield _range(*(_curve(known.case, term, each) for each in both))
             continue
         for i in range(columns.start, columns.stop):
             name = term.name if count == 1 else known.names[i]
