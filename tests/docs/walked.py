@@ -1,4 +1,4 @@
-"""What commands walk: how many files and functions of axiscal they enter, and how deep.
+"""What commands walk: how many files, functions and statements of axiscal they enter.
 
     python -m tests.docs.walked FOLDER next mill.axiscal
 
@@ -7,12 +7,14 @@ gives it as JSON.  FOLDER : where the command is given
 
 from __future__ import annotations
 
+import ast
 import io
 import json
 import os
 import sys
 from contextlib import redirect_stderr, redirect_stdout
 from inspect import CO_OPTIMIZED
+from pathlib import Path
 from types import CodeType, FrameType
 
 import axiscal
@@ -22,42 +24,48 @@ _INLINE = {"<listcomp>", "<dictcomp>", "<setcomp>", "<genexpr>"}
 """Functions of their own in some versions of Python only."""
 
 
+def _statements(file: str) -> set[int]:
+    """Return the lines of a file on which a statement begins."""
+    tree = ast.parse(Path(file).read_text(encoding="utf-8"))
+    return {node.lineno for node in ast.walk(tree) if isinstance(node, ast.stmt)}
+
+
 class Walk:
-    """What is entered while it is the profile function; modules and classes that are being made do not count."""
+    """What is entered while it is the trace function; modules and classes that are being made do not count."""
 
     def __init__(self) -> None:
-        self._folder, self._depth = axiscal.__path__[0], 0
-        self.codes, self.deepest = set[CodeType](), 0
+        self._folder = axiscal.__path__[0]
+        self.codes, self.lines = set[CodeType](), set[tuple[str, int]]()
 
-    def __call__(self, frame: FrameType, event: str, _: object) -> None:
-        """Take note of a call or a return."""
+    def __call__(self, frame: FrameType, event: str, _: object) -> Walk | None:
+        """Take note of a call or a line."""
         code = frame.f_code
-        if event not in ("call", "return") or not code.co_filename.startswith(self._folder):
-            return
-        if not code.co_flags & CO_OPTIMIZED or code.co_name in _INLINE:
-            return
-        if event == "return":
-            self._depth -= 1
-            return
-        self._depth += 1
-        self.deepest = max(self.deepest, self._depth)
-        self.codes.add(code)
+        ours = code.co_filename.startswith(self._folder) and code.co_filename.endswith(".py")  # templates are code, too
+        if not ours or not code.co_flags & CO_OPTIMIZED:
+            return None
+        if event == "line":
+            self.lines.add((code.co_filename, frame.f_lineno))
+        elif event == "call" and code.co_name not in _INLINE:
+            self.codes.add(code)
+        return self
 
     def found(self) -> dict[str, int]:
-        """Return how many files and functions it came to, and the frames of axiscal that stood on each other."""
+        """Return how many files and functions it came to, and how many statements of these functions ran."""
         files = {code.co_filename for code in self.codes}
-        return {"files": len(files), "functions": len(self.codes), "frames": self.deepest}
+        begun = {file: _statements(file) for file in files}
+        statements = sum(line in begun.get(file, ()) for file, line in self.lines)
+        return {"files": len(files), "functions": len(self.codes), "statements": statements}
 
 
 def walked(arguments: list[str]) -> dict[str, int]:
     """Return what one command walks."""
     walk = Walk()
     with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()) as said:
-        sys.setprofile(walk)
+        sys.settrace(walk)
         try:
             code = run(arguments)
         finally:
-            sys.setprofile(None)
+            sys.settrace(None)
     if code != 0:
         raise SystemExit(f"axiscal {' '.join(arguments)} ended with {code}: {said.getvalue()}")
     return walk.found()
