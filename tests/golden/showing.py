@@ -8,6 +8,7 @@ import math
 import re
 import shlex
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +25,18 @@ MASKED = (
 LEFT_AWAY = (
     *("*.axiscal", "*.axiscal-*", "*.answers", "*.sqlite", "*.type.json"),
     *("report.html", "report.pdf", "*.svg", "*.xml", "data/*", "tables/*/README.txt"),
-    *("axiscal_vcomp.comp", "axiscal_vcomp_core.h"),
+    *("axiscal_vcomp.comp", "axiscal_vcomp_core.h", "job/*.schema.json"),
 )
-"""Records and what is kept beside them; the report in its forms; the words beside tables; code that is copied."""
+"""Records and what is kept beside them; the report in its forms; the words beside tables; code that is copied; the
+schemas where they stand a second time.
+"""
 DIGITS = 12
 MOST = 16
 """Entries of a list of numbers that is kept whole; of a longer one so many at most."""
+ROWS = 4 * MOST
+"""Rows of a table that is kept whole; of a longer one so many at most."""
+_ROW = re.compile(r"(?:[A-Z]\w*[,;]\s*)?[-+.\d][-+.,;\dEe\s]*")
+"""Numbers, behind the name of an axis or without it."""
 _UNSEEN = re.compile(r"<(script|style|svg)\b.*?</\1>", re.DOTALL)
 
 
@@ -46,7 +53,16 @@ def shown(campaign: Given, said: Sequence[Said], folder: Path) -> dict[str, str]
         name = path.relative_to(folder).as_posix()
         if path.is_file() and name not in campaign.inputs and not any(map(path.match, LEFT_AWAY)):
             texts |= dict([_file(path, name)])
-    return {name: _masked(text) for name, text in texts.items()}
+    return _once({name: _masked(text) for name, text in texts.items()})
+
+
+def _once(texts: dict[str, str]) -> dict[str, str]:
+    """Return texts of which each document stands once; where it is the same again stands the name of the first."""
+    first: dict[str, str] = {}
+    for name in sorted(texts, key=lambda each: ("/" not in each, each)):
+        first.setdefault(texts[name], name)
+    again = {name for name, text in texts.items() if name.endswith(".json") and first[text] != name}
+    return {name: json.dumps({"as": first[text]}) + "\n" if name in again else text for name, text in texts.items()}
 
 
 def _screen(number: int, said: Said) -> str:
@@ -72,7 +88,17 @@ def _file(path: Path, name: str) -> tuple[str, str]:
     text = path.read_bytes().decode("utf-8", "backslashreplace").replace("\r\n", "\n")
     if path.suffix == ".html":
         return f"{name}.txt", "\n".join(_words(text)) + "\n"
-    return name, _document(text) if path.suffix == ".json" else text
+    return name, _document(text) if path.suffix == ".json" else _table(text)
+
+
+def _table(text: str) -> str:
+    """Return a text with fewer of the rows that hold nothing but numbers, where more than ROWS follow each other."""
+    kept: list[str] = []
+    for numeric, group in groupby(text.splitlines(keepends=True), lambda line: bool(_ROW.fullmatch(line.strip()))):
+        rows = list(group)
+        every = math.ceil(len(rows) / ROWS) if numeric else 1
+        kept += rows[::every] + [f"({len(rows)} rows, every {every}th)\n"] * (every > 1)
+    return "".join(kept)
 
 
 def _words(page: str) -> Iterator[str]:

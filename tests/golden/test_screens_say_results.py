@@ -55,7 +55,7 @@ def promised(campaign: str) -> Iterator[tuple[str, str, float]]:
         for control, size in saying.findall(path.read_text(encoding="utf-8")):
             yield path.name, control, float(size)
     for path in folder.rglob("result.json"):
-        for table in json.loads(path.read_text(encoding="utf-8"))["tables"]:
+        for table in json.loads(path.read_text(encoding="utf-8")).get("tables", []):
             if "U_um" in table:
                 yield path.name, table["controller"], table["U_um"]
     lines = (CAMPAIGNS / campaign / "commands.txt").read_text(encoding="utf-8").splitlines()
