@@ -71,18 +71,20 @@ def cycle_correlation(clock: Array, numbers: int) -> Array | None:
 
 
 def absent(at: Array, sides: Array, order: np.ndarray, overrun: float) -> Array:
-    """Return which share of each part of a reversal is missing, (r, ways): exp(-d/l), d the way since the axis turned.
+    """Return which share of each part of a reversal is missing, and its standard deviation, (2, r, ways).
 
-    at, sides : (r,) m and from where it comes; order : (r,) in which they are taken
-    overrun : m, that it has come where the side changes
+    It is exp(-d/l), d the way since the axis turned: where it was before if it comes from the other side, an overrun
+    off if it has to go past its place. Until it first turns nobody knows: up to that of an overrun is missing.
+    at, sides : (r,) m and from where it comes; order : (r,) in which they are taken; overrun : m
     """
-    at, sides, since = at[order], sides[order], np.full(len(at), overrun)
-    step = np.diff(at) * sides[1:]
-    for number in np.flatnonzero((sides[1:] == sides[:-1]) & (step >= 0)).tolist():
-        since[number + 1] = since[number] + step[number]
-    shares = np.empty((len(at), len(WAYS)))
-    shares[order] = np.exp(-since[:, None] / WAYS)
-    return shares
+    at, sides = at[order], sides[order]
+    gone = np.diff(at, prepend=at[:1]) * sides
+    turns = (np.diff(sides, prepend=np.nan) != 0) | (gone < 0)
+    last = np.maximum.accumulate(np.where(turns, np.arange(len(at)), 0))
+    since = np.maximum(gone, overrun)[last] + np.abs(at - at[last])
+    most, before = np.exp(-since[:, None] / WAYS), (last == 0)[:, None]
+    shares: Array = np.where(before, [most / 2, most / np.sqrt(12)], [most, 0 * most])
+    return shares[:, np.argsort(order)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +108,12 @@ class OfOneSetup:
         """The numbers with one zero each, among its own."""
         return [np.flatnonzero(self.part == part) for part in np.unique(self.part)]
 
-    def passing(self, growing: Iterable[Array]) -> Columns:
-        """Yield what passes while it is read.  growing : (r,) what it shows of each axis that grows by one"""
+    def passing(self, growing: Iterable[Array], lacking: Iterable[tuple[str, Array]]) -> Columns:
+        """Yield what passes while it is read.
+
+        growing : (r,) what it shows of each axis that grows by one
+        lacking : reversals, and what they lack of each part that nobody knows, (r, ways) standard deviations
+        """
         for zero in self.zeros:
             clock, sigma = self.clock[zero], self.sigma[zero]
             yield "drift", self.name, self.wide(zero, of_rank(drift(clock, sigma, self.wander)))
@@ -116,6 +122,9 @@ class OfOneSetup:
         for along in growing:
             grown = (GROWTH * self.sigma * along)[:, None] * growth_functions(self.clock)
             yield "growth", self.name, self.wide(np.arange(len(self.mine)), of_rank(grown))
+        for name, lack in lacking:
+            some = np.flatnonzero(np.any(lack, axis=1))
+            yield "way", name, self.wide(some, of_rank(lack[some]))
 
     def wide(self, some: np.ndarray, columns: Array) -> Array:
         """Return columns of all numbers, (count, q), noughts but for some of its own.  columns : (some, q)"""
@@ -131,27 +140,41 @@ def columns_of(case: Model, places: Places, n: Numbers, clock: Array) -> Columns
         of, mine = case.instruments[i], np.flatnonzero(n.setup == i)
         place, part = n.place[mine], n.part[mine]
         read = OfOneSetup(case.setups[i], len(n.rows), mine, part, clock[place], of.sigma[part], of.wander)
-        yield from read.passing(
+        growing = (
             n.reach[mine, k] * (places.poses[place, term.at] - np.mean(axis.travel)) / axis.length
             for k, (_, term) in enumerate(case.machine.curves)
             if term.error.positioning and _moves(case, i, term) and (axis := case.machine.axes[term.at])
         )
+        turning = _turning(case, places, clock, i, np.unique(place))
+        lacking = ((t.name, WAY * t.std * n.reach[mine, k, None] * some[1, place]) for k, t, some in turning)
+        yield from read.passing(growing, lacking)
 
 
 def adding_to_curves(case: Model, places: Places, n: Numbers, clock: Array) -> Iterator[tuple[str, Scale, Array]]:
     """Yield scales of axes and parts of reversals: owner, what it adds, and which share of it readings have, (n,)."""
-    for at, term in case.machine.curves:
-        part, missing = case.machine.columns[at], np.zeros((len(places), len(WAYS)))
+    missing = np.zeros((len(case.machine.curves), len(places), len(WAYS)))
+    for i in np.unique(n.setup).tolist() if case.usual else ():
+        for k, _, some in _turning(case, places, clock, i, np.unique(n.place[n.setup == i])):
+            missing[k] += some[0]
+    for (at, term), lost in zip(case.machine.curves, missing, strict=True):
+        part = case.machine.columns[at]
         if term.ramp is not None:
             yield term.name, Scale("scale", part, term.ramp), np.ones(len(n.rows))
-        for i in np.unique(n.setup).tolist() if case.usual and term.error.kind == "reversal" else ():
-            if _moves(case, i, term) and len(case.instruments[i].sides) > 1:
-                mine = np.unique(n.place[n.setup == i])
-                along, order = places.poses[mine, term.at], np.argsort(clock[mine], kind="stable")
-                missing[mine] = absent(along, places.sides[mine, term.at], order, case.machine.axes[term.at].overrun)
-        if np.any(missing):
+        if np.any(lost):
             each = Scale("way", part, np.full(term.spline.size, WAY * term.std))
-            yield from ((term.name, each, share) for share in np.transpose(1 - missing[n.place]))
+            yield from ((term.name, each, share) for share in np.transpose(1 - lost[n.place]))
+
+
+def _turning(
+    case: Model, places: Places, clock: Array, index: int, mine: np.ndarray
+) -> Iterator[tuple[int, Curved, Array]]:
+    """Yield reversals that an instrument reads from both sides, and what is `absent` at its places, (2, m, ways)."""
+    order, found = np.argsort(clock[mine], kind="stable"), np.zeros((2, len(places), len(WAYS)))
+    for k, (_, term) in enumerate(case.machine.curves):
+        if term.error.kind == "reversal" and len(case.instruments[index].sides) > 1 and _moves(case, index, term):
+            at, sides = places.poses[mine, term.at], places.sides[mine, term.at]
+            found[:, mine] = absent(at, sides, order, case.machine.axes[term.at].overrun)
+            yield k, term, found.copy()
 
 
 def _moves(case: Model, index: int, term: Curved) -> bool:

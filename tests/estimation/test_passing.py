@@ -22,8 +22,8 @@ from tests.generators.campaigns import built_in, drawn, mixed
 from tests.generators.laser_axis import CASE, machine, read
 from tests.generators.texts import campaign_text, setup_text
 
-AT = (0.1, 0.3, 0.45, 0.2, 0.15, 0.2, 0.2)
-SIDES = (1, 1, 1, 1, -1, -1, -1)
+AT = (0.1, 0.3, 0.45, 0.2, 0.15, 0.2, 0.417, 0.2, 0.2)
+SIDES = (1, 1, 1, 1, -1, -1, 1, -1, -1)
 
 
 def axis(approach: str = "both", usual: str = "on") -> Case:
@@ -44,14 +44,36 @@ def test_it_is_there_where_both_sides_are_read_and_what_usually_goes_wrong_count
     assert "way" not in {size.kind for size in axis(usual="off").sizes.of}
 
 
-def test_a_part_of_a_reversal_is_whole_a_long_way_after_the_turn_and_missing_at_it() -> None:
-    """The last readings turn at 0.2 m, go 0.05 m back and turn no more; the reversal's own row says how it is whole."""
-    problem = posed(axis(), OUT_AND_BACK)
+def _since_it_turned(begun: float, overrun: float) -> list[float]:
+    """Return how far an axis has come since it turned: the way that it goes, stop by stop, and then back along it."""
+    stops, found = [begun], list[float]()
+    for place, side in zip(AT, SIDES, strict=True):
+        stands = place == stops[-1] and (stops[-1] > stops[-2]) == (side > 0)
+        past = [] if stands or (place - stops[-1]) * side > 0 else [place - side * overrun]
+        stops += [*past, *([] if stands else [place])]
+        way = 0.0
+        for one, other in zip(stops[-2::-1], stops[:0:-1], strict=True):
+            if (other - one) * side < 0:
+                break
+            way += abs(other - one)
+        found.append(way)
+    return found
+
+
+def test_a_part_of_a_reversal_is_missing_as_long_as_the_axis_has_not_come_far_since_it_turned() -> None:
+    """Where it turned before the first reading nobody knows: all shares that a way leaves are alike."""
+    problem, overrun = posed(axis(), OUT_AND_BACK), axis().description.machine.axes[0].overrun
     parts = [i for i, scale in enumerate(problem.scales) if scale.kind == "way"]
-    shares = problem.rows[:, problem.first + np.array(parts)] / problem.rows[:, [-2]]
-    ways, lengths = np.array([0.0, 0.2, 0.35]) + axis().description.machine.axes[0].overrun, np.array([0.03, 0.1, 0.35])
-    expected = 1 - np.exp(-ways[:, None] / lengths)
-    np.testing.assert_allclose(shares[:3] / expected, np.full((3, 3), shares[0, 0] / expected[0, 0]), rtol=1e-12)
+    whole = problem.scales[parts[0]].ramp[0] / 2 * np.array(SIDES) / problem.noise
+    missing = 1 - problem.rows[:, problem.first + np.array(parts)] / whole[:, None]
+    own = problem.rows[:, [i for i, kind in enumerate(problem.passing) if kind == "way"]]
+    spread = np.sqrt(np.sum(own**2, axis=1)) / np.abs(whole)
+    ways = [np.array(_since_it_turned(AT[0] - before, overrun))[:, None] for before in (overrun, 0.02, 0.1, 10.0)]
+    each = [np.exp(-way / [0.03, 0.1, 0.35]) for way in ways]
+    np.testing.assert_allclose(missing[3:], each[0][3:], rtol=1e-9)
+    assert not np.any(spread[3:])
+    assert np.all(np.abs(np.array(each)[:, :3] - missing[:3]) <= 1.001 * each[0][:3] / 2)
+    np.testing.assert_allclose(spread[:3], np.sqrt(np.sum(each[0][:3] ** 2, axis=1) / 12), rtol=1e-9)
 
 
 def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:

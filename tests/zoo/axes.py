@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from tests.zoo.animals import Job, Met, Slope, Truth
 from tests.zoo.answers import Answer
 from tests.zoo.running import planned, rows_of
 
-LENGTH = 1000.0
+LENGTH, OVERRUN = 1000.0, 1.0
 EXPANSION = 11.7e-3
 """Of steel, um per mm and K."""
 SETUP = "laser along X"
@@ -94,18 +94,24 @@ class AxisTruth(Truth):
 
 @dataclass(frozen=True, slots=True)
 class Visits:
-    """Where an axis is read, in order.  x : (m,) mm; sides : (m,) +1 or -1"""
+    """Where an axis is read, in order.  x : (m,) mm; sides : (m,) +1 or -1; parked : before, which nobody tells, mm"""
 
     x: Array
     sides: Array
+    parked: float = 0.0
 
     @property
     def ways(self) -> Array:
-        """How far the axis has come since it turned, at least what it comes from beyond the ends, mm."""
-        turned = np.concatenate([[True], self.sides[1:] != self.sides[:-1]])
-        begun = self.x[np.maximum.accumulate(np.where(turned, np.arange(len(self.x)), 0))]
-        ways: Array = np.abs(self.x - begun)
-        return ways
+        """How far the axis has come since it turned, (m,) mm: it goes past a place that it cannot come to as asked."""
+        stands, turned, going, found = self.parked, self.parked, 0.0, list[float]()
+        for x, side in zip(self.x.tolist(), self.sides.tolist(), strict=True):
+            if (x - stands) * side < OVERRUN:
+                turned = x - side * OVERRUN
+            elif side != going:
+                turned = stands
+            found.append(abs(x - turned))
+            stands, going = x, side
+        return np.array(found)
 
 
 def even(targets: int, runs: int, end: float = LENGTH) -> Visits:
@@ -158,7 +164,7 @@ def read(curve: Curve, rule: Rule, places: Places, beside: Shown = nothing, *, s
 
     def met(seed: int) -> Met:
         rng = np.random.default_rng((seed, 1))
-        visits = places(rng)
+        visits = replace(places(rng), parked=LENGTH * np.random.default_rng((seed, 2)).uniform())
         shown = curve(visits.x, visits.sides) + beside(visits) + rng.normal(0, rule.noise, len(visits.x))
         shown -= shown[0]
         straight = line(visits.x, shown, rule.noise) if slope else None

@@ -42,7 +42,12 @@ def passing_columns(
         noise = np.full(len(mine), setup.noise)
         read = causes.OfOneSetup(setup.name, len(reading), mine, part, clock[reading[mine]], noise, setup.drift)
         if usual:
-            yield from read.passing(axis[part, of] for axis in growing(observation, index, places.poses[which]))
+            poses, order = places.poses[which], np.argsort(clock[which], kind="stable")
+            turns = turning(observation, index, poses, places.approaches[which])
+            yield from read.passing(
+                (axis[part, of] for axis in growing(observation, index, poses)),
+                ((t.name, causes.WAY * t.effects[part, of, None] * t.absent(poses, order)[1][of]) for t in turns),
+            )
         elif setup.drift > 0:
             course = Course.over(setup.drift, np.sort(read.clock).tolist())
             yield from (("drift", setup.name, read.wide(zero, course.rows(read.clock[zero]))) for zero in read.zeros)
@@ -56,7 +61,7 @@ def absent(observation: Observation, places: Places, clock: Array) -> dict[str, 
         poses, order = places.poses[which], np.argsort(clock[which], kind="stable")
         for turn in turning(observation, index, poses, places.approaches[which]):
             shares = found.setdefault(turn.name, np.zeros((len(places), len(causes.WAYS))))
-            shares[which] = causes.absent(poses[:, turn.axis], turn.sides, order, turn.overrun)
+            shares[which] = turn.absent(poses, order)[0]
     return found
 
 
@@ -135,8 +140,12 @@ class Turning:
 
         poses : (r, q); order : (r,) in which they are taken; way : which of the parts it is
         """
-        shares = causes.absent(poses[:, self.axis], self.sides, order, self.overrun)
-        return -causes.WAY * shares[:, way] * self.effects
+        missing: Array = -causes.WAY * self.absent(poses, order)[0, :, way] * self.effects
+        return missing
+
+    def absent(self, poses: Array, order: NDArray[np.intp]) -> Array:
+        """Return what `axiscal_core.causes.absent` says, (2, r, ways).  poses : (r, q); order : (r,)"""
+        return causes.absent(poses[:, self.axis], self.sides, order, self.overrun)
 
 
 def turning(observation: Observation, index: int, poses: Array, approaches: Array) -> list[Turning]:
