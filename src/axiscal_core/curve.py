@@ -65,7 +65,8 @@ class Curve:
     @property
     def J(self) -> float:  # noqa: N802 (the paper's letter)
         """The integral of the variance over the travel (B&H eq. 24-26)."""
-        return float(np.sum(self.spline.gram() * self.known.covariance))
+        root = self.known.root
+        return float(np.sum(self.spline.gram() @ root * root))
 
     @property
     def rms(self) -> float:
@@ -75,12 +76,12 @@ class Curve:
     def next(self, noise: Quantity) -> float:
         """Return where a reading lets J fall most, exactly (B&H eq. 27)."""
         variance = within("Curve.next", "noise", si(noise, "Curve.next", "noise"), 0.0, open_end=True) ** 2
-        covariance, weight = self.known.covariance, self.spline.gram()
+        root, weight = self.known.root, self.spline.gram()
 
         def forms(t: Array) -> tuple[Array, Array]:
-            rows = self.spline.rows(t)
-            reach = rows @ covariance
-            return np.einsum("mi,ij,mj->m", reach, weight, reach), variance + np.sum(reach * rows, axis=1)
+            seen = self.spline.rows(t) @ root
+            reach = seen @ root.T
+            return np.sum(reach @ weight * reach, axis=1), variance + np.sum(seen**2, axis=1)
 
         found = largest(forms, self.spline.knots, node_count(6))  # N and D are squares of cubics (eq. 23)
         assert found is not None, "a spline is a cubic between its knots"

@@ -18,38 +18,57 @@ from axiscal_core.refusals import Array, InputError, finite, whole
 
 @dataclass(frozen=True, eq=False)
 class Normal:
-    """mean : (..., n); covariance : (..., n, n).  Several normals side by side have further axes in front."""
+    """mean : (..., n); covariance : (..., n, n); factor : F (n, k) where that is F Fᵀ, which has twice its digits
+
+    Several normals side by side have further axes in front.
+    """
 
     mean: Array
     covariance: Array
+    factor: Array | None = None
 
     @property
     def std(self) -> Array:
         """Standard deviations, as the mean."""
         return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=-2, axis2=-1), 0.0)))
 
+    @property
+    def root(self) -> Array:
+        """F with F Fᵀ the covariance, (..., n, k)."""
+        return unique_root(self.covariance) if self.factor is None else self.factor
+
     def read(self, rows: ArrayLike, values: ArrayLike, covariance: ArrayLike) -> Normal:
         """Return the normal after y = rows x + v (eq. 31-33).
 
+        Value by value: F P, P a reflection, has one column that is seen, and that shrinks by σ/√(σ² + |h F|²). It is
+        that of the largest entry of h F: so columns of what is known well do not mix with larger ones.
         rows : (m, n); values : (m,); covariance : of v, (m, m), or the variances (m,)
         """
         h = finite("Normal.read", "rows", rows, (None, self.mean.shape[-1]))
         y = finite("Normal.read", "values", values, (len(h),))
         wide = np.ndim(covariance) == 2
         noise = finite("Normal.read", "covariance", covariance, (len(h),) * (1 + wide))
-        reach = self.covariance @ h.T
-        try:
-            root = np.linalg.cholesky(h @ reach + (noise if wide else np.diag(noise)))
-        except np.linalg.LinAlgError as fault:
-            raise InputError("Normal.read", "covariance", "leaves readings without noise", "Give more") from fault
-        half = np.linalg.solve(root, np.column_stack([reach.T, y - h @ self.mean]))
-        gain, innovation = half[:, :-1], half[:, -1]
-        return Normal(self.mean + gain.T @ innovation, self.covariance - gain.T @ gain)
+        if wide:
+            noise, turn = np.linalg.eigh(noise)
+            h, y = turn.T @ h, turn.T @ y
+        mean, root = self.mean, self.root
+        for row, value, variance in zip(h, y, np.maximum(noise, 0.0), strict=True):
+            seen = row @ root
+            if not (total := variance + seen @ seen) > 0:
+                raise InputError("Normal.read", "covariance", "leaves readings without noise", "Give more")
+            mean = mean + root @ seen * ((value - row @ mean) / total)
+            if np.any(seen):
+                largest = np.argmax(np.abs(seen))
+                seen[largest] += np.copysign(np.linalg.norm(seen), seen[largest])
+                root = root - np.outer(root @ seen, seen * (2 / (seen @ seen)))
+                root[:, largest] *= np.sqrt(variance / total)
+        return Normal(mean, root @ root.T, root)
 
     def through(self, rows: ArrayLike) -> Normal:
         """Return the normal of rows x: of what a spline is at places, for example (eq. 18, 20).  rows : (m, n)"""
         h = finite("Normal.through", "rows", rows, (None, self.mean.shape[-1]))
-        return Normal(h @ self.mean, h @ self.covariance @ h.T)
+        root = h @ self.root
+        return Normal(h @ self.mean, root @ root.T, root)
 
     def sample(self, count: int, seed: int = 0) -> Array:
         """Return draws, (count, n)."""

@@ -25,6 +25,7 @@ Forms = Callable[[Array], tuple[Array, Array]]
 _EPS = float(np.finfo(np.float64).eps)
 _SPAN = 1e4  # largest ratio of the denominator within one piece: keeps ten digits in N'D − ND'
 _HALVINGS = 60  # a piece that is halved so often is one float64
+_PIECES = 10_000  # a zero of D takes two for each halving; where D itself is rounding all would be halved without end
 _TOLD = 8 * _EPS  # a coefficient below this share of the largest one is rounding
 _FOLLOWED = 1e-9  # of the largest value: a series that is off by more between its nodes is not that of N or D
 _BETWEEN = np.array([-0.83, 0.29])  # where that is looked at: at no node of any count
@@ -88,7 +89,7 @@ def _tame(forms: Forms, breaks: Array, count: int) -> _Tame:
     for _ in range(_HALVINGS):
         above, below = (each.reshape(-1, len(x)) for each in forms(_placed(left, right, x).ravel()))
         wild = below.max(axis=1) > _SPAN * below.min(axis=1)
-        if not wild.any():
+        if not wild.any() or len(left) > _PIECES:
             break
         middle = left[wild] / 2 + right[wild] / 2
         left = np.concatenate([left[~wild], left[wild], middle])

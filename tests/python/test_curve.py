@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -38,6 +39,26 @@ def test_the_next_place_is_the_best_of_a_dense_grid() -> None:
         assert curve.rms <= each.min() * (1 + 1e-6)
         row = spline.rows(place)[0]
         covariance = covariance - np.outer(covariance @ row, covariance @ row) / (NOISE**2 + row @ covariance @ row)
+
+
+@pytest.mark.parametrize("noise", [1e-1, 1e-5, 1e-9])
+def test_what_is_known_to_the_last_digit_is_right_and_a_next_place_is_found(noise: float) -> None:
+    """Twenty readings against sixty digits, three of them where it was read before: variances fall by 1e18."""
+    curve, digits = ac.Curve([0.0, 10.0], std=1.0), mpmath.MPContext()
+    digits.dps = 60
+    exact, grams = digits.matrix(np.eye(7).tolist()), digits.matrix(curve.spline.gram().tolist())
+    mean, variance = digits.matrix(7, 1), digits.mpf(noise) ** 2
+    for number in range(20):
+        at = 5.0 if number % 6 == 5 else curve.next(noise)
+        row = digits.matrix(curve.spline.rows(at)[0].tolist())
+        gain = exact * row / (variance + (row.T * exact * row)[0])
+        mean, exact = mean + gain * (np.sin(at) - (row.T * mean)[0]), exact - gain * (row.T * exact)
+        curve = curve.read(at, np.sin(at), noise)
+        expected = [float(exact[i, i]) for i in range(7)]
+        np.testing.assert_allclose(np.diag(curve.known.covariance), expected, rtol=1e-12)
+        np.testing.assert_allclose(curve.known.mean, np.array(mean.tolist(), dtype=float).ravel(), rtol=1e-10)
+        total = sum(grams[i, j] * exact[i, j] for i in range(7) for j in range(7))
+        assert pytest.approx(float(total), rel=1e-12) == curve.J
 
 
 def test_a_curve_is_not_changed_by_reading() -> None:
