@@ -1,4 +1,4 @@
-"""Places at regular distances are named with their step, others are not; odd places end it."""
+"""A period that places do not see is named, with three places that see it, and of others there is no word."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 from axiscal.present.findings import regular_places
 from tests.generators.campaigns import built_in
 from tests.generators.texts import Said, campaign_text, machine_text, setup_text
@@ -35,26 +36,63 @@ def odd_places(text: str) -> list[float]:
     return [float(part.split(" mm")[0]) for part in text.split("X = ")[1:]]
 
 
-def test_the_places_that_are_asked_for_end_it() -> None:
-    (text,) = said_of(range(0, 1001, 100))
+def told_apart(places: Sequence[float], period: float) -> float:
+    """Return what is left of a wave of amplitude one without its mean, a sum of squares, the mean over its phases."""
+    waves = [
+        np.sin(2 * np.pi * np.array(places) / period + phase) for phase in np.linspace(0, np.pi, 60, endpoint=False)
+    ]
+    return float(np.mean([len(wave) * np.var(wave) for wave in waves]))
+
+
+@pytest.mark.parametrize(
+    ("places", "period"),
+    [
+        (np.linspace(10, 990, 12).round(3), 89.09),
+        (np.linspace(10, 990, 12).round(), 89.13),
+        (np.arange(0, 1001, 100), 100),
+        (np.arange(0, 1001, 25), 25),
+        (np.arange(0, 1001, 250), 83.33),
+        (np.arange(0, 401, 2.5), 2.5),
+    ],
+)
+def test_a_period_that_places_do_not_see_is_named_and_the_places_that_are_asked_for_end_it(
+    places: Array, period: float
+) -> None:
+    (text,) = said_of(places.tolist())
+    assert f"comes again every {period:g} mm or in a part of it" in text
+    assert told_apart(places.tolist(), period) < 0.01
     odd = odd_places(text)
     assert len(odd) == 3
-    assert all(0 < at < 1000 and at % 100 != 0 for at in odd)
-    assert said_of([*range(0, 1001, 100), *odd]) == []
+    assert all(0 < at < 1000 for at in odd)
+    assert all(
+        told_apart([*places.tolist(), *odd], period / part) > 0.01 * len(places)
+        for part in (1, 2, 3)
+        if period > 2 * part
+    )
+    assert said_of([*places.tolist(), *odd]) == []
+
+
+def test_of_right_places_there_is_no_word() -> None:
+    """Places at whole millimetres, as plans have them: none by chance, of few places one in ten."""
+    rng = np.random.default_rng(5)
+    for count, most in ((5, 3), (8, 1), (12, 0), (24, 0)):
+        drawn = [rng.uniform(0, 1000, count).round().tolist() for _ in range(20)]
+        assert sum(bool(said_of(each)) for each in drawn) <= most
 
 
 @pytest.mark.parametrize("raster", [50, 20, 5])
 def test_they_are_where_the_set_up_can_be_read(raster: int) -> None:
     of = described(raster={"X": f"{raster} mm"})
     (text,) = said_of(range(0, 1001, 100), of)
-    assert all(at % raster == 0 and at % 100 != 0 for at in odd_places(text))
+    assert all(at % raster == 0 for at in odd_places(text))
+    assert any(at % 100 for at in odd_places(text))
     after = said_of([*range(0, 1001, 100), *odd_places(text)], of)
-    assert [text.endswith("Its raster has no others.") for text in after] == ([] if raster == 5 else [True])
+    assert [text.endswith("Its raster has no others.") for text in after] == [True]
 
 
 def test_where_it_can_be_read_nowhere_else_none_are_asked_for() -> None:
     (text,) = said_of(range(0, 1001, 100), described(raster={"X": "100 mm"}))
-    assert text.endswith("an error of that period looks like none. Its raster has no others.")
+    assert text.endswith("It looks like none, or like a slow curve. Its raster has no others.")
 
 
 ROTARY = built_in(
@@ -71,10 +109,14 @@ def turned(degrees: float) -> Reading:
 
 @pytest.mark.parametrize(("step", "said"), [(10.0, "10 deg"), (22.5, "22.5 deg"), (5.625, "5.625 deg")])
 def test_the_step_of_a_rotary_axis_is_named_in_degrees(step: float, said: str) -> None:
-    """No multiple of a degree is a whole number of microradians."""
     readings = [turned(at) for at in np.arange(0.0, 360.1, step).tolist()]
     (found,) = regular_places(readings, ROTARY.setups, ROTARY.machine.axes)
-    assert f"a multiple of {said} apart along C" in found.text
+    assert f"along C do not see an error that comes again every {said} or " in found.text
     odd = [turned(float(part.split(" deg")[0])) for part in found.text.split("C = ")[1:]]
     assert len(odd) == 3
     assert list(regular_places([*readings, *odd], ROTARY.setups, ROTARY.machine.axes)) == []
+
+
+def test_rotary_places_at_thousandths_of_a_degree_are_not_regular() -> None:
+    places = (3.217, 71.904, 150.333, 248.871, 340.06)
+    assert list(regular_places([turned(at) for at in places], ROTARY.setups, ROTARY.machine.axes)) == []

@@ -3,6 +3,8 @@
 Unseen deviations at poses p are X = H F. They split along S = p − p̄, a uniform strain, and along the turns −(p − p̄)×.
 Both are orthogonal to each other and to shifts, since S·(ω × S) = 0. A tool that nobody measured is no part of the
 machine: where it turns with the axes it acts as a rotary axis that lies elsewhere.
+
+Regular places do not see periods: the spectral window |mean exp(2πi x/p)| is 1 where a wave of period p is one value.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.errors.gauge import EITHER, Hidden, hidden, unseen_factor
 from axiscal.estimation.accuracy.yardstick import Yardstick
@@ -123,3 +126,64 @@ def _remedy(observation: Observation) -> str:
         else "Measure the tool and state how well it is known, tool_x, tool_y, tool_z under unknowns, such as "
         'tool_z = "5 um".'
     )
+
+
+FEWEST = 5
+"""Places of a standard test at least (ISO 230-2)."""
+_PERIODS, _FINE, _SOME = (2.0, 100.0), 32, 50
+"""mm or deg, of screws and worms; frequencies in one over the range, places that judge first: more find no other."""
+_ONE, _BY_FEW, _FEW = 1.0, 3.5, 12
+"""A period is not seen by less than one place; of fewer than 12 by so much less that it seldom comes by chance."""
+_ODD = (0.2, 0.5, 0.8)
+"""Shares of the range about which places are asked for: any that are spread."""
+
+
+def seeing(places: Array, raster: float) -> Array:
+    """Return the three places of a raster, of some drawn, that see most of what those that are there do not, (3,)."""
+    least, drawn = _enough(len(places) + 3), np.random.default_rng(0).uniform(-0.1, 0.1, (6 * _SOME, 3)) + _ODD
+    hard = _seen_by_less(least, places)
+    tried = raster * np.round((places[0] + np.ptp(places) * drawn) / raster)
+    added = _waves(tried.ravel(), hard).reshape(*tried.shape, -1).sum(axis=1)
+    size = np.abs(_waves(places, hard).sum(axis=0) + added)
+    short = np.maximum(size - (len(places) + 3 - least), 0.0)
+    return np.asarray(tried[np.argmin(short.sum(axis=1))])
+
+
+def unseen_periods(places: Array) -> Array:
+    """Return the frequencies of errors that places do not see, rising, the first where they see it least, (f,).
+
+    There |Σ exp(2πi f x)|, the spectral window, is nearly their number: all but less than one see the same.
+    places : (m,) rising
+    """
+    found = _seen_by_less(_enough(len(places)), places)
+    if len(found):
+        step = 1 / (_FINE * np.ptp(places))
+        close = np.linspace(found[0] - step, found[0] + step * _FINE / 2, 100 * _SOME)
+        found[0] = close[np.argmax(np.abs(_waves(places, close).sum(axis=0)))]
+    return found
+
+
+def sees(places: Array, frequency: float) -> bool:
+    """Return whether places see an error of a frequency.  places : (m,)"""
+    return bool(len(places) - np.abs(_waves(places, np.array([frequency])).sum()) >= _enough(len(places)))
+
+
+def _enough(count: int) -> float:
+    """Return by how many of so many places a period is seen."""
+    return min(_ONE, count / 10 * 10 ** ((count - _FEW) / _BY_FEW))
+
+
+def _seen_by_less(than: float, places: Array) -> Array:
+    """Return the frequencies that so few places see otherwise than the others, (f,): of some of them no more do."""
+    most = min(_PERIODS[1], np.ptp(places) / 2) if len(places) >= FEWEST else 0.0
+    if most <= _PERIODS[0]:
+        return np.zeros(0)
+    found = np.arange(1 / most, 1 / _PERIODS[0], 1 / (_FINE * np.ptp(places)))
+    for some in (places[:: -(-len(places) // _SOME)], places):
+        found = found[len(some) - np.abs(_waves(some, found).sum(axis=0)) < than]
+    return found
+
+
+def _waves(places: Array, frequencies: Array) -> NDArray[np.complex128]:
+    """Return exp(2πi f x), (m, f)."""
+    return np.asarray(np.exp(2j * np.pi * np.outer(places, frequencies)))

@@ -3,8 +3,6 @@
 Readings twice: a file that was added twice, a block that was pasted again, a frozen display. A value is shown once more
 with a probability of at most p = q/(σ√2π), q the step of the values and σ the noise. L values in a row come again
 somewhere among m by chance in at most m²/2 p^L files.
-
-Places at regular distances, as of a standard test: a sine of their step has one value at all of them.
 """
 
 from __future__ import annotations
@@ -14,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.answers.changes import changes
 from axiscal.campaign.agreement_words import STRANGE, farthest, membership_words
@@ -31,7 +28,7 @@ from axiscal.measurement.reading import Reading, place_text, reading_unit, sense
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.displays import last_decimal
-from axiscal.planning.unseen import hidden_of
+from axiscal.planning.unseen import FEWEST, hidden_of, seeing, sees, unseen_periods
 from axiscal.present.beside import beside_the_tool, lagging
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
@@ -185,52 +182,32 @@ def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Findin
     return [Finding("drift", None, said(text, setup=name)) for name in drifting]
 
 
-_PLACES, _THOUSANDTH = 5, 1e-3
-"""Of a standard test at least (ISO 230-2): any three are multiples of something apart; mm or deg: as written."""
-_LEAD = 2000
-"""Thousandths of a mm: screws and belts have no shorter period."""
-_ODD = (0.2, 0.31), (0.5, 0.5), (0.8, 0.73)
-"""Shares of the range and of the step: any that no small fraction of the step joins."""
+_WRITTEN = 1e-3
+"""mm or deg."""
 
 
 def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> Iterator[Finding]:
-    """Yield a warning for each axis of a set-up whose places are all multiples of one step apart, with three others.
+    """Yield a warning for each axis of a set-up whose places see no error of some period, with three that see it.
 
     Without where its raster has none.
     """
     text = (
-        'All places of "{setup}" are a multiple of {step} apart along {axis}: an error of that period looks like none. '
-        'Read three more at odd places, such as {places}, with "yes" in a column check: they judge the others.'
+        'The places of "{setup}" along {axis} do not see an error that comes again every {period} or in a part of it. '
+        "It looks like none, or like a slow curve. {others}"
     )
-    bare = (
-        'All places of "{setup}" are a multiple of {step} apart along {axis}: an error of that period looks like none. '
-        "Its raster has no others."
-    )
+    more = 'Read three more, such as {places}, with "yes" in a column check: they judge the others.'
     for setup in setups:
         poses = np.array([reading.pose for reading in readings if reading.setup == setup.name]).reshape(-1, len(axes))
         for k in setup.moves if setup.chart is None else ():
-            places = np.unique(np.round(to_unit(poses[:, k], axes[k].unit) / _THOUSANDTH).astype(np.int64))
-            if (step := step_between(places)) >= (1 if axes[k].rotary else _LEAD):
-                count, pose = (places[-1] - places[0]) // step, np.zeros((len(_ODD), len(axes)))
-                asked = [places[0] + (int(at * count) + part) * step for at, part in _ODD]
-                pose[:, k] = from_unit(np.array(asked) * _THOUSANDTH, axes[k].unit)
-                raster, shown = setup.raster[k], f"{step * _THOUSANDTH:.6g} {axes[k].unit}"
-                if raster > 0:
-                    pose[:, k] = raster * np.round(pose[:, k] / raster)
-                coarse = to_unit(raster, axes[k].unit) > step * _THOUSANDTH / 2 * (1 + 1e-9)
-                odd = listed(", ", [place_text(axes, each, [k]) for each in pose.tolist()])
-                named = {"setup": setup.name, "axis": axes[k].name, "step": shown, "places": odd}
-                yield Finding("period", None, said(bare if coarse else text, **named))
-
-
-def step_between(places: NDArray[np.int64]) -> int:
-    """Return the step of which all distances are multiples; 0 of few places, or if it is below half of the least one.
-
-    places : (m,) rising
-    """
-    gaps = np.diff(places)
-    step = int(np.gcd.reduce(gaps)) if len(places) >= _PLACES else 0
-    return step if len(gaps) and 2 * step >= gaps.min() else 0
+            unit = axes[k].unit
+            places = _WRITTEN * np.unique(np.round(to_unit(poses[:, k], unit) / _WRITTEN))
+            if len(hidden := unseen_periods(places)):
+                asked = seeing(places, to_unit(setup.raster[k], unit) or 100 * _WRITTEN)
+                odd = [place_text(axes, [each] * len(axes), [k]) for each in from_unit(asked, unit).tolist()]
+                seen = sees(np.append(places, asked), float(hidden[0]))
+                others = said(more, places=listed(", ", odd)) if seen else said("Its raster has no others.")
+                named = {"axis": axes[k].name, "period": f"{1 / hidden[0]:.4g} {unit}", "others": others}
+                yield Finding("period", None, said(text, setup=setup.name, **named))
 
 
 _ENDS = 0.05
@@ -268,7 +245,7 @@ def once_over(estimation: Estimation) -> Iterator[Finding]:
         alone = described.usual and setup.drift_said == "nothing" and values_of(setup) == 1
         for k in setup.moves if alone or setup.drift_said == "usual" else ():
             at, turns = _turns(estimation, setup, k)
-            if len(set(at.tolist())) >= _PLACES and len(turns) <= 1:
+            if len(set(at.tolist())) >= FEWEST and len(turns) <= 1:
                 again = np.quantile(at, (0.0, 0.5, 1.0), method="nearest").tolist()
                 places = listed(", ", [place_text(axes, [each] * len(axes), [k]) for each in again])
                 yield Finding("passes", None, said(text, setup=setup.name, axis=axes[k].name, places=places))
