@@ -29,7 +29,9 @@ def test_two_readings_tell_which_way_a_control_takes_its_tables(controller: str,
     files = [OldFile(*file) for file in offered.files.items()]
     control = made.load(files, machine, replace(options, flip=flips)).control(machine)
     poses = np.tile(np.mean(np.array([axis.travel for axis in machine.axes]), axis=1), (2, 1))
-    poses[0, machine.index(name)] = machine.axis(name).travel[0]
+    (axis,), places = [each for each in machine.axes if each.name == name], told.split(" come from below to ")[1]
+    poses[:, machine.index(name)] = [float(place.split()[0]) / 1e3 for place in places.split(" and to ")[:2]]
+    assert np.all(poses[:, machine.index(name)] - axis.overrun >= axis.travel[0])
     way = "XYZ"["xyz".index(told.split("along +")[1][0])]
     added = control(poses, np.ones_like(poses))[:, machine.index(way)]
     moved = float(added[1] - added[0]) * float(np.sum(machine.axis(way).direction))

@@ -39,7 +39,7 @@ def bumped(estimate: Estimate, controller: str, unstated: str) -> tuple[Estimate
         what = "no error of machine.toml goes into tables of {controller} whose sign is not stated"
         raise TableError(what, "Leave --probe-sign out", controller=controller)
     axis = machine.axes[chosen.axis]
-    low, middle = axis.travel[0], sum(axis.travel) / 2
+    low, middle = axis.travel[0] + axis.overrun, sum(axis.travel) / 2  # from below is from within the travel
     ends, there = chosen.rows(np.array([low, middle]))
     mean, highest = np.zeros(model.size), int(np.argmax(there))
     mean[chosen.columns.start + highest] = axis.sign * SIZE / (there - ends)[highest]  # the tool is 10 um too far
