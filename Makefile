@@ -9,7 +9,7 @@ PEERS := trieste torch others
 unexport PYTHONDONTWRITEBYTECODE
 CONTROLS := $(or $(AXISCAL_CONTROLS),../shared/controls)
 COVERING := tests/refusals tests/document tests/description tests/measurement tests/evaluation tests/record tests/tables tests/programs \
-	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py \
+	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py \
 	tests/linuxcnc/test_patched_configuration.py
 
 .PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust certify controls reliability fuzz coverage mutants requests audit lock clean distclean

@@ -34,7 +34,6 @@ from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.simulation import read_truth
 from axiscal.ports.linuxcnc.configuring import export_into
-from axiscal.ports.postgres.database import store_address
 from axiscal.present.guide.question import answer
 from axiscal.record.line_form import EventText
 from axiscal.record.log import in_one, rows_of
@@ -271,7 +270,6 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "readings": _readings,
     "rewritten": _rewritten,
     "source": lambda _, text: open_source(text, SIMULATOR),
-    "store": lambda _, text: store_address(text, {}),
     "template": _template,
     "truth": _of_file("truth.csv", read_truth),
     "typed": _typed,

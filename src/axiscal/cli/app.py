@@ -36,9 +36,9 @@ _MAIN = {
     "finish": "report.finish",
     "export": "export",
     "verify": "verify",
+    "status": "status",
     "report": "report",
     "demo": "run_loop.demo",
-    "fleet": "folder.fleet",
 }
 """In the order of `--help`: a file with a function of its name, or "file.function"; `app` where it has subcommands."""
 _STEP = {
@@ -49,7 +49,7 @@ _STEP = {
     "accept": "steps.accept",
     "note": "steps.note",
     "skip": "record.skip",
-    "status": "report.status",
+    "status": "status",
     "run": "run_loop",
 }
 _DATA = {
@@ -61,24 +61,15 @@ _DATA = {
     "salvage": "records.salvage",
     "schema": "init.schema",
 }
-_SHOP = {
-    "bring": "folder.bring",
-    "sync": "sync",
-    "adopt": "sync.adopt",
-    "type": "type",
-    "due": "folder.due",
-    "check": "folder.check",
-}
 _GROUPS = {
     "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
     "data": ("Work on readings, records and poses in files.", _DATA),
-    "shop": ("Keep many machines: one store, types, when each is due.", _SHOP),
 }
 _GONE = later("{name} is gone. {instead}.")
 _Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
 """The file of each command; of a group what it is for, and the files of its commands."""
 _SECTIONS: Mapping[str, _Places] = {"Commands": _MAIN, "More commands, in groups": {**_GROUPS, "machine": "machine"}}
-_UNGROUPED = {**_STEP, **_DATA, **_SHOP}
+_UNGROUPED = {**_STEP, **_DATA}
 """The names that commands had before there were groups: they work, and no help lists them."""
 
 

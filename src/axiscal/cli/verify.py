@@ -158,12 +158,12 @@ def verify(
         say(_wrapped(check_details(answer)))
     else:
         loading = [said("load the exported files again, then")] if answer.faulty else []
-        due = f"axiscal shop due {shlex.quote(str(record.parent))}"
         files = [] if found is None or left is None else ["--found", str(found), "--left", str(left)]
         read = shlex.join(files or ["--source", str(source)])
         judging = answer.tolerance_um is None and answer.working
         undecided = [f"{again} {read} --tolerance LENGTH"] if judging else [*loading, f"{again} --plan check.csv"]
-        coming = [due] if answer.verdict == "pass" else undecided
+        folder = f"axiscal status {shlex.quote(str(record.parent))}"
+        coming = [folder] if answer.verdict == "pass" else undecided
         say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
 
 

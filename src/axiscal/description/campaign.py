@@ -34,6 +34,7 @@ from axiscal.machine.motion import Driving
 from axiscal.measurement.instruments.kind import CARRIED, TRUED
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.record.accepted import Bumped
+from axiscal.record.copies import TYPE
 from axiscal.record.events import Mounted, Warmed
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
@@ -89,6 +90,7 @@ class CampaignDescription:
     sure : how well stated sizes and lengths of errors are known, where an error does not say it itself
     usual : with what usually goes wrong; else what is stated and nothing besides, the model of the paper
     prior_text : the campaign whose result is the prior (see `heritage`); empty for none
+    prior_gone : whether the record carries a prior that a type has taught, which does not count
     kept : share of each error that is as that campaign found it
     compensation_active : whether a compensation is active on the control while measuring, or the files of it; None
         where nobody said
@@ -109,6 +111,7 @@ class CampaignDescription:
     sure: Sure = "exactly"
     usual: bool = False
     prior_text: str = ""
+    prior_gone: bool = False
     kept: float = 1.0
     compensation_active: bool | tuple[str, ...] | None = None
     particulars: Particulars = NOTHING_SAID
@@ -193,7 +196,10 @@ def campaign_from_texts(
     document = Document.parse(text, source)
     document = document if anew else without_gone(document)
     machine = machine_from_text(machine_text, machine_source, fine_knots=fine_knots)
-    return _described(document, machine, machine_source, False, prior_text, False, usual_doubts, anew)
+    of_type = TYPE in prior_text[:200]
+    prior_text = "" if of_type else prior_text
+    found = _described(document, machine, machine_source, False, prior_text, False, usual_doubts, anew)
+    return replace(found, prior_gone=of_type)
 
 
 def with_offset(described: CampaignDescription, setup: str, beside: tuple[float, float]) -> CampaignDescription:

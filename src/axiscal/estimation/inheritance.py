@@ -12,11 +12,11 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import carried_over
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

@@ -351,7 +351,7 @@ class Case:
             what, remedy = "is an estimate of another machine", "Estimate readings of this one"
             raise refusals.InputError(where, "after", what, remedy)
         believed = [reading for index, reading in enumerate(known.readings) if index not in known.left_out]
-        return known.case, SoFar(known.to_plan_by, believed)
+        return known.case, SoFar(known.knowledge, believed)
 
     def _taken(
         self, readings: GivenReadings, where: str, argument: str = "readings"

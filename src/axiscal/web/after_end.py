@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from datetime import UTC, datetime
-from pathlib import Path
-
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.document.ports import part
 from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.check import Check
-from axiscal.exceptions import TableError, TargetError
+from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
 from axiscal.present.guide.checking import CheckJudged
 from axiscal.tables import registry
@@ -55,16 +51,6 @@ def put_into(desk: Desk, control: str, printer: str) -> str:
     options = informed(ExportOptions(zero=loader.zero()), known.case.description, control)
     files = registry.export(known.estimate(), control, options).files
     return str(loader.load(loader.accepted_text(files), options.name))
-
-
-def measure_again(record: Path, files: Iterable[Path]) -> str:
-    """Return when the machine of a record is due; raises RecordError.  files : may tell how machines change"""
-    try:
-        shop = part("due-dates")([record, *files], datetime.now(UTC).date())
-    except TargetError:
-        return said("Measure again: the campaign has no target of U or RMS that would say when.")
-    days = (each.day_text for each in shop.machines if each.record.resolve() == record.resolve())
-    return said("Measure again: {day}.", day=next(days, said("another campaign of this machine says when")))
 
 
 def judge(desk: Desk, asked: CheckedRequest) -> CheckJudged:

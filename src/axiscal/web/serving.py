@@ -70,7 +70,7 @@ def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None =
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "planned", "rows"):
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
-    for name in ("state", "typed", "cost", "texts", "check", "again"):
+    for name in ("state", "typed", "cost", "texts", "check"):
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
     for name in ("addresses", "draft", "open", "leave", "codes", "devices"):
         app.post(f"{ROOT}/{name}")(_documented(getattr(api, name)))
@@ -176,12 +176,6 @@ class _Api:
                 archive.writestr(f"{made.control}/{name}", text)
         headers = {"Content-Disposition": f'attachment; filename="{made.control}.zip"'}
         return Response(packed.getvalue(), media_type="application/zip", headers=headers)
-
-    async def again(self) -> shapes.SentenceShape:
-        """When the machine is to be measured again."""
-        record = self._counter.desk.campaign.path
-        sentence = await asyncio.to_thread(after_end.measure_again, record, draft.record_files(self._here))
-        return shapes.SentenceShape(sentence=sentence)
 
     async def leave(self) -> None:
         """Close the record, and show the start again."""

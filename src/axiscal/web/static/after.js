@@ -16,12 +16,7 @@ export function renderControls(state) {
     select.append(...[...state.tables, ...others].map((name) => Object.assign(element("option", name), { value: name })));
     select.value = state.tables.find((name) => name !== "csv") ?? "csv";
     choose();
-    sayWhen();
   }
-}
-
-async function sayWhen() {
-  text("due-day", (await waiting(call("/again"))).document.sentence);
 }
 
 function control() {
