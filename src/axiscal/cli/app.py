@@ -167,26 +167,9 @@ app = typer.Typer(
 )
 
 
-def _put_on_desktop(wanted: bool) -> None:
-    if wanted:
-        from axiscal.cli.desktop import install_desktop
-
-        say(said("{file} is written: axiscal stands in the menu.", file=install_desktop()))
-        raise typer.Exit
-
-
 @app.callback()
 def axiscal(
     version: Annotated[bool, typer.Option("--version", help="Print the version and end.")] = False,
-    desktop: Annotated[
-        bool,
-        typer.Option(
-            "--install-desktop",
-            is_eager=True,  # needs no command
-            callback=_put_on_desktop,
-            help="Put the page into the menu of the desktop and end.",
-        ),
-    ] = False,
 ) -> None:
     """Plan, run and evaluate the calibration of machine tools with the fewest minutes of machine time.
 

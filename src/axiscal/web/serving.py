@@ -43,7 +43,6 @@ _STEPS: dict[str, tuple[type[AnswerDocument], Callable[..., str]]] = {
     "undo": (shapes.StepRequest, Desk.undo),
     "next": (shapes.StepRequest, Desk.go_on),
     "finish": (shapes.StepRequest, Desk.finish),
-    "load": (shapes.LoadRequest, after_end.put_into),
 }
 """What a page may ask of the desk: address, request, and what takes the fields of the request."""
 
