@@ -9,7 +9,7 @@ PEERS := trieste torch others
 unexport PYTHONDONTWRITEBYTECODE
 CONTROLS := $(or $(AXISCAL_CONTROLS),../shared/controls)
 COVERING := tests/refusals tests/document tests/description tests/measurement tests/evaluation tests/record tests/tables tests/programs \
-	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py \
+	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py \
 	tests/linuxcnc/test_patched_configuration.py
 
 .PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust certify controls reliability fuzz coverage mutants requests audit lock clean distclean
@@ -29,7 +29,7 @@ help:
 	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/evidence/trust.md (PART=iso, PART=zoo, PART=widths: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode, PART=dialects and PART=simulator go on where they were ended)"
-	@echo "make controls   the exports in real controls: LinuxCNC, Klipper, Moonraker, RepRapFirmware; a row each (ONLY=klipper)"
+	@echo "make controls   the exports in real controls: LinuxCNC, Klipper, RepRapFirmware; a row each (ONLY=klipper)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; DISK=/mnt/stick: on another disk; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run; SECONDS=600 of each kind; KIND=name)"
 	@echo "make coverage   which lines and branches of readers and exporters their own tests run (a quarter of an hour)"
@@ -171,7 +171,7 @@ distclean: clean
 	@touch $@
 
 .venv-controls/stamp: requirements/controls.txt | .venv/bin/pip
-	@echo "axiscal: installing what Klipper's host and Moonraker need into .venv-controls"
+	@echo "axiscal: installing what Klipper's host needs into .venv-controls"
 	@$(BIN)/python -m venv .venv-controls
 	@.venv-controls/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/controls.txt
 	@touch $@

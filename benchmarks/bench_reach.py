@@ -3,7 +3,7 @@
     python benchmarks/bench_reach.py
 
 Prints for an R-test at one ball and for three spheres how many poses of the raster can be taken, the RMS that is left
-over all travel and over the part, what endless readings would leave, and the time of a way in touch.
+over all travel and over the part, and what endless readings would leave.
 """
 
 from __future__ import annotations
@@ -19,10 +19,8 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
-from axiscal.machine.motion import travel_seconds
 from axiscal.measurement.candidates import arrivals_of
 from axiscal.measurement.reading import Places
-from axiscal.measurement.travel import held_seconds
 from axiscal.planning.gains.covariance import Covariance
 from axiscal_core.threads import one_thread
 from benchmarks.rests_as_noise import left_with_rests_as_noise
@@ -108,15 +106,6 @@ def main() -> None:
         count, before, left, endless = figures(described(noise, ball, step, tool, target))
         print(f"{name:42} {count:5} {before:7.2f} {left:7.3f} {endless:9.3f}")
     _as_counted_elsewhere()
-    chart = described("1 um", 'ball = "low"\n', 15, "0 um", "").description.setups[0].chart
-    if chart is not None:
-        start, stop = np.zeros((1, 2)), np.radians([[90.0, 30.0]])
-        machine = load_machine("dmu60")
-        together = held_seconds(machine, chart, start, stop)[0]
-        apart = travel_seconds(machine, chart.poses(start), chart.poses(stop))[0]
-        print(
-            f"from (C, B) = (0, 0) to (90, 30) deg: {together:.2f} s in touch, {apart:.2f} s one family after the other"
-        )
 
 
 if __name__ == "__main__":

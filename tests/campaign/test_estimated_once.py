@@ -16,7 +16,7 @@ from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Asked
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, plus, read
-from tests.generators.sisters import write_record
+from tests.generators.recorded import write_record
 
 COUNT = 24
 SAID = ['usual = "off"\nsure = "exactly"', 'sure = "roughly"']

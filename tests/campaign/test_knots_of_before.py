@@ -6,17 +6,14 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pytest
 from scipy.interpolate import CubicSpline
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.type_text import type_prior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.inheritance import inherited
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.ports.fleet.type_learning import learnt_type
 from axiscal.record.copies import carried_text
 from axiscal.record.events import Created
 from axiscal.record.payload import decode, encode
@@ -100,14 +97,3 @@ def test_what_lies_between_its_knots_is_not_known_from_it(tmp_path: Path) -> Non
     stated = beyond.T @ errors.prior_covariance() @ beyond
     np.testing.assert_allclose(beyond.T @ found.covariance @ beyond, stated, rtol=1e-6, atol=1e-6 * stated.max())
     assert np.sqrt(np.diagonal(found.covariance)).min() > 0.5e-6
-
-
-@pytest.mark.parametrize("before", [False, True])
-def test_a_type_stands_over_the_knots_that_it_was_learnt_at(before: bool, tmp_path: Path) -> None:
-    records = [written(tmp_path / f"{number}.axiscal", described(), before=before) for number in (1, 2)]
-    fields = json.loads(learnt_type(records).text())
-    assert fields["fine_knots"] is not before
-    if before:
-        del fields["fine_knots"], fields["digest"]
-    found = type_prior(json.dumps(fields))
-    assert len(found.mean) == (9 if before else 17)

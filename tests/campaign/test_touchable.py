@@ -85,12 +85,11 @@ def test_programs_with_a_log_touch_every_candidate_that_straight_ways_lead_to() 
     for campaign in filter(None, map(known, range(0, len(CHAINS), 2))):
         (setup,), requests = campaign.setups, wanted(campaign, 6)
         places = [Place(setup.name, request.pose, request.approach) for request in requests]
-        for control in ("linuxcnc", "heidenhain"):
-            with suppress(ProgramError):  # where a straight way between two places meets a post
-                (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
-                assert len(program.readings) == len(places)
-                made += 1
-    assert made >= 2
+        with suppress(ProgramError):  # where a straight way between two places meets a post
+            (program,) = programs(campaign.machine, campaign.setups, places, dialect("linuxcnc"), log=True)
+            assert len(program.readings) == len(places)
+            made += 1
+    assert made >= 1
 
 
 def narrowed(campaign: CampaignDescription) -> CampaignDescription:

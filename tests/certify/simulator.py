@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -18,21 +18,14 @@ from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from tests.certify.kept import Kept
 from tests.certify.simulated import ACCELERATION, PROGRAMS, Job, Simulated, random_simulated
-from tests.generators.kinematics import tip
-from tests.linuxcnc.lab import Session, available
+from tests.linuxcnc.lab import Session, Settings, available
 
 _FINE = 1000.0
 """The sampler writes six decimals; positions come to it in thousandths of mm and deg, so that it writes nine."""
 _STEP = 1e-4
 """mm or deg, the last decimal of a coordinate in the machine's own coordinates."""
-_HELD = 2e-9
-"""m, of what touches: a nanometre, and rounding."""
-_WAY = 1e-6
-"""m, of what touches on its way: LinuxCNC smooths the curved ways of its joints over a few cycles."""
 _SMOOTHED = 4
-"""Cycles for which two moves may overlap for that."""
-_SAG = 1e-5
-"""m: a bar of 1 mm stroke may be shorter by a hundredth of it in the middle of a chord."""
+"""Cycles for which two moves may overlap: LinuxCNC smooths them."""
 _LATE = 0.05
 """s, of a pause: it is timed by the clock, and a busy computer misses servo cycles, which are not sampled."""
 _CYCLE = 1e-3
@@ -78,8 +71,6 @@ class Judge:
     def __init__(self, simulated: Simulated, job: Job, trace: Trace) -> None:
         self._simulated, self._job, self._trace = simulated, job, trace
         self._axes, self.faults = simulated.machine.axes, list[str]()
-        self._apart = simulated.ball is None and simulated.bar is None
-        self.held, self.worst = 0, 0.0  # ways on which what touches stays on, and by how much it was off there, m
 
     def judged(self) -> list[str]:
         """Return what is wrong."""
@@ -93,8 +84,6 @@ class Judge:
             self._stands(number, place, stop)
             self._waits(number, end, stop)
             self._comes(number, place, stop)
-        if not self._apart:
-            self._holds(at)
         return self.faults
 
     def _readings(self) -> dict[int, tuple[int, int]]:
@@ -115,11 +104,10 @@ class Judge:
                 self.faults.append(f"{axis.name} goes to {poses[:, k].min()}, {poses[:, k].max()}; {axis.travel}")
             if steps[:, k].max(initial=0.0) > axis.speed * _CYCLE * (1 + 1e-6) + slack:
                 self.faults.append(f"{axis.name} moves at {steps[:, k].max() / _CYCLE}")
-        if self._apart:
-            turning = np.any(steps[:, [axis.rotary for axis in self._axes]] > 0, axis=1)
-            going = np.any(steps[:, [not axis.rotary for axis in self._axes]] > 0, axis=1)
-            if _longest(np.logical_and(turning, going)) > _SMOOTHED:
-                self.faults.append("linear and rotary axes move together")
+        turning = np.any(steps[:, [axis.rotary for axis in self._axes]] > 0, axis=1)
+        going = np.any(steps[:, [not axis.rotary for axis in self._axes]] > 0, axis=1)
+        if _longest(np.logical_and(turning, going)) > _SMOOTHED:
+            self.faults.append("linear and rotary axes move together")
 
     def _stands(self, number: int, place: Place, stop: int) -> None:
         pose = self._trace.poses[stop]
@@ -128,11 +116,8 @@ class Judge:
             off = min(off, abs(off - math.tau)) if axis.cyclic else off
             ends = min(planned - axis.travel[0], axis.travel[1] - planned) < _STEP * _unit(axis)
             rounded = _STEP if ends else _STEP / 2  # the next number may be outside of the travel
-            loose = 0.0 if self._apart or axis.rotary else math.radians(_STEP / 2)  # slides follow an angle as written
-            if off > _unit(axis) * (rounded + 1e-6) + loose:
+            if off > _unit(axis) * (rounded + 1e-6):
                 self.faults.append(f"reading {number}: {axis.name} is {off / _unit(axis)} off")
-        if not self._apart and abs(self._off(pose[None])[0]) > _HELD:
-            self.faults.append(f"reading {number}: what touches is {self._off(pose[None])[0]} m off")
 
     def _waits(self, number: int, end: int, stop: int) -> None:
         still = np.all(self._trace.poses[end + 1 : stop + 1] == self._trace.poses[stop], axis=1)
@@ -144,10 +129,10 @@ class Judge:
             self.faults.append(f"reading {number}: stands for {stood} s instead of {wanted}")
 
     def _comes(self, number: int, place: Place, stop: int) -> None:
-        """Each axis comes from its side over its overrun, as far as the travel leaves room: rotary ones where held."""
+        """Each axis comes from its side over its overrun, as far as the travel leaves room."""
         for k, (axis, side) in enumerate(zip(self._axes, place.approach, strict=True)):
-            if side == 0 or (not self._apart and not axis.rotary):
-                continue  # where something is held, the slides follow
+            if side == 0:
+                continue
             path = side * (self._trace.poses[stop, k] - self._trace.poses[: stop + 1, k])[::-1]
             turned = np.flatnonzero(np.diff(path) < -_unit(axis) * 1e-7)
             come = path[turned[0] if len(turned) else -1]
@@ -156,29 +141,6 @@ class Judge:
             room = here - low if side > 0 else high - here
             if come < min(axis.overrun, room) - (3 * _STEP + _CORNER) * _unit(axis):
                 self.faults.append(f"reading {number}: {axis.name} comes over {come} instead of {axis.overrun}")
-
-    def _holds(self, at: dict[int, tuple[int, int]]) -> None:
-        """From one reading to the next what touches is held, unless the program lets it go."""
-        text = self._job.text
-        for number in range(1, len(at)):
-            between = text.split(f"(READING {number})")[1].split(f"(READING {number + 1})")[0]
-            if "M429" in between or "TAKE THE BAR OFF" in between:
-                continue
-            off = self._off(self._trace.poses[at[number][1] : at[number + 1][1] + 1])
-            low = -_SAG if self._simulated.bar is not None else 0.0
-            self.held += 1
-            self.worst = max(self.worst, float(-off.min() + low), float(off.max()))
-            if self.worst > _WAY:
-                self.faults.append(f"after reading {number} what touches is off by {off.min()} to {off.max()} m")
-
-    def _off(self, poses: Array) -> Array:
-        """Return how far the tool point is from its ball, or by how much a bar is longer than it is, (m,) m."""
-        kept, of = np.unique(poses, axis=0, return_inverse=True)
-        tips = np.array([tip(self._simulated.machine, pose) for pose in kept])
-        if self._simulated.bar is not None:
-            centre, length = self._simulated.bar
-            return np.asarray(np.linalg.norm(tips - centre, axis=1) - length)[of.ravel()]
-        return np.asarray(np.linalg.norm(tips - self._simulated.ball, axis=1))[of.ravel()]
 
 
 def _longest(marked: NDArray[np.bool_]) -> int:
@@ -194,16 +156,11 @@ def _unit(axis: Axis) -> float:
 
 @dataclass(frozen=True)
 class Found:
-    """programs, readings, cycles : how many; held : ways on which what touches stays on, worst : m, off there at most
-
-    faults : what should not have been done
-    """
+    """programs, readings, cycles : how many; faults : what should not have been done"""
 
     programs: int
     readings: int
     cycles: int
-    held: int
-    worst: float
     faults: tuple[str, ...]
 
 
@@ -211,22 +168,19 @@ def found_on(simulated: Simulated, most: int) -> Found:
     """Return what a LinuxCNC made of the first programs of a machine."""
     jobs = simulated.jobs[:most]
     beside = {f"p{n}.ngc": job.text for n, job in enumerate(jobs)}
-    given = simulated.settings
-    settings = replace(given, hal=given.hal + hal(len(simulated.joints)), beside={**given.beside, **beside})
-    readings, cycles, held, worst, faults = 0, 0, 0, 0.0, list[str]()
+    settings = Settings(hal(len(simulated.joints)), beside=beside)
+    readings, cycles, faults = 0, 0, list[str]()
     with Session(simulated.joints, settings, timeout=600) as session:
         for n, job in enumerate(jobs):
             rows = np.array(session.sample([f"run p{n}.ngc"]))
             if session.errors or not rows[:, -1].any():
                 unrun = f"program {n + 1} was not run: {'; '.join(session.errors)}"
-                return Found(n, readings, cycles, held, worst, (*faults, unrun))
+                return Found(n, readings, cycles, (*faults, unrun))
             units = np.array([_unit(axis) for axis in simulated.machine.axes])
             trace = Trace(rows[:, list(simulated.order)] / _FINE * units, rows[:, -1].astype(int))
-            judge = Judge(simulated, job, trace)
-            faults += [f"program {n + 1}: {fault}" for fault in judge.judged()]
-            readings, cycles, held = readings + len(job.places), cycles + len(rows), held + judge.held
-            worst = max(worst, judge.worst)
-    return Found(len(jobs), readings, cycles, held, worst, tuple(faults))
+            faults += [f"program {n + 1}: {fault}" for fault in Judge(simulated, job, trace).judged()]
+            readings, cycles = readings + len(job.places), cycles + len(rows)
+    return Found(len(jobs), readings, cycles, tuple(faults))
 
 
 def verdicts(most: int, first: int, kept: Kept) -> Iterator[tuple[str, bool]]:
@@ -244,11 +198,10 @@ def verdicts(most: int, first: int, kept: Kept) -> Iterator[tuple[str, bool]]:
         found.append(said)
         if said.faults:
             yield f"machine {seed}: {'; '.join(said.faults[:3])}", False
-    counts = [(each.programs, each.readings, each.cycles, each.held, len(each.faults)) for each in found]
-    ran, readings, cycles, held, wrong = map(sum, zip(*counts, strict=True))
-    worst = 1e9 * max(each.worst for each in found)
+    counts = [(each.programs, each.readings, each.cycles, len(each.faults)) for each in found]
+    ran, readings, cycles, wrong = map(sum, zip(*counts, strict=True))
     text = f"{ran:,} programs of {len(found)} machines with {readings:,} readings in {cycles:,} servo cycles"
-    yield f"{text}, {wrong} faults; {held:,} ways in touch, at most {worst:.0f} nm off", not wrong
+    yield f"{text}, {wrong} faults", not wrong
 
 
 def _found(seed: int, most: int) -> dict[str, Any]:

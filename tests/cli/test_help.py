@@ -16,16 +16,15 @@ from axiscal.cli.app import app
 from tests.docs.cli import PAGE, reference
 from tests.docs.test_commands_on_pages import taken
 
-TEN = ["init", "plan", "measure", "serve", "finish", "export", "verify", "report", "demo", "fleet"]
+TEN = ["init", "plan", "measure", "serve", "finish", "export", "verify", "status", "report", "demo"]
 GROUPED = {
     "step": ["start", "next", "record", "undo", "accept", "note", "status", "run"],
     "data": ["estimate", "iso230", "predict", "copy", "schema"],
-    "shop": ["bring", "sync", "adopt", "type", "due", "check"],
 }
 LONGEST = 60
 """Characters of a summary: a line of help fits 80 columns with the name before it."""
 _LINE = re.compile(r"^  ([a-z0-9]+) +(\S.*)$", re.MULTILINE)
-GROUPS: list[list[str]] = [[], ["step"], ["data"], ["shop"], ["shop", "type"], ["machine"]]
+GROUPS: list[list[str]] = [[], ["step"], ["data"], ["machine"]]
 
 
 def _listed(help_text: str, title: str) -> dict[str, str]:
@@ -64,7 +63,7 @@ def test_a_command_of_a_group_is_called_by_its_name_alone_too(group: str, name: 
 
 
 def test_a_name_of_no_group_is_refused() -> None:
-    for words in (["step", "plan"], ["shop", "next"], ["step", "nxt"]):
+    for words in (["step", "plan"], ["data", "next"], ["step", "nxt"]):
         with pytest.raises(Exception, match="No such command"):
             taken(words)
 

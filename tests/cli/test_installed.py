@@ -1,4 +1,4 @@
-"""The program without a checkout: the wheel, installed in an environment of its own, and the entry of the desktop."""
+"""The program without a checkout: the wheel, installed in an environment of its own."""
 
 from __future__ import annotations
 
@@ -10,14 +10,12 @@ import sys
 import sysconfig
 import venv
 import zipfile
-from configparser import ConfigParser
 from importlib.metadata import Distribution
 from pathlib import Path
 
 import pytest
 
 import axiscal
-from tests.commands import Command
 from tests.web.served import Served
 
 CHECKOUT = Path(__file__).parents[2]
@@ -95,22 +93,6 @@ def test_the_wheel_brings_the_program_its_page_and_its_languages(program: Path, 
         finally:
             page.terminate()
     assert words["messages"]["Next"] == "Weiter"
-
-
-def test_the_page_stands_in_the_menu_of_the_desktop(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    monkeypatch.setattr("shutil.which", lambda name: f"/opt/100% it's/{name}")
-    assert "axiscal stands in the menu" in command("--install-desktop").out
-    entry = ConfigParser(interpolation=None)
-    entry.optionxform = str  # type: ignore[assignment,method-assign]
-    entry.read(tmp_path / "applications" / "axiscal.desktop")
-    assert entry["Desktop Entry"]["Exec"] == '"/opt/100%% it\'s/axiscal" serve --start --browser'
-    picture = tmp_path / "icons" / "hicolor" / "scalable" / "apps" / "axiscal.svg"
-    assert picture.read_text().startswith("<svg")
-    monkeypatch.setattr("sys.platform", "win32")
-    assert "no menu as freedesktop.org describes it" in command("--install-desktop").refusal
 
 
 @pytest.mark.parametrize("example", [pytest.param("story1_plan.py", marks=pytest.mark.long), "story2_estimate.py"])

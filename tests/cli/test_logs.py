@@ -13,7 +13,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.programs import write_programs
 from tests.commands import Command
 from tests.generators import touched_table as table
-from tests.programs.touching_controls import TouchingMachine, run_sinumerik
+from tests.programs.touching_controls import TouchingMachine, run_linuxcnc
 
 
 @pytest.fixture
@@ -24,9 +24,9 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("campaign.toml").write_text(table.CAMPAIGN)
     campaign = table.description()
     (file, *_) = write_programs(
-        campaign.machine, campaign.setups, table.places(campaign, 8), "sinumerik", "programs", log=True
+        campaign.machine, campaign.setups, table.places(campaign, 8), "linuxcnc", "programs", log=True
     )
-    Path("log.txt").write_text("\n".join(run_sinumerik(file.read_text(), {}, TouchingMachine())) + "\n")
+    Path("log.txt").write_text("\n".join(run_linuxcnc(file.read_text(), TouchingMachine())) + "\n")
     return Path("log.txt")
 
 
@@ -73,6 +73,6 @@ def test_programs_with_a_log_are_written_by_the_command(tmp_path: Path, monkeypa
     Path("machine.toml").write_text(table.MACHINE)
     Path("campaign.toml").write_text(table.CAMPAIGN)
     assert run(["plan", "campaign.toml", "--log"]) == 1
-    words = ["--log", "--candidates", "60", "--readings", "1", "--gcode", "fanuc", "--out", "here"]
+    words = ["--log", "--candidates", "60", "--readings", "1", "--gcode", "linuxcnc", "--out", "here"]
     assert run(["plan", "campaign.toml", *words]) == 0
-    assert "POPEN\n" in next(Path("here").glob("*.NC")).read_text()
+    assert "(LOGCLOSE)\n" in next(Path("here").glob("*.ngc")).read_text()

@@ -49,7 +49,7 @@ def built(archive: str, own: Sequence[str], build: Callable[[Path], None]) -> Pa
 
 
 def python() -> Path:
-    """Return the Python that has what Klipper and Moonraker need; raises MissingError."""
+    """Return the Python that has what Klipper needs; raises MissingError."""
     if not PYTHON.exists():
         raise MissingError("the environment .venv-controls is not there: make .venv-controls/stamp")
     return PYTHON

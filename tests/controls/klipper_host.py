@@ -17,7 +17,7 @@ from axiscal.units import from_unit, to_unit
 from tests.controls.fetched import built, python, run
 
 VERSION = "84104bbb"
-_ARCHIVE, _PINS = "klipper.tar.xz", "bed_pins.c"
+_ARCHIVE = "klipper.tar.xz"
 _ROUNDS = {"x": 8.0, "y": 8.0, "z": 4.0}
 """mm of a turn of each motor, of 200 full steps of 128: a step is 0.3 um, of Z 0.16 um."""
 _STEPS = 200 * 128
@@ -30,16 +30,11 @@ _QUIET = 15
 
 def klipper() -> Path:
     """Return the folder of a Klipper whose micro-controller runs here; raises MissingError."""
-    return built(_ARCHIVE, [_PINS], _build) / "klipper"
+    return built(_ARCHIVE, [], _build) / "klipper"
 
 
 def _build(folder: Path) -> None:
     at = folder / "klipper"
-    (folder / _PINS).replace(at / "src" / "linux" / "gpio.c")
-    late = at / "src" / "stepper.c"  # a computer that others use is late by more than its millisecond: no step is lost
-    text = late.read_text()
-    assert text.count("timer_from_us(1000)") == 1
-    late.write_text(text.replace("timer_from_us(1000)", "timer_from_us(500000)"))
     (at / ".config").write_text("CONFIG_LOW_LEVEL_OPTIONS=y\nCONFIG_MACH_LINUX=y\n")
     run(["make", "olddefconfig"], at)
     run(["make", "-j2"], at)
@@ -57,14 +52,12 @@ def config(more: str) -> str:
     return "\n".join(lines) + f"\n{more}"
 
 
-def motors(files: Mapping[str, str], codes: list[str], poses: Array, extras: Mapping[str, str] | None = None) -> Array:
+def motors(files: Mapping[str, str], codes: list[str], poses: Array) -> Array:
     """Return where the motors stand at poses (m, 3) by X, Y, Z, m.
 
-    files : of the configuration, printer.cfg among them; codes : sent first; extras : put beside Klipper's own
+    files : of the configuration, printer.cfg among them; codes : sent first
     """
     at = klipper()
-    for name, text in (extras or {}).items():
-        (at / "klippy" / "extras" / name).write_text(text)
     lines = ["SET_KINEMATIC_POSITION X=0 Y=0 Z=0", *codes]
     for number, place in enumerate(np.asarray(to_unit(poses, "mm"))):
         lines += ["G1 X{:.6f} Y{:.6f} Z{:.6f} F12000".format(*place), "G4 P200"]

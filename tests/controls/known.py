@@ -26,7 +26,6 @@ SQUARE: Mapping[str, Std] = {"C0Y": "0.5 mrad", "B0Z": "0.5 mrad", "A0Z": "0.5 m
 STRAIGHT: Mapping[str, Std] = {"EYX": "15 um", "EXY": "15 um", "EXZ": "15 um", "EYZ": "15 um"}
 OWN: Mapping[str, Std] = {"EXX": "20 um", "EYY": "20 um", "EZZ": "20 um"}
 TURNS: Mapping[str, Std] = {f"E{about}{axis}": "60 urad" for about in "ABC" for axis in "XYZ"}
-PLANE: Mapping[str, Std] = {"EZXY": ("40 um", 6, 100)}
 POSES = 30
 
 

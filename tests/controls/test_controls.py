@@ -9,12 +9,10 @@ from tests.controls.zoo import CONTROLS
 
 ALLOWED = 1.0
 """% of the largest correction, and of what was found."""
-IN_THEIR_OWN_TIME = {"moonraker"}
-"""A computer that does other work beside counts the steps of a running printer late: `make controls` alone tries it."""
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", [name for name in CONTROLS if name not in IN_THEIR_OWN_TIME])
+@pytest.mark.parametrize("name", CONTROLS)
 def test_a_control_does_what_its_export_says(name: str) -> None:
     try:
         row = CONTROLS[name]()

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.controls import duet, klipper_host, live_printer
+from tests.controls import duet, klipper_host
 from tests.controls.fetched import MissingError, run
-from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TURNS, Known, Row, known
+from tests.controls.known import BED, OWN, SQUARE, STRAIGHT, TURNS, Known, Row, known
 from tests.controls.samples import counted
 from tests.linuxcnc.lab import available, can_load
 from tests.linuxcnc.virtual import LinuxcncMachine
@@ -42,17 +42,6 @@ def klipper() -> Row:
     return machine.row("Klipper", klipper_host.VERSION, ran, export, added, sides=False)
 
 
-def klipper_volumetric() -> Row:
-    """The extra in Klipper's own host, by the steps of the motors."""
-    machine = known(OWN, STRAIGHT, SQUARE, TURNS, BED, PLANE)
-    export = machine.exported("klipper-volumetric", mesh=25)
-    files = {"printer.cfg": klipper_host.config("[axiscal]\n"), "axiscal.vcomp": export.files["axiscal.vcomp"]}
-    extras = {"axiscal.py": export.files["axiscal.py"]}
-    added = by_name(machine, lambda poses, _: klipper_host.motors(files, [], poses, extras) - poses)
-    ran = "extras/axiscal.py, steps of the motors"
-    return machine.row("klipper-volumetric", klipper_host.VERSION, ran, export, added, sides=False)
-
-
 def reprapfirmware() -> Row:
     """Its map, compiled, behind the formulas of M556 and M425."""
     machine = known(BED, SQUARE, LOST)
@@ -60,24 +49,6 @@ def reprapfirmware() -> Row:
     added = by_name(machine, lambda poses, ways: duet.added(export.files, poses, ways))
     ran = "Grid.cpp compiled; M556, M425 by their formulas"
     return machine.row("RepRapFirmware", duet.VERSION, ran, export, added, sides=True)
-
-
-def moonraker() -> Row:
-    """A bed and balls that `run --source moonraker:` probes, a mesh of `export --load`, the extra after a restart."""
-    machine = known(OWN, STRAIGHT, SQUARE, BED)
-    mesh, whole = (machine.exported(name, mesh=7) for name in ("klipper", "klipper-volumetric"))
-    with live_printer.running(whole.files) as printer:
-        seen = [live_printer.read(printer)]
-        live_printer.refused(printer)
-        live_printer.framed(printer)
-        seen += [live_printer.loaded(printer, mesh.files["bed_mesh.cfg"])]
-        added, places = live_printer.whole(printer)
-    order = order_of(machine)
-    said = np.empty_like(places)
-    said[:, order] = 1e3 * whole.control(1e-3 * places[:, order], np.zeros_like(places))
-    seen.append((added, said))
-    off = max(100 * float(np.max(np.abs(a - b)) / np.ptp(b)) for a, b in seen)
-    return Row("Moonraker", "0.11.0", "--source moonraker:, --load, FIRMWARE_RESTART", off)
 
 
 def linuxcnc() -> Row:
@@ -124,7 +95,5 @@ CONTROLS: Mapping[str, Callable[[], Row]] = {
     "linuxcnc-volumetric": linuxcnc_volumetric,
     "linuxcnc-samples": linuxcnc_samples,
     "klipper": klipper,
-    "klipper-volumetric": klipper_volumetric,
-    "moonraker": moonraker,
     "reprapfirmware": reprapfirmware,
 }

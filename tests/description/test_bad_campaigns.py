@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.description.campaign import campaign_from_texts, read_campaign
-from axiscal.exceptions import DescriptionError, InputError
+from axiscal.exceptions import InputError
 from tests.refusals.reading import refusals
 
 TEXTS = refusals("campaign").texts
@@ -28,21 +28,6 @@ def test_a_campaign_without_end_evaluates(folder: Path) -> None:
     text = "\n".join(line for line in GOOD.splitlines() if line.split(" ")[0] not in ends)
     (folder / "campaign.toml").write_text(text)
     assert read_campaign(folder / "campaign.toml", target_needed=False).target.empty
-
-
-def test_a_prior_beside_records_of_sisters_is_refused(folder: Path) -> None:
-    text = GOOD.replace("[programs]", '[sisters]\nrecords = ["records/*.axiscal", "more.axiscal"]\n[programs]')
-    (folder / "more.axiscal").touch()
-    (folder / "campaign.toml").write_text(text)
-    found = read_campaign(folder / "campaign.toml").sisters
-    assert found is not None
-    assert found.files(folder) == (folder / "more.axiscal",)
-    (folder / "campaign.toml").write_text(text.replace('"more.axiscal"', '"store:"'))
-    stored = read_campaign(folder / "campaign.toml").sisters
-    assert stored is not None
-    assert stored.files(folder) == (Path("store:"),)
-    with pytest.raises(DescriptionError, match=r"line 3: sisters: .* names another prior"):
-        campaign_from_texts(f'prior = "old.axiscal"\n{text}', "campaign.toml", MACHINE, "machine.toml")
 
 
 @given(st.data())

@@ -201,7 +201,7 @@ def test_every_dependency_has_its_reason_on_the_page_of_decisions() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     page = (ROOT / "docs" / "decisions" / "index.md").read_text(encoding="utf-8")
     extras = project["optional-dependencies"]
-    needed = [*project["dependencies"], *extras["app"], *extras["postgres"]]
+    needed = [*project["dependencies"], *extras["app"]]
     names = [re.split(r"[<>=]", each)[0] for each in needed]
     assert [name for name in names if f"**{name}**" not in page] == []
 

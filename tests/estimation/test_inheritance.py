@@ -12,12 +12,12 @@ from axiscal.answers.changes import changes
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.type_prior import carried_over
+from axiscal.estimation.carried_over import carried_over
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.present.findings import findings
-from tests.generators.sisters import write_record
+from tests.generators.recorded import write_record
 from tests.generators.texts import Said, Std, campaign_text, machine_text, setup_text
 
 POSITIONS = np.linspace(0.02, 0.98, 15)

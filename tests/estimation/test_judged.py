@@ -9,17 +9,14 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.case import Case, Rival
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import paths
 from axiscal.estimation.intervals import sited
 from axiscal.estimation.judged import judged
 from axiscal.estimation.located import absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.membership import membership
-from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.cells import wandered
-from tests.generators.dense_posterior import mixture
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 
@@ -44,27 +41,6 @@ def test_readings_of_a_coarse_display_are_taken_for_what_they_say() -> None:
     assert found.belief.mean[:size] == pytest.approx(expected.mean[:size], abs=1e-10)
     one, other = (each.covariance[:size, :size] for each in (found.belief, expected))
     assert np.abs(one - other).max() < 1e-6 * other.max()
-
-
-def test_a_mixture_has_the_moments_of_its_parts() -> None:
-    readings, size = read(machine(1), 10), CASE.errors.size
-    stated = CASE.errors.prior_covariance()
-    told = ((1.0, 0.4, 0.0), (0.2, 0.3, 1e-6), (2.0, 0.3, -1e-6))
-    rivals = tuple(Rival(str(factor), share, Inherited(np.full(size, shift), factor * stated))
-                   for factor, share, shift in told)  # fmt: skip
-    case = replace(CASE, rivals=rivals, inherited=rivals[0].belief)
-    parts = [absorbed(side, readings, {}).knowledge.belief for side in case.sides]
-    found = membership(case, absorbed(case.sides[0], readings, {}), readings, {})
-    mean, covariance = mixture([(part.mean, part.covariance) for part in parts], np.array(found.shares))
-    assert sum(found.shares) == pytest.approx(1.0)
-    assert min(found.shares) > 1e-6
-    assert found.belief.mean == pytest.approx(mean, abs=1e-12)
-    assert np.abs(found.belief.covariance - covariance).max() < 1e-9 * np.abs(covariance).max()
-    assert found.count == 10
-    assert found.likeliest == int(np.argmax(found.shares))
-    assert found.sister == pytest.approx(found.shares[0] + found.shares[1])
-    none = membership(case, absorbed(case.sides[0], [], {}), [], {})
-    assert none.shares == pytest.approx([0.4, 0.3, 0.3])
 
 
 def test_the_way_of_a_zero_is_what_the_readings_say_of_its_drift_and_begins_at_nothing() -> None:

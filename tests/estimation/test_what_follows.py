@@ -14,10 +14,9 @@ from axiscal.answers.changes import _change
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, as_standard, expanded_uncertainty
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.membership import Membership
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 
@@ -63,21 +62,3 @@ def test_an_expanded_uncertainty_stands_for_a_standard_one_by_the_factor_of_toda
     assert as_standard(known.case, knowledge, now.space) == pytest.approx(rms, rel=1e-6)
     assert as_standard(known.case, knowledge, 3 * now.space) == pytest.approx(3 * rms, rel=1e-6)
     assert 1.9 < now.space / rms < 3.0
-
-
-@pytest.mark.parametrize(
-    ("rms", "worst", "all_of_them"), [("3 um", "", False), ("30 um", "", True), ("0.1 um", "40 um", True)]
-)
-def test_a_plan_is_by_the_likeliest_belief_until_that_is_good_enough(rms: str, worst: str, all_of_them: bool) -> None:
-    text = CAMPAIGN.replace('rms = "3 um"', f'rms = "{rms}"' + (f'\nworst = "{worst}"' if worst else ""))
-    case = Case(campaign_from_texts(text, "c.toml", MACHINE, "m"))
-    known = estimated(case, read(machine(1), 3))
-    assert known.to_plan_by is known.knowledge
-    wider = Belief(known.knowledge.belief.mean, 2 * known.knowledge.belief.covariance)
-    member = Membership((), np.array([0.3, 0.6, 0.1]), 3, wider)
-    assert member.likeliest == 1
-    assert member.sister == pytest.approx(0.9)
-    beside = replace(known, membership=member)
-    assert beside.whole is wider
-    assert (beside.to_plan_by.belief is wider) == all_of_them
-    assert (beside.to_plan_by is beside.knowledge) == (not all_of_them)

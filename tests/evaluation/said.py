@@ -17,8 +17,8 @@ from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.check_answer import check_answer, check_details
 from axiscal.tables.surface import Control, left_by
-from tests.generators.sisters import measured as read_along
-from tests.generators.sisters import write_record
+from tests.generators.recorded import measured as read_along
+from tests.generators.recorded import write_record
 
 READINGS = 60
 """Of a campaign that states no number."""

@@ -1,4 +1,4 @@
-"""The ways of a printed program, held to what its campaign says: nothing is torn off, and nothing is run into.
+"""The ways of a printed program, held to what its campaign says: nothing is run into.
 
 From the text of the program, of the campaign and of the machine alone.
 """
@@ -18,8 +18,6 @@ from tests.generators.program_ways import STEP, Reader
 from tests.generators.said_places import Said, spot
 from tests.generators.solids import filled, solids
 
-_SAG = 1e-5
-"""m: a bar of 1 mm stroke may be shorter by a hundredth of it in the middle of a chord."""
 _LEVER = 1.0
 """m, from the rotary axes to the tool point, at most."""
 _BESIDE = 0.02
@@ -35,12 +33,10 @@ class WaysSaid:
         self._artefact = said.artefacts.get(self._table.get("artefact", ""), {})
 
     @property
-    def contact(self) -> str:
-        """How it goes from place to place."""
-        kind, at_ball = self._table["instrument"], bool(self._artefact.get("balls") or self._artefact.get("grid"))
-        if (kind == "ballbar" and "length" in self._table) or (kind == "rtest" and at_ball):
-            return "held"
-        return "retracted" if kind in ("sphere", "probe") and at_ball else "free"
+    def _retracted(self) -> bool:
+        """Whether it goes off a ball and back from place to place."""
+        at_ball = bool(self._artefact.get("balls") or self._artefact.get("grid"))
+        return self._table["instrument"] in ("sphere", "probe") and at_ball
 
     def holds(self, text: str, planned: Mapping[int, Array]) -> int:
         """Assert that a program reads where it was planned, numbers of readings -> poses, and that its ways can be.
@@ -69,10 +65,9 @@ class WaysSaid:
         turned = [abs((a - b + np.pi) % (2 * np.pi) - np.pi) for a, b in zip(pose, wanted, strict=True)]
         for axis, angle in zip(self._machine.axes, turned, strict=True):
             assert not axis.rotary or angle <= self._rounded, (reading, axis.name)
-        far = number(self._table.get("retract", "50 mm")) if self.contact == "retracted" else 0.0
+        far = number(self._table.get("retract", "50 mm")) if self._retracted else 0.0
         target = tip(self._machine, wanted) + far * stem(self._machine, wanted)
-        slack = 1e-9 + 1e-3 * STEP[self._controller]
-        slack += 0.0 if self.contact == "held" else 1e-6 + 2 * _LEVER * self._rounded
+        slack = 1e-6 + 1e-3 * STEP[self._controller] + 2 * _LEVER * self._rounded
         assert np.linalg.norm(tip(self._machine, pose) - target) <= slack, (reading, pose, wanted)
 
     @property
@@ -81,23 +76,10 @@ class WaysSaid:
         return float(np.radians(0.51e-3 if self._controller == "fanuc" else 0.51e-4))
 
     def _way(self, leg: list[tuple[str, list[Array]]]) -> None:
-        """From one reading to the next the ball, or the length of the bar, is kept; or the tool stays drawn back."""
-        poses = [pose for _, each in leg for pose in each]
-        if self.contact == "held":
-            let_go = any(what in ("held", "free") for what, _ in leg)
-            for pose in poses if not let_go else poses[:1]:
-                assert self._touches(pose), pose
-        elif self.contact == "retracted":
-            for pose in poses:
+        """From one reading to the next the tool stays drawn back."""
+        if self._retracted:
+            for pose in (pose for _, each in leg for pose in each):
                 self._stays_off(pose)
-
-    def _touches(self, pose: Array) -> bool:
-        at, step = tip(self._machine, pose), 1e-9 + 1e-3 * STEP[self._controller]
-        if "length" in self._table:
-            short = number(self._table["length"]) - float(np.linalg.norm(at - self._said.centre(self._table)))
-            return -step <= short <= _SAG + step
-        balls = self._said.balls(self._table)
-        return min(float(np.linalg.norm(at - ball)) for ball in balls.values()) <= step
 
     def _stays_off(self, pose: Array) -> None:
         """The tool, a line from its tip to the spindle, passes no ball of the artefact nearer than it may."""

@@ -23,7 +23,7 @@ MASKED = (
 )
 """What differs from one installation to another, hashes of it, and roundings of zero; clock and paths never do."""
 LEFT_AWAY = (
-    *("*.axiscal", "*.axiscal-*", "*.answers", "*.sqlite", "*.type.json"),
+    *("*.axiscal", "*.axiscal-*", "*.answers", "*.sqlite"),
     *("report.html", "report.pdf", "*.svg", "*.xml", "data/*", "tables/*/README.txt"),
     *("axiscal_vcomp.comp", "axiscal_vcomp_core.h", "job/*.schema.json"),
 )
@@ -32,7 +32,7 @@ schemas where they stand a second time.
 """
 DIGITS = 12
 MOST = 16
-"""Entries of a list of numbers that is kept whole; of a longer one so many at most."""
+"""Entries of a list that is kept whole; of a longer one so many at most. Sentences are all kept."""
 ROWS = 4 * MOST
 """Rows of a table that is kept whole; of a longer one so many at most."""
 _ROW = re.compile(r"(?:[A-Z]\w*[,;]\s*)?[-+.\d][-+.,;\dEe\s]*")
@@ -120,12 +120,27 @@ def _less(value: Any) -> Any:
         return float(f"{value:.{DIGITS}g}")
     if isinstance(value, dict):
         return {key: _less(each) for key, each in value.items()}
-    if isinstance(value, list):
-        numbers = not any(isinstance(each, dict | str) for each in value)
-        every = max(1, math.ceil(len(value) / MOST)) if numbers else 1
+    if not isinstance(value, list) or any(isinstance(each, str) for each in value):
+        return value
+    every = max(1, math.ceil(len(value) / MOST))
+    if any(isinstance(each, dict) for each in value):
+        kept = [_less(each) for each in value[(len(value) - 1) % every :: every]]  # the last one is what was found
+    elif any(isinstance(each, list) for each in value):
+        return _grid(value, every)
+    else:
         kept = [_less(each) for each in value[::every]]
-        return kept if every == 1 else {"length": len(value), "every": every, "values": kept}
-    return value
+    return kept if every == 1 else {"length": len(value), "every": every, "values": kept}
+
+
+def _grid(rows: list[list[Any]], every: int) -> Any:
+    """Return rows of as many numbers, thinned in both directions.  every : of the rows"""
+    across = max(1, math.ceil(len(rows[0]) / MOST))
+    kept = [[_less(each) for each in row[::across]] for row in rows[::every]]
+    return (
+        kept
+        if every == across == 1
+        else {"lengths": [len(rows), len(rows[0])], "every": [every, across], "values": kept}
+    )
 
 
 def _masked(text: str) -> str:

@@ -80,7 +80,11 @@ def test_versions_are_masked_and_nothing_else() -> None:
     assert _masked(said) == '12.5 um, axiscal <version>, {"numpy": "<version>", "schema": "axiscal-result/1"}'
 
 
-def test_of_a_long_list_of_numbers_some_are_kept_and_of_one_of_things_all() -> None:
-    kept = json.loads(_document(json.dumps({"curve": [0.1] * 100, "rows": [{"a": 1 / 3}] * 100})))
+def test_of_long_lists_and_grids_some_are_kept_and_of_things_the_last() -> None:
+    grid = [[float(100 * row + column) for column in range(40)] for row in range(3)]
+    lists = {"curve": [0.1] * 100, "rows": [{"a": number / 3} for number in range(100)], "grid": grid}
+    kept = json.loads(_document(json.dumps(lists)))
     assert kept["curve"] == {"length": 100, "every": 7, "values": [0.1] * 15}
-    assert kept["rows"] == [{"a": 0.333333333333}] * 100
+    assert kept["rows"]["values"][-1] == {"a": 33.0}
+    assert [each["a"] for each in kept["rows"]["values"][:2]] == pytest.approx([1 / 3, 8 / 3])
+    assert kept["grid"] == {"lengths": [3, 40], "every": [1, 3], "values": [row[::3] for row in grid]}

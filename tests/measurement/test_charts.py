@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Sight
+from axiscal.measurement.charts.kinds import Bar, Circle, Held, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, arrivals, has_room, turns
 from axiscal.numerics import Array
 from axiscal.planning.step.ground import changes, places_along
@@ -131,12 +131,6 @@ def test_a_bar_in_space_reaches_all_of_its_sphere_and_no_place_under_the_stem() 
         assert np.linalg.norm(tip(DMU, pose) - chart.centre) == pytest.approx(0.15, abs=1e-12)
         assert said == (in_travel(DMU, pose) and place[1] >= math.radians(-10) - 1e-9)
     np.testing.assert_allclose(chart.places(poses), places, atol=1e-9)
-
-
-def test_from_ball_to_ball_there_is_no_way_in_touch() -> None:
-    chart = Balls(tuple(held(ball) for ball in BALLS))
-    assert chart.between(np.array([0.0, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])) is None
-    assert chart.between(np.array([1.0, 0.0, 0.0]), np.array([1.0, 0.1, 0.0])) is not None
 
 
 def test_linear_axes_come_from_where_they_really_come_when_a_rotary_axis_comes_from_a_side() -> None:

@@ -11,12 +11,9 @@ from tests.generators.kernels import kernels, under
 _DRAWS = """
 import numpy as np
 from axiscal.errors.model import ErrorModel
-from examples.virtual_sisters import Imagined, VirtualType
-from axiscal.ports.fleet.hierarchy import prior_units
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator
 from tests.generators.planes import bed, poses_of, table
-from tests.generators.sisters import slide
 
 def scaled(values):
     return (np.asarray(values) / np.max(np.abs(values))).ravel().tolist()
@@ -26,15 +23,12 @@ for name, machine in {"dmu60": load_machine("dmu60"), "bed": bed(), "table": tab
     model, poses = ErrorModel(machine), poses_of(machine, 5)
     for term, drawn in zip(model.terms, Simulator(machine, ()).drawn(3).values(poses), strict=True):
         found[f"{term.name} of {name}"] = scaled(drawn)
-    for number, column in enumerate(prior_units(model).root.T):
-        found[f"unit {number} of {name}"] = scaled(column)
     for plane in model.planes:
         found[f"shapes of {plane.name} of {name}"] = scaled(plane.rows(*plane.at(poses)))
-found["a sister"] = scaled(VirtualType(slide(), Imagined(), 1).drawn(2)[1])
 """
 _ROUNDING = 1e-6
 """Share of the largest value. Of a singular covariance an eigenvalue is rounding, some 1e-16 of the variance, and its
-root some 1e-8 of the deviation; the slowest directions of a type lie as close to one another as to lose ten times that.
+root some 1e-8 of the deviation.
 """
 
 

@@ -26,7 +26,7 @@ from axiscal.planning.promise import alike, blank_problem, foreseen
 from axiscal.planning.proposal import proposed
 from axiscal.present.plan_answer import plan_answer
 from tests.generators.campaigns import built_in
-from tests.generators.sisters import measured
+from tests.generators.recorded import measured
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
 FEW = 200

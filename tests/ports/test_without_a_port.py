@@ -26,11 +26,9 @@ WORK = (
     "--help",
 )
 NEEDS = {  # and what it says without
-    "fleet": ("fleet run", "fleet needs fleet, which is not installed"),
     "grblhal": ("export run/campaign.axiscal --to grblhal", '"grblhal" is not a controller'),
     "linuxcnc": ("step run job/campaign.toml --source linuxcnc-live --out other", "is not a source"),
-    "postgres": ("step status store:mill", "this part is not installed"),
-    "printers": ("step run job/campaign.toml --source moonraker:voron.local --out other", "is not a source"),
+    "printers": ("export run/campaign.axiscal --to klipper", '"klipper" is not a controller'),
 }
 RUN = "import shlex, sys; from axiscal.cli.app import run; print([run(shlex.split(each)) for each in sys.argv[1:]])"
 

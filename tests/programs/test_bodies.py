@@ -22,7 +22,7 @@ from axiscal.programs import dialect, programs
 from axiscal.programs.standing import standing
 from tests.generators.kinematics import stem, tip, turned
 from tests.generators.printed_machine import PrintedMachine, number, printed_machine
-from tests.generators.program_ways import Reader, words
+from tests.generators.program_ways import Reader
 from tests.generators.said_places import spot
 from tests.generators.solids import nearest, post, solids
 from tests.generators.texts import machine_text
@@ -82,17 +82,18 @@ def program(campaign: CampaignDescription, rng: np.random.Generator) -> str:
     chosen = rng.permutation(len(found))[:3]
     poses, sides = found.poses[chosen].tolist(), found.approaches[chosen].astype(int).tolist()
     places = [Place(campaign.setups[0].name, tuple(p), tuple(s)) for p, s in zip(poses, sides, strict=True)]
-    (written,) = programs(campaign.machine, campaign.setups, places, dialect("sinumerik"), log=True)
+    (written,) = programs(campaign.machine, campaign.setups, places, dialect("linuxcnc"), log=True)
     return written.text
 
 
 def poses_of(text: str, machine: PrintedMachine) -> list[Array]:
     """Return poses all along the ways of a program, and where its touches end that meet nothing."""
-    reader, found = Reader(machine, "sinumerik", 9), list[Array]()
+    reader, found = Reader(machine, "linuxcnc", 9), list[Array]()
     for line in text.splitlines():
         found += [pose for _, poses in reader.follow(line) for pose in poses]
-        if touched := re.search(r"MEAS.*SUPA (.*) F", line):
-            there = reader.at | words(touched[1])
+        if line.startswith("O<axiscal_touch> CALL"):
+            into = [1e-3 * float(each) for each in re.findall(r"\[(.*?)\]", line)[2:5]]
+            there = reader.at | dict(zip("XYZ", into, strict=True))
             found.append(np.array([there[axis.name] for axis in machine.axes]))
     return found
 
@@ -166,12 +167,11 @@ def test_a_program_says_at_its_head_and_at_its_stops_what_stands_where() -> None
     source = a_machine(rng)
     campaign = campaign_from_texts(offered_board(source), "campaign.toml", source, "machine.toml")
     lines = program(campaign, rng).splitlines()
-    assert sum(line.startswith("; BALL ") and line.endswith("AND ITS POST") for line in lines) == 8
-    assert "; IT IS ASSUMED THAT NOTHING ELSE STANDS IN THE WAY" in lines
-    assert sum(line.startswith(("; STYLUS", "; HOLDER", "; NOSE")) for line in lines) == 3
-    assert 'MSG("PUT DOWN BOARD THEN PRESS START")' in lines
-    under = lines[: lines.index('MSG("PUT DOWN BOARD THEN PRESS START")')]
-    assert under[-1].startswith("G1 SUPA X")  # above, where there is room to put it down
+    assert sum(line.startswith("(BALL ") and line.endswith("AND ITS POST)") for line in lines) == 8
+    assert "(IT IS ASSUMED THAT NOTHING ELSE STANDS IN THE WAY)" in lines
+    assert sum(line.startswith(("(STYLUS", "(HOLDER", "(NOSE")) for line in lines) == 3
+    under = lines[: lines.index("(MSG, PUT DOWN BOARD THEN PRESS START)")]
+    assert under[-1].startswith("G53 G1 X")  # above, where there is room to put it down
     (setup, *_), artefact = campaign.setups, campaign.setups[0].artefact
     assert artefact is not None
     unsaid = list(standing(campaign.machine, replace(setup, artefact=replace(artefact, diameter=None))))

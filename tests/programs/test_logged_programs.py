@@ -21,43 +21,42 @@ from axiscal.measurement.reading import Place
 from axiscal.measurement.touched import TOUCHES
 from axiscal.programs import dialect, programs, write_programs
 from tests.generators import touched_table as table
-from tests.programs.touching_controls import CONTROLS, TouchingMachine
+from tests.generators.texts import campaign_text, setup_text
+from tests.programs.touching_controls import TouchingMachine, run_linuxcnc
 
 
 @cache
-def run(control: str, count: int) -> tuple[CampaignDescription, list[Place], dict[str, bytes], str]:
+def run(count: int) -> tuple[CampaignDescription, list[Place], dict[str, bytes], str]:
     """Return campaign and plan, the files of its program, and the log that the control writes."""
     campaign = table.description()
     places = table.places(campaign, count)
     with TemporaryDirectory() as folder:
-        write_programs(campaign.machine, campaign.setups, places, control, Path(folder), log=True)
+        write_programs(campaign.machine, campaign.setups, places, "linuxcnc", Path(folder), log=True)
         files = {path.name: path.read_bytes() for path in Path(folder).iterdir()}
-    (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
+    (program,) = programs(campaign.machine, campaign.setups, places, dialect("linuxcnc"), log=True)
     machine = TouchingMachine()
-    lines = CONTROLS[control](program.text, program.beside, machine)
+    lines = run_linuxcnc(program.text, machine)
     assert machine.touches == 2 * TOUCHES * count
-    assert all(files[name].decode() == text for name, text in program.beside.items())
     return campaign, places, files, "\n".join(lines) + "\n"
 
 
-def logged(control: str, folder: Path, count: int = 3) -> tuple[CampaignDescription, list[Place], Path]:
+def logged(folder: Path, count: int = 3) -> tuple[CampaignDescription, list[Place], Path]:
     """Put the program of a plan and its log into a folder, and return campaign, plan and the file of the log."""
-    campaign, places, files, text = run(control, count)
+    campaign, places, files, text = run(count)
     for name, content in files.items():
         (folder / name).write_bytes(content)
     (folder / "log.txt").write_text(text, encoding="utf-8", newline="")
     return campaign, places, folder / "log.txt"
 
 
-@pytest.mark.parametrize(("control", "off"), [("fanuc", 0.3), ("sinumerik", 0.01), ("heidenhain", 0.02)])
-def test_what_a_control_writes_is_read_back_as_what_the_machine_does(control: str, off: float, tmp_path: Path) -> None:
-    campaign, places, log = logged(control, tmp_path)
+def test_what_a_control_writes_is_read_back_as_what_the_machine_does(tmp_path: Path) -> None:
+    campaign, places, log = logged(tmp_path)
     found = logged_readings(log, tmp_path, campaign)
     assert found.said == ()
     assert [reading.number for reading in found.readings] == [1, 2, 3]
     for reading, place in zip(found.readings, places, strict=True):
         np.testing.assert_allclose(
-            1e6 * np.array([reading.value, *reading.others]), table.expected_at(campaign, place), atol=off
+            1e6 * np.array([reading.value, *reading.others]), table.expected_at(campaign, place), atol=0.01
         )
 
 
@@ -68,27 +67,27 @@ def refusal(log: Path, folder: Path, campaign: CampaignDescription) -> str:
 
 
 def test_the_log_of_another_plan_is_refused(tmp_path: Path) -> None:
-    campaign, _, log = logged("sinumerik", tmp_path)
+    campaign, _, log = logged(tmp_path)
     other = tmp_path / "other"
-    write_programs(campaign.machine, campaign.setups, table.places(campaign, 2), "sinumerik", other, log=True)
+    write_programs(campaign.machine, campaign.setups, table.places(campaign, 2), "linuxcnc", other, log=True)
     assert "has no programs of that plan" in refusal(log, other, campaign)
     assert "has no programs of that plan" in refusal(log, tmp_path / "none", campaign)
-    write_programs(campaign.machine, campaign.setups, table.places(campaign, 2), "heidenhain", tmp_path, log=True)
+    write_programs(campaign.machine, campaign.setups, table.places(campaign, 3), "heidenhain", tmp_path)
     assert len(logged_readings(log, tmp_path, campaign).readings) == 3  # lists of other programs beside it
     (own,) = tmp_path.glob("AXISCAL_01_SPHERES*.csv")
     own.write_text(own.read_text().replace("C+", "C-"))
     assert "have been changed" in refusal(log, tmp_path, campaign)
-    write_programs(campaign.machine, campaign.setups, table.places(campaign, 3), "sinumerik", tmp_path, log=True)
+    write_programs(campaign.machine, campaign.setups, table.places(campaign, 3), "linuxcnc", tmp_path, log=True)
     joined = log.read_text().replace("END 3\n", "END 3\nAXISCAL LOG 1 PLAN 00000000 MM\n")
     log.write_text(joined)
     assert "here begins the log of plan 00000000" in refusal(log, tmp_path, campaign)
 
 
 def test_lists_of_another_plan_that_has_its_logs_are_not_written_over(tmp_path: Path) -> None:
-    campaign, _, _ = logged("sinumerik", tmp_path)
+    campaign, _, _ = logged(tmp_path)
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
     with pytest.raises(ProgramError, match="of another plan, whose logs are read with it"):
-        write_programs(campaign.machine, campaign.setups, table.places(campaign, 2), "sinumerik", tmp_path, log=True)
+        write_programs(campaign.machine, campaign.setups, table.places(campaign, 2), "linuxcnc", tmp_path, log=True)
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
@@ -112,18 +111,18 @@ def test_touches_that_the_axes_cannot_make_are_refused() -> None:
     places, (setup,) = table.places(campaign, 3), campaign.setups
     apart = replace(setup, driving=Driving(order=(("X",), ("Y",), ("Z",), ("A", "C"))))
     with pytest.raises(ProgramError, match="are not one group of moves"):
-        programs(campaign.machine, [apart], places, dialect("sinumerik"), log=True)
+        programs(campaign.machine, [apart], places, dialect("linuxcnc"), log=True)
     poses = drawn_back(campaign.machine, np.array([place.pose for place in places]), setup.retract)
     near = campaign.machine.index("X")
     ends = (float(poses[:, near].min()) - 1e-3, float(poses[:, near].max()) + 1e-3)
     axes = tuple(replace(a, travel=ends) if k == near else a for k, a in enumerate(campaign.machine.axes))
     narrow = replace(campaign.machine, axes=axes)
     with pytest.raises(ProgramError, match="touching leaves the travel of X"):
-        programs(narrow, [setup], places, dialect("sinumerik"), log=True)
+        programs(narrow, [setup], places, dialect("linuxcnc"), log=True)
 
 
 def test_any_line_that_is_missing_doubled_or_moved_is_said(tmp_path: Path) -> None:
-    campaign, _, log = logged("sinumerik", tmp_path, 2)
+    campaign, _, log = logged(tmp_path, 2)
     lines = log.read_text().splitlines()
     for line in range(1, 2 * TOUCHES + 1):
         ways = {
@@ -139,13 +138,13 @@ def test_any_line_that_is_missing_doubled_or_moved_is_said(tmp_path: Path) -> No
 
 
 def test_a_program_run_twice_is_said_with_both_lines(tmp_path: Path) -> None:
-    campaign, _, log = logged("heidenhain", tmp_path)
+    campaign, _, log = logged(tmp_path)
     log.write_text(log.read_text() * 2)
     assert "line 22: reading 1 was touched in the lines from 2 on, and here again" in refusal(log, tmp_path, campaign)
 
 
 def test_a_program_that_did_not_end_brings_what_it_has(tmp_path: Path) -> None:
-    campaign, _, log = logged("fanuc", tmp_path)
+    campaign, _, log = logged(tmp_path)
     log.write_text("\n".join(log.read_text().splitlines()[:10]))
     found = logged_readings(log, tmp_path, campaign)
     assert [reading.number for reading in found.readings] == [1]
@@ -162,12 +161,10 @@ def test_a_touch_that_meets_nothing_ends_the_program_and_is_said(
     campaign = table.description()
     places = table.places(campaign, 2)
     monkeypatch.setattr(table, "met", lambda start, stop: None)
-    for control, execute in CONTROLS.items():
-        (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
-        machine = TouchingMachine()
-        assert len(execute(program.text, program.beside, machine)) == 1
-        assert machine.touches == 1
-    (tmp_path / "log.txt").write_text("AXISCAL LOG 1 PLAN 12345678 MM\nMISS R1.000000 T1.000000\n")
+    (program,) = programs(campaign.machine, campaign.setups, places, dialect("linuxcnc"), log=True)
+    machine = TouchingMachine()
+    (tmp_path / "log.txt").write_text("\n".join(run_linuxcnc(program.text, machine)))
+    assert machine.touches == 1
     assert read_touch_log(tmp_path / "log.txt").said == ("at touch 1 of reading 1 the probe met nothing (line 2)",)
 
 
@@ -175,13 +172,16 @@ def test_a_touch_that_meets_nothing_ends_the_program_and_is_said(
     ("change", "why"),
     [
         (lambda text: re.sub(r" X(-?)", r" X\g<1>9", text, count=1), "met something"),
-        (lambda text: re.sub(r"(R1 T2 X)(\S+)", lambda m: f"{m[1]}{float(m[2]) + 2}", text), "show a radius of"),
         (
-            lambda text: re.sub(r"(R1 T6 .*Z)(\S+)", lambda m: f"{m[1]}{float(m[2]) + 0.2}", text),
+            lambda text: re.sub(r"(R1\.0+ T2\.0+ X)(\S+)", lambda m: f"{m[1]}{float(m[2]) + 2}", text),
+            "show a radius of",
+        ),
+        (
+            lambda text: re.sub(r"(R1\.0+ T6\.0+ .*Z)(\S+)", lambda m: f"{m[1]}{float(m[2]) + 0.2}", text),
             "was 200 um from itself",
         ),
-        (lambda text: text.replace("R1 T1", "R7 T1"), "reading"),
-        (lambda text: text.replace("R3 ", "R7 "), "the plan has no reading 7"),
+        (lambda text: text.replace("R1.000000 T1", "R7.000000 T1"), "reading"),
+        (lambda text: text.replace("R3.", "R7."), "the plan has no reading 7"),
         (lambda text: text.replace("END 3", "END 4"), "took 4 readings, and 3 of them"),
         (lambda text: text.replace(" Y", " Q", 1), "is no line of a log"),
         (lambda text: text.replace("AXISCAL LOG 1", "AXISCAL LOG 2"), "is no line of a log"),
@@ -192,7 +192,7 @@ def test_a_touch_that_meets_nothing_ends_the_program_and_is_said(
 )
 def test_what_is_no_log_of_this_sphere_is_refused(change: object, why: str, tmp_path: Path) -> None:
     assert callable(change)
-    campaign, _, log = logged("sinumerik", tmp_path)
+    campaign, _, log = logged(tmp_path)
     log.write_text(change(log.read_text()))
     assert why in refusal(log, tmp_path, campaign)
 
@@ -209,8 +209,8 @@ def test_sizes_must_be_known_and_something_must_touch() -> None:
             programs(described.machine, described.setups, places, dialect("linuxcnc"), log=True)
         assert programs(described.machine, described.setups, places, dialect("linuxcnc"))
     with pytest.raises(ProgramError, match="write no log"):
-        dialect("isg").logging()
-    rtest = table.CAMPAIGN.replace('"sphere"', '"rtest"')
-    described = campaign_from_texts(rtest, "campaign.toml", table.MACHINE, "machine.toml")
+        dialect("fanuc").logging()
+    probed = campaign_text("machine.toml", setup_text(places[0].setup, "probe", direction="x"))
+    described = campaign_from_texts(probed, "campaign.toml", table.MACHINE, "machine.toml")
     with pytest.raises(ProgramError, match="reads by itself"):
-        programs(described.machine, described.setups, places, dialect("sinumerik"), log=True)
+        programs(described.machine, described.setups, places, dialect("linuxcnc"), log=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,6 @@ import pytest
 
 from axiscal.numerics import Array
 from tests.certify.gcode_traces import canonical_calls
-from tests.programs.test_programs_in_touch import made
 from tests.zoo.animals import Job
 from tests.zoo.mills import LATHE
 from tests.zoo.running import described, given
@@ -76,19 +74,3 @@ def test_without_its_head_the_motion_would_be_another(program: str, state: str, 
     headless = program.partition("\n")[2]
     bare, before = (moves(canonical_calls(text, tmp_path)) for text in (program, f"{state}\n{headless}"))
     assert not np.allclose(before[:, 0], bare[:, 0], atol=1.0)
-
-
-@NEEDS_RS274
-@pytest.mark.parametrize("offset", [0.0, 0.5])
-def test_a_program_in_touch_ends_before_it_moves_where_an_offset_is_in_force(offset: float, tmp_path: Path) -> None:
-    text = made("nest", "linuxcnc")[2].text
-    for word in ("m428", "m429"):
-        (tmp_path / f"{word}.ngc").write_text(f"o<{word}> sub\no<{word}> endsub\nM2\n")
-    remaps = "".join(f"REMAP = {word.upper()} modalgroup=10 ngc={word}\n" for word in ("m428", "m429"))
-    (tmp_path / "m.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH = {tmp_path}\n{remaps}")
-    (tmp_path / "p.ngc").write_text(f"G10 L2 P1 X{offset}\n{text}")
-    words = ["rs274", "-g", "-i", "m.ini", "p.ngc"]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=True)
-    moves = sum(1 for line in text.splitlines() if re.match(r"(G53 )?G1 ", line))
-    held = re.search(r"USE_TOOL_LENGTH_OFFSET\(.*120\.0000", done.stdout) is not None
-    assert (held, done.stdout.count("STRAIGHT_FEED") == moves) == (offset == 0.0, offset == 0.0)

@@ -80,7 +80,7 @@ def test_what_reads_back_otherwise_is_kept_in_a_branch_and_overwrites_nothing(
         other = lambda begin, size: b"x" * size if begin == seen else read(begin, size)  # noqa: E731
         monkeypatch.setattr(record, "_read_back", other)
         with pytest.raises(
-            RecordError, match=r"written at the same place.*axiscal shop adopt .*mill-[0-9a-f]{8}.axiscal"
+            RecordError, match=r"written at the same place.*Record the readings of .*mill-[0-9a-f]{8}.axiscal"
         ):
             record.append(recorded(2.0))
     branch = next(each for each in path.parent.glob("mill-*.axiscal"))

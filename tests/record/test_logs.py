@@ -1,4 +1,4 @@
-"""Both logs, the file and the server, do the same in every case: one matrix of cases, generated, over both."""
+"""What a log keeps is read again, and what cannot follow is refused: a matrix of cases."""
 
 from __future__ import annotations
 
@@ -6,35 +6,19 @@ import itertools
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.measurement.reading import Place
-from axiscal.ports.postgres.database import Database, store_address
-from axiscal.ports.postgres.server_log import ServerLog
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Asked, Event, Finished, Noted, Planned, Skipped, Undone, fold
 from axiscal.record.line_form import EventText
 from axiscal.record.log import EMPTY, EventLog, chained_texts
 from axiscal.record.store import Record
-from tests.record.postgres_server import RunningServer
 from tests.reliability.record_faults import CREATED, recorded
 
 _numbers = itertools.count()
-
-
-class Keeping(Protocol):
-    """A way to keep a log: where a new one goes, and how it is opened."""
-
-    def create(self) -> EventLog:
-        """Return a new log."""
-
-    def open(self, path: Path, *, write: bool = True) -> EventLog:
-        """Return one that is there."""
 
 
 class InFiles:
@@ -52,24 +36,9 @@ class InFiles:
         return Record.open(path, write=write)
 
 
-class OnAServer:
-    """Each log is a campaign on a server."""
-
-    def __init__(self, address: str) -> None:
-        self.address = store_address(address)
-
-    def create(self) -> EventLog:
-        """Return a new log."""
-        return ServerLog.create(Database(self.address), f"log {next(_numbers)}", CREATED)
-
-    def open(self, path: Path, *, write: bool = True) -> EventLog:
-        """Return one that is there."""
-        return ServerLog.open(Database(self.address), str(path).removeprefix("store:"), write=write)
-
-
-@pytest.fixture(params=["file", "server"])
-def keeping(request: pytest.FixtureRequest, tmp_path: Path) -> Keeping:
-    return InFiles(tmp_path) if request.param == "file" else OnAServer(request.getfixturevalue("address"))
+@pytest.fixture
+def keeping(tmp_path: Path) -> InFiles:
+    return InFiles(tmp_path)
 
 
 ASKED = Asked(1, Place("laser", (0.1, 0.2), (1, 0)))
@@ -92,7 +61,7 @@ CASES: dict[str, Callable[[], list[list[Event]]]] = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_what_is_kept_is_read_again(keeping: Keeping, case: str) -> None:
+def test_what_is_kept_is_read_again(keeping: InFiles, case: str) -> None:
     with keeping.create() as log:
         kept: list[Event] = [CREATED]
         for events in CASES[case]():
@@ -121,7 +90,7 @@ WRONG: dict[str, list[Event]] = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_cannot_follow_is_refused_whole(keeping: Keeping, case: str) -> None:
+def test_what_cannot_follow_is_refused_whole(keeping: InFiles, case: str) -> None:
     with keeping.create() as log:
         before = log.texts()
         with pytest.raises(RecordError, match="cannot follow"):
@@ -132,14 +101,14 @@ def test_what_cannot_follow_is_refused_whole(keeping: Keeping, case: str) -> Non
         assert log.append(recorded(1e-6)) == 2
 
 
-def test_a_number_that_is_none_is_refused_whole(keeping: Keeping) -> None:
+def test_a_number_that_is_none_is_refused_whole(keeping: InFiles) -> None:
     with keeping.create() as log:
         with pytest.raises(ValueError, match="float"):
             log.append(recorded(1e-6), recorded(float("nan")))
         assert log.last() == 1
 
 
-def test_of_two_that_know_the_same_one_wins_and_the_other_gets_a_sentence(keeping: Keeping) -> None:
+def test_of_two_that_know_the_same_one_wins_and_the_other_gets_a_sentence(keeping: InFiles) -> None:
     with keeping.create() as one, keeping.open(one.path) as other:
         assert one.append(recorded(1e-6), after=1) == 2
         with pytest.raises(OvertakenError, match=r"Another process has written .* `axiscal step status`"):
@@ -149,7 +118,7 @@ def test_of_two_that_know_the_same_one_wins_and_the_other_gets_a_sentence(keepin
         assert one.events() == other.events()
 
 
-def test_writers_that_fight_leave_no_gap_and_lose_nothing(keeping: Keeping) -> None:
+def test_writers_that_fight_leave_no_gap_and_lose_nothing(keeping: InFiles) -> None:
     with keeping.create() as log:
         won = list[float]()
         writers = [threading.Thread(target=_fight, args=(keeping, log.path, n, won)) for n in range(4)]
@@ -163,7 +132,7 @@ def test_writers_that_fight_leave_no_gap_and_lose_nothing(keeping: Keeping) -> N
         assert tuple(chained_texts(text.row for text in log.texts())) == log.texts()
 
 
-def _fight(keeping: Keeping, path: Path, writer: int, won: list[float]) -> None:
+def _fight(keeping: InFiles, path: Path, writer: int, won: list[float]) -> None:
     with keeping.open(path) as log:
         for n in range(12):
             value = 1e-6 * (100 * writer + n)
@@ -174,7 +143,7 @@ def _fight(keeping: Keeping, path: Path, writer: int, won: list[float]) -> None:
             won.append(value)
 
 
-def test_what_is_opened_to_be_read_is_not_written(keeping: Keeping) -> None:
+def test_what_is_opened_to_be_read_is_not_written(keeping: InFiles) -> None:
     with keeping.create() as log, keeping.open(log.path, write=False) as reader:
         with pytest.raises(RecordError, match="opened to be read"):
             reader.append(recorded(1e-6))
@@ -182,16 +151,14 @@ def test_what_is_opened_to_be_read_is_not_written(keeping: Keeping) -> None:
         assert reader.last() == 2
 
 
-def test_what_is_not_there_is_a_sentence(keeping: Keeping) -> None:
+def test_what_is_not_there_is_a_sentence(keeping: InFiles) -> None:
     with keeping.create() as log:
         nowhere = log.path.with_name(f"{log.path.name} and no other")
-        if isinstance(keeping, OnAServer):
-            nowhere = Path("store:no such mill")
     with pytest.raises(RecordError, match="no such"):
         keeping.open(nowhere)
 
 
-def test_events_written_elsewhere_keep_their_time_and_their_name(keeping: Keeping) -> None:
+def test_events_written_elsewhere_keep_their_time_and_their_name(keeping: InFiles) -> None:
     rows = [EventText(f"2020-01-0{n}T00:00:00.000+00:00", "noted", f'{{"text":"{n}"}}') for n in (1, 2)]
     with keeping.create() as log:
         before = log.name
@@ -200,7 +167,7 @@ def test_events_written_elsewhere_keep_their_time_and_their_name(keeping: Keepin
         assert log.name == chained_texts(rows, before)[-1].chain != EMPTY
 
 
-def test_a_copy_of_either_is_the_same_record(keeping: Keeping, tmp_path: Path) -> None:
+def test_a_copy_of_either_is_the_same_record(keeping: InFiles, tmp_path: Path) -> None:
     with keeping.create() as log:
         log.append(recorded(1e-6))
         write_copy(log, tmp_path / "copy.axiscal")
@@ -213,38 +180,3 @@ def test_a_copy_of_either_is_the_same_record(keeping: Keeping, tmp_path: Path) -
         log.append(recorded(3e-6))  # as long, and another one
         with pytest.raises(RecordError, match="gone on by itself"):
             write_copy(log, tmp_path / "copy.axiscal")
-
-
-@pytest.fixture(scope="module")
-def both(server: RunningServer, tmp_path_factory: pytest.TempPathFactory) -> tuple[Keeping, Keeping]:
-    return InFiles(tmp_path_factory.mktemp("files")), OnAServer(server.address())
-
-
-_steps = st.lists(
-    st.one_of(
-        st.floats(-1, 1).map(recorded),
-        st.text(st.characters(exclude_categories=["Cs"]), max_size=20).map(Noted),
-        st.just(ASKED),
-        st.just(Skipped("no")),
-        st.integers(1, 12).map(Undone),
-        st.just(Finished("done")),
-    ),
-    max_size=12,
-)
-
-
-@settings(max_examples=settings().max_examples // 3, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(steps=_steps)
-def test_any_steps_come_to_the_same_in_both(both: tuple[Keeping, Keeping], steps: list[Event]) -> None:
-    came_to = list[object]()
-    for keeping in both:
-        with keeping.create() as log:
-            said = list[str]()
-            for step in steps:
-                try:
-                    log.append(step)
-                    said.append("kept")
-                except RecordError as fault:
-                    said.append(fault.what)
-            came_to.append((said, [stored.event for stored in log.events()], log.name))
-    assert came_to[0] == came_to[1]

@@ -8,10 +8,6 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.exceptions import NewerError
-from axiscal.ports.postgres.database import Database
-from axiscal.ports.postgres.server_log import ServerLog
-from axiscal.ports.postgres.syncing import synced
-from axiscal.record.copies import write_copy
 from axiscal.record.events import Newer, Noted
 from axiscal.record.line_form import EventText
 from axiscal.record.store import Record
@@ -113,37 +109,6 @@ def test_what_comes_behind_it_may_hang_on_it(path: Path) -> None:
     written(path, EventText(AT, "undone", f'{{"event":{number}}}'))
     with Record.open(path, write=False) as record, pytest.raises(NewerError):
         record.state()
-
-
-def test_it_goes_to_the_store_and_to_other_laptops(path: Path, tmp_path: Path, database: Database) -> None:
-    other = tmp_path / "other.axiscal"
-    with Record.open(path) as record:
-        write_copy(record, other)
-        campaign = synced(database, record, tmp_path.name).campaign
-    for row in (CALIBRATED, EventText(AT, "weighted", '{"reading":1}')):
-        entry = written(path, row)
-        for file in (path, other):
-            with Record.open(file) as record:
-                synced(database, record, tmp_path.name)
-        assert last(other) == entry
-        log = ServerLog(database, campaign)
-        assert log.texts()[-1].row[1:3] == entry
-        with pytest.raises(NewerError):
-            log.append(Noted("by this version"))
-
-
-def test_readings_of_a_branch_that_holds_it_are_taken_over(
-    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    branch = tmp_path / "branch.axiscal"
-    with Record.open(path, write=False) as record:
-        write_copy(record, branch)
-    assert run(["record", str(branch), "2.5 um", "--setup", "along x", "--at", "X=200mm"]) == 0
-    written(branch, CALIBRATED)
-    assert run(["adopt", str(path), str(branch), "--same-mounting"]) == 0
-    assert "1 reading of" in capsys.readouterr().out
-    with Record.open(path, write=False) as record:
-        assert [reading.value for reading in record.state().readings] == [1.5e-6, 1.5e-6, 2.5e-6]
 
 
 @pytest.mark.parametrize("payload", ["[1]", "7", "not json"])

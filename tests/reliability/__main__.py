@@ -24,7 +24,6 @@ from tests.reliability import (
     salvaged,
     same_bytes,
     set_faults,
-    store_clients,
     stuck_instruments,
     writers,
 )
@@ -53,16 +52,11 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         lambda: same_bytes.compared(long, pythons),
         *(partial(salvaged.tried, name, 670 if long else 150) for name in salvaged.DAMAGES),
         lambda: forged.tried(10_000),
-        lambda: store_clients.clients(5, 1200 if long else 60),
-        lambda: store_clients.statements(10_000 if long else 1000),
         lambda: stuck_instruments.named(125),
-        store_clients.names,
         bounds.token,
         lambda: bounds.unused(12),
         bounds.sizes,
         forged.surfaces,
-        store_clients.mended,
-        lambda: store_clients.fleet(1000),
         lambda: bounds.seconds(200),
     )
 

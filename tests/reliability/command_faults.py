@@ -35,7 +35,7 @@ WRONG = campaign_text(
     usual="off",
     sure="exactly",
 )
-INPUTS = {**FILES, "wrong.toml": WRONG, "shop/machine.toml": FILES["machine.toml"]}
+INPUTS = {**FILES, "wrong.toml": WRONG}
 RECORD = "mill.axiscal"
 
 
@@ -69,11 +69,6 @@ EXPORT = _words(f"export {RECORD} --to linuxcnc --out out")
 RUN = _words("run campaign.toml --source sim:3 --out out")
 ESTIMATE = _words("estimate campaign.toml readings.csv --out out")
 UNDONE = _words(f"undo {RECORD}")
-BRANCHED = (
-    *MEASURED,
-    *map(_words, (f"copy {RECORD} branch.axiscal", "next branch.axiscal", "record branch.axiscal 2_um")),
-)
-TWO = (*MEASURED, *map(_words, ("start campaign.toml two.axiscal", "next two.axiscal", "record two.axiscal 3_um")))
 CONTRADICTORY = (
     _words(f"start wrong.toml {RECORD}"),
     *(
@@ -103,11 +98,8 @@ COMMANDS: Mapping[str, Command] = {
     "estimate": Command(ESTIMATE, out="out", manifest=SET),
     "report": Command(_words(f"report {RECORD} --out out/page.html"), MEASURED, out="out/page.html"),
     "plan, as programs": Command(_words("plan campaign.toml --gcode linuxcnc --out out"), out="out"),
-    "adopt": Command(_words(f"adopt {RECORD} branch.axiscal --same-mounting"), BRANCHED),
-    "bring": Command(_words(f"bring shop {RECORD}"), MEASURED),
     "check": Command(_words(f"check {RECORD} --plan out.csv"), MEASURED, out="out.csv"),
     "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
-    "type learn": Command(_words("type learn . --out out.type.json"), TWO, out="out.type.json"),
 }
 
 

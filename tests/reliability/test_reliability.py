@@ -22,7 +22,6 @@ from tests.reliability import (
     salvaged,
     same_bytes,
     set_faults,
-    store_clients,
     stuck_instruments,
     writers,
 )
@@ -38,7 +37,6 @@ TRIALS: dict[str, tuple[Callable[[], Trial], int]] = {
     "signed records": (lambda: forged.tried(60), 60 + 6 + 32),
     "killed writers": (lambda: writers.killed(20), 19),
     "writers at once": (lambda: writers.at_once(8, 10), 79),
-    "names of a store": (store_clients.names, 20),
 }
 LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "a record is written": (record_faults.written, 40),
@@ -48,12 +46,7 @@ LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "start": (lambda: command_faults.tried("start", 5), 4),
     "init": (lambda: command_faults.tried("init", 7), 4),
     "export": (lambda: command_faults.tried("export, over earlier tables", 17), 4),
-    "bring": (lambda: command_faults.tried("bring", hows=("kill",)), 4),
     "lost power": (lambda: power_loss.lost(150), 149),
-    "clients of a store": (lambda: store_clients.clients(2, 6), 10),
-    "statements to a store": (lambda: store_clients.statements(40), 39),
-    "what one command mends in a store": (store_clients.mended, 8),
-    "a list of a store": (lambda: store_clients.fleet(3), 2),
     "forged records on each surface": (forged.surfaces, 17),
     "right records that are called stuck": (lambda: stuck_instruments.named(6), 23),
     "readings none of which is used": (lambda: bounds.unused(12), 11),

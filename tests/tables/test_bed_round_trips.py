@@ -14,8 +14,6 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.numerics import Array
-from axiscal.ports.printers.klipper import plain_profile, write_mesh
-from axiscal.tables.surface import Mesh
 from tests.commands import Command
 from tests.generators.begun import begun
 
@@ -196,16 +194,3 @@ def test_a_plane_without_z_is_told_where_its_height_can_go(tmp_path: Path, comma
     said = command("export", record, "--to", "linuxcnc", "--out", tmp_path / "cnc").refusal
     assert "goes as a height map to klipper, marlin or reprapfirmware" in " ".join(said.split())
     assert "readings first" not in said
-
-
-def test_a_saved_profile_reads_the_same_in_a_file_that_is_included() -> None:
-    """The block that Klipper keeps is made of comments; an included file has the lines themselves."""
-    saved = write_mesh(Mesh(X / 1e3, Y / 1e3, bed(X, Y) / 1e3), "axiscal")
-    plain = plain_profile(saved)
-    assert "#*#" not in plain
-    parser = configparser.RawConfigParser()
-    parser.read_string(plain)
-    own = configparser.RawConfigParser()
-    own.read_string("\n".join(line[4:] for line in saved.partition("#*#\n")[2].splitlines()))
-    assert dict(parser["bed_mesh axiscal"]) == dict(own["bed_mesh axiscal"])
-    assert parser["bed_mesh axiscal"]["x_count"] == "7"

@@ -67,9 +67,8 @@ NR        AXISPOS    BACKLASH           X           Y           Z
 OPTIONS = {"fanuc": ExportOptions(template=FANUC), "heidenhain": ExportOptions(template=COM)}
 _ALWAYS_WHOLE = {"fanuc", "isg"}  # their files name every axis, with zeros where nothing is known
 LEAVES = {  # the largest share of the error that may be left on this machine
-    "csv": 0.01, "fanuc": 0.98, "grblhal": 0.001, "heidenhain": 0.02, "isg": 0.3, "klipper": 0.95,
-    "klipper-volumetric": 0.2, "linuxcnc": 0.03, "linuxcnc-volumetric": 0.001, "marlin": 0.95, "reprapfirmware": 0.95,
-    "sinumerik": 0.01,
+    "csv": 0.01, "fanuc": 0.98, "grblhal": 0.001, "heidenhain": 0.02, "isg": 0.3, "klipper": 0.95, "linuxcnc": 0.03,
+    "linuxcnc-volumetric": 0.001, "marlin": 0.95, "reprapfirmware": 0.95, "sinumerik": 0.01,
 }  # fmt: skip
 
 

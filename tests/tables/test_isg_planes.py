@@ -5,15 +5,13 @@ from __future__ import annotations
 import re
 
 import numpy as np
-import pytest
 
-from axiscal.exceptions import TableError
 from axiscal.machine import machine_from_text
 from axiscal.tables.controllers.isg import read_csv, write_csv
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from axiscal.tables.round_trip import drawn_and_known
-from axiscal.tables.volumetric import SampledError, together
+from axiscal.tables.volumetric import SampledError
 from tests.generators.planes import BED, TABLE
 from tests.generators.texts import machine_text
 
@@ -43,17 +41,6 @@ def test_a_table_over_two_axes_is_read_as_it_was_written() -> None:
     again = read_csv(text, machine)
     assert write_csv(again, machine) == text
     np.testing.assert_allclose(again["EBC"].values, turned.values, atol=1e-14)
-
-
-def test_old_and_new_add_up_whichever_depends_on_both_axes() -> None:
-    curve, rng = SampledError(np.linspace(0, 0.3, 4), np.array([0.0, 1e-6, 3e-6, 2e-6])), np.random.default_rng(4)
-    x, z = rng.uniform(0, 0.3, 50), rng.uniform(0, 0.2, 50)
-    for new, old in ((_surface(2), curve), (curve, _surface(2)), (_surface(2), _surface(3))):
-        whole = together({"EZX": new}, {"EZX": old})["EZX"]
-        # between points both are bilinear, and the sum has the points of both: it is the same there
-        np.testing.assert_allclose(whole.at(x, z), new.at(x, z) + old.at(x, z), atol=1e-18)
-    with pytest.raises(TableError, match="depends on"):
-        together({"EZX": _surface(2)}, {"EZX": _surface(3, "C")})
 
 
 def test_the_directions_are_apart_in_a_list_of_each_axis_and_that_of_a_turn_repeats() -> None:

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
@@ -23,8 +22,6 @@ from axiscal.tables.registry import controllers, export, exporter, loaded
 from axiscal.tables.round_trip import round_trip
 from tests.commands import Command
 from tests.generators.begun import begun
-from tests.generators.known import known_to_be
-from tests.generators.texts import machine_text
 from tests.tables.test_controllers import FANUC, OPTIONS, known
 
 
@@ -36,8 +33,6 @@ def com(*rows: tuple[float, ...]) -> str:
 
 
 PITCH = FANUC.replace("N3623Q1A1P1", "N3623Q1A1P2").replace("N10021Q1P0;", "N10021Q1P5;")
-MESH = dict.fromkeys(("klipper", "klipper-volumetric", "marlin", "reprapfirmware"), 7)
-
 EMPTY = "$AA_ENC_COMP_STEP[0,AX9]=0.0\n"
 ENC = (
     "CHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0042\n$AA_ENC_COMP_STEP[0,AX1]=50.0\n"
@@ -62,7 +57,7 @@ MAP = (
     "0,300,0,200,-1,300,200,2,2\n0.0,0.06\n0.0,0.06\n"
 )
 SQUARE = "141.4,141.4,100"
-NODES = "".join(f"echo:  M421 I{i} J{j} Z{0.06 * i:.2f}\n" for i in (0, 1) for j in (0, 1))
+NODES = "".join(f"M421 I{i} J{j} Z{0.06 * i:.2f}\n" for i in (0, 1) for j in (0, 1))
 FLAT_IN_FRONT = "".join(f"M421 I{i} J{j} Z{0.08 * j:.2f}\n" for i in (0, 1, 2) for j in (0, 1))
 ENABLED = ENC.replace("(1)\n", "(1)\n$MA_ENC_COMP_ENABLE[0,AX1]=0\nNEWCONF\n").replace("0.0042", "4.2EX-3")
 ARCHIVE = "".join(f"N10 {line} '3c0a\n" if line.startswith("$") else f"{line}\n" for line in ENABLED.splitlines())
@@ -96,11 +91,9 @@ BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much com
     "klipper: a bed": ("klipper", OldFile("p.cfg", "".join(f"#*# {line}\n" for line in BED.split("\n"))), "Z", 20, 20),
     "reprapfirmware: a bed": ("reprapfirmware", OldFile("heightmap.csv", MAP), "Z", 20, 20),
     "reprapfirmware: a skew is added": ("reprapfirmware", OldFile("config.g", "M556 S100 X1\n"), "X", 1000, 1000),
-    "marlin: a bed, as M503 answers": ("marlin", OldFile("m503", f"M852 I0 J0 K0\n{NODES}"), "Z", 20, 20),
+    "marlin: a bed": ("marlin", OldFile("bed.gcode", f"M852 I0 J0 K0\n{NODES}"), "Z", 20, 20),
     "marlin: a bed with a row of zeros": ("marlin", OldFile("m503", FLAT_IN_FRONT), "Z", 20, 20),
     "marlin: a skew is taken away": ("marlin", OldFile("m503", "M852 I0.01 J0 K0\n"), "X", -1000, -1000),
-    "marlin: a skew of the one plane that it knows": ("marlin", OldFile("m503", "M852 S0.01\n"), "X", -1000, -1000),
-    "marlin: in inches": ("marlin", OldFile("m503", "echo:  G20 ;\necho:  M425 F1 S0 X0.01\n"), "X", 127, -127),
     "marlin: half of a lost motion to each side": ("marlin", OldFile("m503", "M425 X0.010 F0.5 S0\n"), "X", 2.5, -2.5),
 }  # fmt: skip
 
@@ -111,7 +104,7 @@ MACHINE = known("small")[0].machine
 @pytest.mark.parametrize("what", BY_HAND)
 def test_old_files_move_axes_as_their_makers_say(what: str) -> None:
     controller, file, axis, up, down = BY_HAND[what]
-    found = loaded(controller, MACHINE, ExportOptions(old_files=(file,), template=file.text)).control(MACHINE)
+    found = exporter(controller).load([file], MACHINE, ExportOptions(template=file.text)).control(MACHINE)
     poses, ways = np.full((2, 3), [0.1, 0.1, 0.05]), np.array([[1.0], [-1.0]]) * np.ones(3)
     expected = np.zeros((2, 3))
     expected[:, MACHINE.index(axis)] = up, down
@@ -122,7 +115,7 @@ def test_old_files_move_axes_as_their_makers_say(what: str) -> None:
 def test_new_files_hold_the_old_ones_and_what_was_found(controller: str) -> None:
     estimates = [known("small", seed)[0] for seed in (3, 2)]
     poses, ways = spread_poses(estimates[0])
-    options = replace(OPTIONS.get(controller, ExportOptions()), mesh=MESH.get(controller))
+    options = ExportOptions()
 
     def read(made: Export) -> Array:
         """Return what a control adds that has loaded the files."""
@@ -164,22 +157,6 @@ def test_an_ini_file_names_its_tables_and_those_of_files_that_it_includes(tmp_pa
     )
     found = {file.joint: (file.file_type, file.backlash) for file in read_old(["mill.ini"], tmp_path)}
     assert found == {0: (1, None), 1: (None, 0.030), 2: (0, None)}
-
-
-def test_a_column_of_an_axis_that_was_not_measured_stays_beside_the_new_ones() -> None:
-    """Its points are others than those of the new columns, and a file has one column of points."""
-    axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}
-    model = ErrorModel(machine_from_text(machine_text("w-b-X-Y-Z-t", axes, {"EXX": ("10 um", 7, 150)}, name="M")))
-    estimate = known_to_be(model, np.arange(float(model.size)) ** 2 * 1e-6)
-    at = np.linspace(0, 300, 8)
-    y = 0.02 * np.sin(at / 90)
-    text = com(*((p, 0.0, 0.0, v, 0.0) for p, v in zip(at, y, strict=True)))
-    made = export(estimate, "heidenhain", ExportOptions(template=text, old_files=(OldFile("X_AXIS.COM", text),)))
-    table = np.array([[float(word) for word in line.split()] for line in made.files["X_AXIS.COM"].splitlines()[2:-1]])
-    assert len(table) != len(at)
-    assert np.interp(at, table[:, 1], table[:, 4]) == pytest.approx(y, abs=3e-4)
-    lost = np.max(np.abs(np.interp(at, table[:, 1], np.interp(table[:, 1], at, y)) - y)) * 1e-3
-    assert {one.axis: one.departure for one in made.tables}["Y"] == pytest.approx(lost, abs=1e-7)
 
 
 def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:

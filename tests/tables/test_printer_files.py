@@ -3,45 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.ports.printers import contents, klipper, marlin
-from axiscal.tables.exporter import Exporter, ExportOptions
-from axiscal.tables.loaded import Loaded, OldFile
+from axiscal.ports.printers import contents, marlin
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.sampling import axis_tables, backlash
-from axiscal.tables.surface import Mesh, Skew, skew_control, skew_of
+from axiscal.tables.surface import Skew, skew_control, skew_of
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import known as drawn_machine
 from tests.tables.test_sampling import machine as linear_machine
 
 SMALL = known("small")[0]
 MACHINE = SMALL.machine
-MESH = Mesh(np.linspace(-0.03, 0.27, 4), np.linspace(0.01, 0.19, 3), 1e-6 * np.arange(12.0).reshape(3, 4))
-
-
-def loaded(control: Exporter, texts: Sequence[str]) -> Loaded:
-    """Return what a control holds that was given these files."""
-    files = [OldFile(f"file{n}.cfg", text) for n, text in enumerate(texts)]
-    return control.load(files, MACHINE, ExportOptions())
-
-
-def test_a_mesh_and_a_skew_in_two_files_both_count_in_either_order() -> None:
-    skewed = klipper.write_skew({"XY": 0.01, "YZ": -0.004}, "a")
-    saved = "#*# [skew_correction a]\n#*# xy_skew = 0.003\n#*# xz_skew = 0.0\n#*# yz_skew = -0.001\n"
-    flat = klipper.write_mesh(MESH, "default")
-    for files in ([skewed, flat], [flat, skewed]):
-        found = loaded(klipper.Klipper(), files)
-        assert "XZ" not in found.skew
-        assert found.skew == pytest.approx({"XY": 0.01, "YZ": -0.004})
-        (mesh,) = found.meshes
-        assert mesh.added == pytest.approx(MESH.added, abs=1e-12)
-        assert (mesh.x[0], mesh.x[-1], mesh.y[0], mesh.y[-1]) == pytest.approx((-0.03, 0.27, 0.01, 0.19))
-    for files in ([saved, flat], [flat, saved], [skewed, saved]):
-        assert loaded(klipper.Klipper(), files).skew == {"XY": 0.003, "XZ": 0.0, "YZ": -0.001}
 
 
 @pytest.mark.parametrize(
@@ -72,15 +48,6 @@ def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_be
     assert contents.play_of(contents.content_of(SMALL, ExportOptions(), 5)) == pytest.approx(
         {name: value for name, value in found.items() if value > 0}
     )
-
-
-def test_old_files_of_marlin_add_up() -> None:
-    found = loaded(marlin.Marlin(), ["M852 I0.01 J0 K0\n", "M425 X0.01 F1\n", "M425 Y0.02 F1\n"])
-    assert found.skew == {"XY": 0.01, "XZ": 0.0, "YZ": 0.0}
-    assert {one.axis: (-one.forward[0], -one.reverse[0]) for one in found.tables} == {
-        "X": pytest.approx((5e-6, -5e-6)),
-        "Y": pytest.approx((1e-5, -1e-5)),
-    }
 
 
 def test_a_skew_is_the_slope_of_the_mean_of_both_sides_and_is_taken_away_as_printers_do() -> None:

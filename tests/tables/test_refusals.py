@@ -10,7 +10,7 @@ import pytest
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.ports.linuxcnc.tables import cross
-from axiscal.tables.controllers import plain_csv, sinumerik
+from axiscal.tables.controllers import sinumerik
 from axiscal.tables.controllers.isg import write_list
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile, read_old
@@ -33,9 +33,9 @@ def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch)
     def missing(*_: object) -> None:
         raise KeyError("interval")
 
-    monkeypatch.setattr(plain_csv.PlainCsv, "load", missing)
-    with pytest.raises(TableError, match=r"a number that csv needs is missing, or is none \('interval'\)"):
-        loaded("csv", THREE, ExportOptions(old_files=(OldFile("X.csv", ""),)))
+    monkeypatch.setattr(sinumerik.Sinumerik, "load", missing)
+    with pytest.raises(TableError, match=r"a number that sinumerik needs is missing, or is none \('interval'\)"):
+        loaded("sinumerik", THREE, ExportOptions(old_files=(OldFile("AX_EEC.INI", ""),)))
 
 
 def test_the_file_of_another_machine_is_refused() -> None:

@@ -115,7 +115,7 @@ def test_points_of_a_sum_are_those_of_both_as_far_as_they_fit(
     assert found.reverse == pytest.approx(own - added, abs=1e-15)
 
 
-@pytest.mark.parametrize("control", ["linuxcnc-volumetric", "klipper-volumetric", "isg"])
+@pytest.mark.parametrize("control", ["linuxcnc-volumetric", "isg"])
 def test_a_control_turns_about_the_axes_as_described_wherever_levers_were_found(control: str) -> None:
     """Errors of milliradians: rows of readings are taken where the machine is then, by a micrometre elsewhere."""
     found = known("three-axis-mill")[0]

@@ -504,7 +504,7 @@ def test_what_begins_is_planned_in_full_while_its_figures_are_looked_at(
     record = draft.record_of(tmp_path, "")
     assert planned == [True, False]
     with Campaign.open(record) as campaign:
-        assert campaign.state.coming == next_places(campaign.case(), campaign.estimate().to_plan_by, ())
+        assert campaign.state.coming == next_places(campaign.case(), campaign.estimate().knowledge, ())
         assert campaign.prepared() == campaign.state.plan
 
 

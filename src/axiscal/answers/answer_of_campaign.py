@@ -49,7 +49,6 @@ from axiscal.measurement.reading import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
 from axiscal.planning.promise import asked
-from axiscal.record.copies import file_name
 from axiscal.tables.offer import places
 from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
@@ -245,7 +244,7 @@ def results_of(record: Path) -> Path:
 
 def results_beside(record: Path) -> Path:
     """Return the folder for the results of a record, beside it."""
-    return (file := file_name(record)).with_name(f"{file.stem}-results")
+    return record.with_name(f"{record.stem}-results")
 
 
 def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:

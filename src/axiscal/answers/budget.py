@@ -58,10 +58,6 @@ def budget(known: Estimation) -> list[BudgetShare]:
     squares[_UNSEEN] = float(np.clip(known.case.yardstick_as_sized.unseen_rms**2, 0.0, max(squares[_PRIOR], 0.0)))
     squares[_PRIOR] -= squares[_UNSEEN]
     squares["detail", "", None] += yardstick.moments.rest
-    if known.membership is not None:  # of the rivals' mixture the causes of type B alone are the draws' own
-        apart = sum(each for (kind, _, _), each in squares.items() if kind == "type B")
-        share = (whole - apart) / (sum(squares.values()) - apart)
-        squares = {source: each * (1 if source[0] == "type B" else share) for source, each in squares.items()}
     squares["sizes", "", None] = whole - sum(squares.values())
     return [BudgetShare(kind, setup, float(np.sqrt(max(each, 0.0))), cause)
             for (kind, setup, cause), each in squares.items()]  # fmt: skip

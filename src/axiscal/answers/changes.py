@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.description.type_text import is_type_text
 from axiscal.errors.term import Term
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -42,7 +41,7 @@ def changes(estimation: Estimation) -> Iterator[Change]:
     rather than made up.
     """
     text = estimation.case.description.prior_text
-    if not text or is_type_text(text):
+    if not text:
         return
     before = last_estimation(text)
     now = concluded(Case(replace(estimation.case.description, prior_text="")), estimation.readings)

@@ -44,7 +44,7 @@ from axiscal.measurement.reading import Place, Reading, seconds_since
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.promise import plan_basis
 from axiscal.record.accepted import Accepted, Bumped
-from axiscal.record.copies import created_log, opened_log, refuse_other, write_copy
+from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
     Asked,
     Continued,
@@ -60,6 +60,7 @@ from axiscal.record.events import (
     Undone,
 )
 from axiscal.record.log import EventLog, SignedUntil, signed_until
+from axiscal.record.store import Record
 from axiscal_core.refusals import one
 
 Planner = Callable[
@@ -94,12 +95,12 @@ class Campaign(Closing):
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = _next_places) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         one("Campaign.create", "path", path, (str, Path), '"mill.axiscal"')
-        return cls(created_log(path, beginning_of(description)), description, planner)
+        return cls(Record.create(path, beginning_of(description)), description, planner)
 
     @classmethod
     def open(cls, path: str | Path, planner: Planner = _next_places, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
-        record = opened_log(path, write=write)
+        record = Record.open(path, write=write)
         try:
             return cls(record, described(record), planner)
         except BaseException:
@@ -161,7 +162,7 @@ class Campaign(Closing):
             gone = [self.description.setup(each.name) for each in self.state.mounted]
             parked = [Place(setup.name, setup.park, (0,) * len(setup.park)) for setup in gone]
             closed = (*self.state.skipped, *(Gap(Asked(0, place), "it has gone", True) for place in parked))
-            places = self._planner(known.case, known.to_plan_by, known.readings, known.outliers, closed, left)
+            places = self._planner(known.case, known.knowledge, known.readings, known.outliers, closed, left)
             if places or left:
                 self._append(Planned(places, self._plan_basis()))
         return self.state.plan
@@ -309,12 +310,11 @@ class Campaign(Closing):
         pairs = zip(path(self.estimate()), (None, *self.state.readings), strict=True)
         return tuple(Milestone(n, reading, at.accuracy, at.seconds) for n, (at, reading) in enumerate(pairs))
 
-    def adopt(self, readings: tuple[Reading, ...], note: str = "", before: Sequence[Event] = ()) -> None:
+    def adopt(self, readings: tuple[Reading, ...], note: str = "") -> None:
         """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.
 
         Nobody has said how often a set-up was mounted for them: it counts once, whatever the order of a file's rows.
         note : where they are from, "" for nothing to note; they then get numbers of this campaign
-        before : set-ups that were mounted anew for them, and how warm they were
         """
         refuse_finished(self.state.finished, self.path)
         setups = dict.fromkeys(reading.setup for reading in readings)
@@ -322,7 +322,7 @@ class Campaign(Closing):
         taken = [replace(r, check=r.check or r.place in drawn) for each in setups for r in readings if r.setup == each]
         if note:
             taken = [replace(reading, number=self.state.free + n) for n, reading in enumerate(taken)]
-        self._append(*before, *map(Recorded, taken), *([Noted(note)] if note else []))
+        self._append(*map(Recorded, taken), *([Noted(note)] if note else []))
 
     def run(self, source: Source, watch: Callable[[Milestone], None]) -> str:
         """Ask and record until a target is reached, and return why it stopped.

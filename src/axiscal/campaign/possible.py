@@ -101,16 +101,12 @@ def refuse_absurd(*values: float) -> None:
             raise ReadingError("{value:g} m or rad is no deviation of a machine", remedy, value=value)
 
 
-def _refuse_of_branch(setup: str, mounted: Sequence[Mounted]) -> None:
+def _refuse_gone(setup: str, mounted: Sequence[Mounted]) -> None:
     """Raise ReadingError for a set-up as it stood for a branch, or before its zero jumped: it has gone."""
     for each in mounted:
-        if each.name == setup and not each.branch:
-            remedy = 'Read "{instead}"'
-            raise ReadingError('"{setup}" has gone: its zero jumped', remedy, setup=setup, instead=each.setup)
         if each.name == setup:
-            what = '"{setup}" stood for a branch, which has taken its readings'
-            remedy = 'Read "{instead}", or record it in the branch and adopt it'
-            raise ReadingError(what, remedy, setup=setup, instead=each.setup)
+            what = '"{setup}" has gone: it was mounted anew'
+            raise ReadingError(what, 'Read "{instead}"', setup=setup, instead=each.setup)
 
 
 def jump_told(state: State, setup: str | None, number: int, path: Path) -> Accepted:
@@ -158,7 +154,7 @@ def refuse_unreadable(
     setup: Setup, values: Sequence[float], std: float | None, mounted: Sequence[Mounted] = ()
 ) -> None:
     """Raise ReadingError for what a set-up's instrument does not read, or one that has gone.  values, std : m or rad"""
-    _refuse_of_branch(setup.name, mounted)
+    _refuse_gone(setup.name, mounted)
     for value in values:
         if not math.isfinite(value):
             remedy = "Give the reading, or skip it with its reason"

@@ -22,9 +22,10 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 from axiscal.cli.printing import complain, say
+from axiscal.document.gone import instead_of
 from axiscal.document.ports import culprit
 from axiscal.exceptions import AxiscalError, InputError, PortError
-from axiscal.language.spoken import WORDS, said, speaking
+from axiscal.language.spoken import WORDS, later, said, speaking
 from axiscal.present.whose_language import chosen
 
 _MAIN = {
@@ -35,9 +36,9 @@ _MAIN = {
     "finish": "report.finish",
     "export": "export",
     "verify": "verify",
+    "status": "status",
     "report": "report",
     "demo": "run_loop.demo",
-    "fleet": "folder.fleet",
 }
 """In the order of `--help`: a file with a function of its name, or "file.function"; `app` where it has subcommands."""
 _STEP = {
@@ -48,7 +49,7 @@ _STEP = {
     "accept": "steps.accept",
     "note": "steps.note",
     "skip": "record.skip",
-    "status": "report.status",
+    "status": "status",
     "run": "run_loop",
 }
 _DATA = {
@@ -60,23 +61,15 @@ _DATA = {
     "salvage": "records.salvage",
     "schema": "init.schema",
 }
-_SHOP = {
-    "bring": "folder.bring",
-    "sync": "sync",
-    "adopt": "sync.adopt",
-    "type": "type",
-    "due": "folder.due",
-    "check": "folder.check",
-}
 _GROUPS = {
     "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
     "data": ("Work on readings, records and poses in files.", _DATA),
-    "shop": ("Keep many machines: one store, types, when each is due.", _SHOP),
 }
+_GONE = later("{name} is gone. {instead}.")
 _Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
 """The file of each command; of a group what it is for, and the files of its commands."""
 _SECTIONS: Mapping[str, _Places] = {"Commands": _MAIN, "More commands, in groups": {**_GROUPS, "machine": "machine"}}
-_UNGROUPED = {**_STEP, **_DATA, **_SHOP}
+_UNGROUPED = {**_STEP, **_DATA}
 """The names that commands had before there were groups: they work, and no help lists them."""
 
 
@@ -97,6 +90,12 @@ class AllCommands(TyperGroup):
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names that help and completion show."""
         return [name for each in self.sections.values() for name in each]
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return a command by the words that follow, or end with what to use instead of one that is gone."""
+        if instead := instead_of("commands", args[0]):
+            ctx.fail(said(_GONE, name=args[0], instead=instead))
+        return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command or group by its name, loaded now; None if there is no such command."""
@@ -168,26 +167,9 @@ app = typer.Typer(
 )
 
 
-def _put_on_desktop(wanted: bool) -> None:
-    if wanted:
-        from axiscal.cli.desktop import install_desktop
-
-        say(said("{file} is written: axiscal stands in the menu.", file=install_desktop()))
-        raise typer.Exit
-
-
 @app.callback()
 def axiscal(
     version: Annotated[bool, typer.Option("--version", help="Print the version and end.")] = False,
-    desktop: Annotated[
-        bool,
-        typer.Option(
-            "--install-desktop",
-            is_eager=True,  # needs no command
-            callback=_put_on_desktop,
-            help="Put the page into the menu of the desktop and end.",
-        ),
-    ] = False,
 ) -> None:
     """Plan, run and evaluate the calibration of machine tools with the fewest minutes of machine time.
 
@@ -263,6 +245,9 @@ def _refused(wrong: Any) -> int:
         wrong.show()
     else:
         path = "axiscal" if wrong.ctx is None else wrong.ctx.command_path
+        option = f"{path.rpartition(' ')[2]} {getattr(wrong, 'option_name', '')}"
+        if instead := instead_of("options", option):
+            text = said(_GONE, name=option, instead=instead)
         asked = _in_words(text).rstrip(".")
         complain(said("{wrong} See `{command} -h`", wrong=asked if asked[-1] == "?" else f"{asked}.", command=path))
     return int(wrong.exit_code)

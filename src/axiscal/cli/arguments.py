@@ -81,12 +81,6 @@ ReportLanguage = Annotated[
         "--language", metavar="NAME", help="Of the page and the PDF: en or de; default: that of campaign.toml."
     ),
 ]
-Records = Annotated[
-    Path,
-    typer.Argument(
-        metavar="FOLDER", help="Folder of records, files *.axiscal; store: for all campaigns of AXISCAL_STORE."
-    ),
-]
 CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]
 Log = Annotated[
     Path | None, typer.Option("--log", metavar="FILE", help="The log that programs of plan --gcode --log have written.")

@@ -65,10 +65,7 @@ def export(
     ] = None,
     zero: Annotated[
         str | None,
-        typer.Option(
-            metavar="FILE|PLACE",
-            help='Where the printer homes Z: printer.cfg, homez.g, Configuration.h, or "150 mm, 150 mm".',
-        ),
+        typer.Option(metavar="PLACE", help='Where the printer homes Z, as in "150 mm, 150 mm"; default: the middle.'),
     ] = None,
     flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
     probe_sign: Annotated[
@@ -84,7 +81,8 @@ def export(
         list[str] | None,
         typer.Option(
             metavar="OLD",
-            help="What was active while measuring: a table, AXIS=FILE, a folder, LinuxCNC's INI file; repeatable.",
+            help="linuxcnc, sinumerik: what was active while measuring: a table, AXIS=FILE, a folder, LinuxCNC's INI "
+            "file; repeatable.",
         ),
     ] = None,
     ini: Annotated[
@@ -93,13 +91,6 @@ def export(
             metavar="FILE.ini",
             help="linuxcnc-volumetric: your INI file; units and joints are taken from it, and it and its HAL files are "
             "written with the component in them, with apply.sh and undo.sh.",
-        ),
-    ] = None,
-    load: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PRINTER",
-            help="klipper: moonraker:HOST, reprapfirmware: duet:HOST; the height map is put into it and is in force.",
         ),
     ] = None,
     program: Annotated[
@@ -130,7 +121,6 @@ def export(
       axiscal export mill.axiscal --to linuxcnc-volumetric --ini ~/linuxcnc/configs/mill/mill.ini --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
       axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
-      axiscal export bed.axiscal --to klipper --load moonraker:voron.local --out mesh
       axiscal export router.axiscal --to program --program part.ngc --origin "120 mm, 80 mm, -60 mm" --out corrected
     """
 
@@ -154,7 +144,7 @@ def export(
         encoder=measuring_system,
         old_files=read_old(on_top_of or ()),
     )
-    others = {"--coordinates": coordinates, "--ini": ini, "--load": load}
+    others = {"--coordinates": coordinates, "--ini": ini}
     given = [*(name for name, value in others.items() if value is not None), *options.given]
     wanted = {"--program": program, "--origin": origin, "--chord": chord}
     if to == PROGRAM:
@@ -162,9 +152,6 @@ def export(
         return
     given += [name for name, value in wanted.items() if value is not None]
     registry.refuse_untaken(to, given)
-    loader = None if load is None else part("printer-loader")(load, to)
-    if loader is not None and zero is None:
-        options = replace(options, zero=loader.zero())
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
         described = estimation.case.description
@@ -185,17 +172,17 @@ def export(
         doubts = [finding.text for finding in findings(estimation, ended=campaign.state.finished is not None)]
         agreement = agreement_words(estimation, record) if estimation.readings else ""
         offered = introduced(offered, doubts, agreement, record_state(campaign))
-        sent = None if loader is None else loader.accepted_text(offered.files)
         manifest = f"manifest-{offered.controller}.json"
         with result_set(out, manifest) as folder:
             write_files(offered, folder)
             write_manifest(folder, record_state(campaign), versions(), manifest)
-    if not json:
+    if json:
+        say_document(_document(offered, out))
+    else:
         last = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"]}
-        if loader is None:
-            then = said("load {folder} (README.txt there), then", folder=out)
-            made_from = "" if template is None else f" --template {quote(str(template))}"
-            last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
+        then = said("load {folder} (README.txt there), then", folder=out)
+        made_from = "" if template is None else f" --template {quote(str(template))}"
+        last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
         if not offered.worth:
             last[said("Next")] = [said("do not load these files: they leave no less error than there is")]
         found = (
@@ -206,11 +193,6 @@ def export(
         if offered.idle:
             found += wrapped(said("The files do not move {axes}.", axes=joined(offered.idle)), 4)
         say("\n".join([*found, *ending(last)]))
-    done = None if loader is None or sent is None else loader.load(sent, name)
-    if json:
-        say_document(_document(offered, out) | ({} if done is None else {"loaded": done}))
-    elif done is not None:
-        say(done)
 
 
 def _spacing(texts: list[str]) -> float | dict[str, float] | None:
@@ -232,12 +214,7 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
 
 
 def _zero(text: str) -> tuple[float, float]:
-    """Return the place where a printer homes Z, m, stated or from its file; raises TableError, UnitError."""
-    if Path(text).is_file():
-        found: tuple[float, float] | None = part("printer-zero")(read_old([text])[0].text)
-        if found is None:
-            raise TableError("this file states no place where Z is homed", 'write --zero "150 mm, 150 mm"', text)
-        return found
+    """Return the place where a printer homes Z, m; raises UnitError."""
     x, _, y = text.partition(",")
     return parse_quantity(x.strip(), "length"), parse_quantity(y.strip(), "length")
 

@@ -7,16 +7,16 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.evidence import signed_text
 from axiscal.campaign.possible import beginning_of, described
 from axiscal.campaign.salvaging import salvaged
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import opened_to_write
+from axiscal.description.campaign import read_campaign
 from axiscal.exceptions import NewerError
 from axiscal.language.spoken import counted, said
-from axiscal.record.copies import file_name, is_stored, opened_log, write_copy
+from axiscal.record.copies import write_copy
 from axiscal.record.log import rows_of
 from axiscal.record.signing import key_file, make_key
 from axiscal.record.store import Record
@@ -39,10 +39,9 @@ def copy_record(
       axiscal data copy mill.axiscal /media/stick
     """
 
-    name = file_name(record).name
-    beside = Path(name) if is_stored(record) else record.with_name(f"{name}.copy")
-    target = beside if to is None else to / name if to.is_dir() else to
-    with opened_log(record, write=False) as log:
+    beside = record.with_name(f"{record.name}.copy")
+    target = beside if to is None else to / record.name if to.is_dir() else to
+    with Record.open(record, write=False) as log:
         try:
             described(log)  # checked
             readings: int | None = len(log.state().readings)
@@ -84,7 +83,7 @@ def salvage(
     """
     first = None
     if beginning is not None and beginning.suffix == ".toml":  # what would begin now
-        first = rows_of([beginning_of(campaign_with_sisters(beginning))])[0]
+        first = rows_of([beginning_of(read_campaign(beginning))])[0]
     elif beginning is not None:
         with Record.open(beginning, write=False) as begun:
             first = begun.texts()[0].row

@@ -1,4 +1,4 @@
-"""`axiscal finish`, `report` and `step status`: the results of a campaign, and where it stands."""
+"""`axiscal finish` and `report`: the results of a campaign."""
 
 from __future__ import annotations
 
@@ -8,25 +8,17 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.answer_of_campaign import results_of, standing_answer
-from axiscal.campaign.agreement_words import agreement_document, agreement_words, change_words, membership_words
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import because_text
-from axiscal.campaign.evidence import signed_text
 from axiscal.cli.arguments import Anyway, Details, Json, OwnRecord, ReportLanguage, ResultsFolder
-from axiscal.cli.outputs import standing_screen, write_outputs
-from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import accuracy_text, asked_screen, opened_to_write
-from axiscal.description.type_text import is_type_text
+from axiscal.cli.outputs import write_outputs
+from axiscal.cli.printing import say
+from axiscal.cli.texts import opened_to_write
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import capital, counted, decimals, listed, said
+from axiscal.language.spoken import said
 from axiscal.present.delivery import write_report
-from axiscal.present.guide.progress import contradictions
-from axiscal.present.guide.question import asked_text
-from axiscal.present.plan_answer import coming_answer
 from axiscal.present.result_set import RECORD, write_manifest
 from axiscal.present.summarising import Extras, summarise
 from axiscal.record.signing import key_file
-from axiscal.units import format_quantity, to_unit
 
 
 def report(
@@ -85,112 +77,3 @@ def finish(
         campaign.refuse_other(folder / RECORD)
         campaign.finish()
         write_outputs(campaign, folder, as_json=json, details=details, anyway=anyway)
-
-
-def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
-    """Say where a campaign stands.
-
-    It shows readings, accuracy, minutes, skipped readings, and the question that is open.
-
-    \b
-    Example:
-      axiscal step status mill.axiscal
-    """
-
-    with Campaign.open(record, write=False) as campaign:
-        if json:
-            say_document(_document(campaign))
-            return
-        if details:
-            say("\n".join(_lines(campaign)))
-        say(standing_screen(campaign))
-        for each in campaign.state.newer:
-            say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
-        for person, numbers in _by_others(campaign).items():
-            readings = listed(", ", [str(number) for number in numbers])
-            say(said("By {person}: readings {readings}.", person=person, readings=readings))
-
-
-def _by_others(campaign: Campaign) -> dict[str, list[int]]:
-    """Return the numbers of the readings that others took than who began the campaign, by person."""
-    found: dict[str, list[int]] = {}
-    for index, reading in enumerate(campaign.state.readings):
-        if reading.by:
-            found.setdefault(reading.by, []).append(reading.numbered(index))
-    return found
-
-
-def _lines(campaign: Campaign) -> list[str]:
-    status, description = campaign.status(), campaign.description
-    state, target = status.state, description.target
-    lines = [
-        said(
-            "{machine}: {readings}, {minutes} of machine time",
-            machine=description.machine.name,
-            readings=counted("{count} reading", "{count} readings", len(state.readings)),
-            minutes=decimals(format_quantity(status.seconds, "min", 3)),
-        ),
-        said("standard uncertainty {accuracy}", accuracy=accuracy_text(status.accuracy, target.rms, target.worst)),
-    ]
-    if state.readings:
-        lines.append(agreement_words(campaign.estimate(), campaign.path))
-    if sisters := _sisters(campaign):
-        lines.append(capital(sisters))
-    for gap in state.skipped:
-        done = said("Left the set-up at") if gap.whole else said("Skipped")
-        lines.append(f"{done} {asked_text(campaign, gap.asked)}: {gap.reason}")
-    lines += [said("Accepted: {change}", change=change_words(each)) for each in state.accepted]
-    lines.append(said("The record is {signed}", signed=signed_text(campaign) or said("unsigned")))
-    lines += [said("Noted {at}: {text}", at=note.at[:16].replace("T", " "), text=note.text) for note in state.notes]
-    if state.finished is not None:
-        return [*lines, said("Finished: {because}", because=because_text(state.finished))]
-    if status.reached is not None:
-        words = "Reached: {what}. End it: axiscal finish {record}"
-        lines.append(said(words, what=because_text(status.reached), record=campaign.path))
-    return [*lines, asked_screen(campaign, state.pending)] if state.pending else lines
-
-
-def _sisters(campaign: Campaign) -> str:
-    """Return whether the machine is like its sisters, in words, "" for one without; only then is it estimated."""
-    return membership_words(campaign.estimate()) if is_type_text(campaign.description.prior_text) else ""
-
-
-def _document(campaign: Campaign) -> dict[str, object]:
-    """Return where a campaign stands.
-
-    answer : the same as of the last screen; question : the open one, as a source is asked
-    target : limits that end the campaign; None for one that does not count
-    reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
-    planned : what is known after the plan, before the first reading
-    newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
-    by : readings that others took than who began the campaign, by person
-    """
-    status, planned = campaign.status(), coming_answer(campaign)
-    state, target = status.state, campaign.description.target
-    rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
-    budget = None if target.budget is None else to_unit(target.budget, "min")
-    return {
-        "schema": "axiscal-status/1",
-        "machine": campaign.description.machine.name,
-        "readings": len(state.readings),
-        "minutes": to_unit(status.seconds, "min"),
-        "rms_um": to_unit(status.accuracy.rms, "um"),
-        "worst_um": to_unit(status.accuracy.worst, "um"),
-        "answer": standing_answer(campaign).model_dump(mode="json"),
-        "planned": None if planned is None else planned.model_dump(mode="json"),
-        "target": {"rms_um": rms, "worst_um": worst, "readings": target.readings, "budget_min": budget},
-        "reached": status.reached,
-        "finished": state.finished,
-        "agreement": agreement_document(status.agreement),
-        "mind": contradictions(campaign),
-        "sisters": _sisters(campaign) or None,
-        "question": campaign.request(state.pending).message() if state.pending else None,
-        "accepted": [change_words(each) for each in state.accepted],
-        "by": _by_others(campaign),
-        "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
-        "newer": [each.kind for each in state.newer],
-        "skipped": [
-            campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
-            for gap in state.skipped
-        ],
-    }

@@ -138,10 +138,6 @@ def undo(record: OwnRecord, json: Json = False) -> None:
 def note(
     record: RecordFile,
     text: Annotated[list[str], typer.Argument(metavar="TEXT", help="What is to be kept.")],
-    renewed: Annotated[
-        list[str] | None,
-        typer.Option(metavar="AXIS", help="An axis of which nothing is as it was found, for `axiscal shop due`."),
-    ] = None,
     json: Json = False,
 ) -> None:
     """Keep a sentence in the record.
@@ -152,12 +148,10 @@ def note(
 
     \b
     Example:
-      axiscal step note mill.axiscal "new ball screw X" --renewed X
+      axiscal step note mill.axiscal "new ball screw X"
     """
     with opened_to_write(record) as campaign:
-        for axis in renewed or ():
-            campaign.description.machine.index(axis)  # raises for one that the machine does not have
-        sentence = take_note(campaign, " ".join(text) + (f" (renewed: {', '.join(renewed)})" if renewed else ""))
+        sentence = take_note(campaign, " ".join(text))
         kept = campaign.state.notes
     document = {"note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)}
     say_either(json, "axiscal-note/1", document, [sentence])

@@ -19,7 +19,7 @@ from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.check import USUAL, Check, Taken
-from axiscal.language.spoken import ending, joined, listed, said
+from axiscal.language.spoken import ending, listed, said
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.measurement.reading import Places
 from axiscal.present.check_answer import check_answer, check_details, check_plan, check_screen
@@ -69,8 +69,7 @@ def verify(
         str | None,
         typer.Option(
             metavar="SOURCE",
-            help="Read without a person: sim:SEED, truth:FILE; or by linuxcnc-live:HOST or "
-            "moonraker:HOST into FOUND and LEFT.",
+            help="Read without a person: sim:SEED, truth:FILE; or by linuxcnc-live:HOST into FOUND and LEFT.",
         ),
     ] = None,
     loaded: Annotated[
@@ -103,17 +102,13 @@ def verify(
         raise typer.BadParameter(said("give --found and --left together, or neither to get a plan"))
     if found is not None and left is not None and found.absolute() == left.absolute():
         raise typer.BadParameter(said("--found and --left are one file, and without and with the tables are two"))
-    kind, live = (source or "").partition(":")[0], (source or "").partition(":")[0] in _PROBES
+    live = (source or "").partition(":")[0] == _LIVE
     if live and (found is None or plan is not None):
         raise typer.BadParameter(
-            said("{source} reads into two files: give --found and --left, and no --plan", source=kind)
+            said("{source} reads into two files: give --found and --left, and no --plan", source=_LIVE)
         )
     if loaded is not None and not live:
-        raise typer.BadParameter(said("--loaded is for --source {names}", names=joined(list(_PROBES))))
-    if kind == "moonraker" and loaded is None:
-        raise typer.BadParameter(
-            said("moonraker reads as left with the exported files in force: name their folder, --loaded")
-        )
+        raise typer.BadParameter(said("--loaded is for --source {source}", source=_LIVE))
     if found is not None and not live and (plan is not None or source is not None):
         raise typer.BadParameter(
             said("--plan and --source are for new readings, --found and --left for readings taken")
@@ -130,7 +125,7 @@ def verify(
     if found is not None or source is not None:
         check.allowed(tolerance)  # before anything is touched
     if live and source is not None and found is not None and left is not None:
-        places = check.planned(points, _PROBES[kind], check.allowed(tolerance))
+        places = check.planned(points, "sphere", check.allowed(tolerance))
         to_do = _read_live(check, source, places, (found, left), loaded)
         if to_do:
             say_either(json, "axiscal-verify/1", {"verdict": None, "next": to_do}, [to_do])
@@ -158,12 +153,12 @@ def verify(
         say(_wrapped(check_details(answer)))
     else:
         loading = [said("load the exported files again, then")] if answer.faulty else []
-        due = f"axiscal shop due {shlex.quote(str(record.parent))}"
         files = [] if found is None or left is None else ["--found", str(found), "--left", str(left)]
         read = shlex.join(files or ["--source", str(source)])
         judging = answer.tolerance_um is None and answer.working
         undecided = [f"{again} {read} --tolerance LENGTH"] if judging else [*loading, f"{again} --plan check.csv"]
-        coming = [due] if answer.verdict == "pass" else undecided
+        folder = f"axiscal status {shlex.quote(str(record.parent))}"
+        coming = [folder] if answer.verdict == "pass" else undecided
         say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
 
 
@@ -185,8 +180,8 @@ def _keep_sign(record: Path, to: str | None, bump: str, as_json: bool) -> None:
     say_either(as_json, "axiscal-verify/1", document, [*wrapped(f"{found} {kept}"), *ending({said("Next"): [again]})])
 
 
-_PROBES = {"linuxcnc-live": "sphere", "moonraker": "probe"}
-"""Machines that run and read by themselves, with the instrument that they have."""
+_LIVE = "linuxcnc-live"
+"""The machine that runs and reads spheres by itself."""
 
 
 def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Path], loaded: Path | None) -> str:
@@ -213,19 +208,11 @@ def _opening(
 
     Raises TableError for a folder that holds no tables.
     """
-    kind, _, host = source.partition(":")
-    tables = loaded if active else None
-    if kind == "moonraker":
-        from axiscal.ports.printers.printer import Exported, Moonraker
-        from axiscal.ports.printers.printer_source import PrinterSource
-
-        exported = None if tables is None else Exported.from_folder(tables)
-        machine = check.description.machine
-        return lambda: PrinterSource(Moonraker(host, exported), machine), {} if exported is None else exported.files
     from axiscal.ports.linuxcnc.live import InForce, attached_to
 
+    host = source.partition(":")[2]
     any_of = InForce(active or bool(check.description.compensation_active))
-    in_force = any_of if tables is None else InForce.from_folder(tables)
+    in_force = InForce.from_folder(loaded) if active and loaded is not None else any_of
     return lambda: attached_to(host, check.description.machine, in_force), in_force.files
 
 

@@ -6,7 +6,6 @@ Every key knows its line. Where these are looked for the text is known to be val
 from __future__ import annotations
 
 import errno
-import json
 import math
 import os
 import re
@@ -71,14 +70,6 @@ def number_or_none(text: str) -> float | None:
     except ValueError:
         return None
     return value if math.isfinite(value) else None
-
-
-def json_or_none(text: str | bytes) -> Any:
-    """Return what a JSON text says, None where it is none."""
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError):
-        return None
 
 
 LARGEST = 250_000

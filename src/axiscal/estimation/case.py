@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import accumulate
-from typing import NamedTuple
 
 import numpy as np
 
@@ -50,22 +49,13 @@ _YARDSTICKS = 4
 Columns = tuple[int, int, int]
 
 
-class Rival(NamedTuple):
-    """One of several beliefs of the errors that stand side by side: in words, how probable it is, and the belief."""
-
-    name: str
-    weight: float
-    belief: Inherited
-
-
 @dataclass(frozen=True, eq=False)
 class Case:
     """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume.
 
-    inherited : the prior of the errors where an earlier campaign, or the machines of its type, left one
+    inherited : the prior of the errors where an earlier campaign left one
     both : set-ups that were read from both sides, or from sides that nobody stated, whatever their description allows
     about : where readings are linearised; None for the nominal machine
-    rivals : beliefs of which the readings are to say which one holds; the first of them is `inherited`
     yardsticks, volumes : found so far, of all cases that are made from this one: after every few readings there is one
     sized_from : the case before its sizes were learnt, whose yardstick it has but for the rests; None for itself
     """
@@ -74,16 +64,9 @@ class Case:
     inherited: Inherited | None = None
     both: frozenset[str] = frozenset()
     about: About | None = None
-    rivals: tuple[Rival, ...] = ()
     yardsticks: Memo = field(default_factory=partial(Memo, _YARDSTICKS), repr=False)
     volumes: Memo = field(default_factory=partial(Memo, _YARDSTICKS), repr=False)
     sized_from: Case | None = field(default=None, repr=False)
-
-    @cached_property
-    def sides(self) -> tuple[Case, ...]:
-        """The case with each of the rival beliefs alone; itself where there are none."""
-        alone = tuple(replace(self, inherited=rival.belief, rivals=()) for rival in self.rivals)
-        return alone or (self,)
 
     @cached_property
     def sizes(self) -> Sizes:
@@ -124,7 +107,7 @@ class Case:
             setups.append(replace(setup, noise=setup.noise * (max(times, 1.0) if setup.coarse else times)))
         described = replace(self.description, machine=machine, setups=tuple(setups))
         before = self.sized_from or self
-        return replace(self, description=described, both=frozenset(), rivals=(), sized_from=before)
+        return replace(self, description=described, both=frozenset(), sized_from=before)
 
     @property
     def bends(self) -> bool:
@@ -139,7 +122,7 @@ class Case:
             return None
         pairs = zip(self.description.setups, found, strict=True)
         setups = tuple(replace(setup, found=place) for setup, place in pairs)
-        return replace(self, description=replace(self.description, setups=setups), both=frozenset(), rivals=())
+        return replace(self, description=replace(self.description, setups=setups), both=frozenset())
 
     def turned(self, names: Sequence[str]) -> Case:
         """Return the case of a machine of which some axes, by name, count the other way."""

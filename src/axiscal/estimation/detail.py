@@ -18,12 +18,12 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.description.usual import LENGTH_OF_TRAVEL
+from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.located import taken_as_normal
 from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
-from axiscal.estimation.type_prior import carried_over
 from axiscal.machine.description import Machine
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array

@@ -11,7 +11,7 @@ last one also halves knots where the readings show finer detail.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from axiscal.estimation.case import Case, timed
@@ -20,7 +20,6 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
 from axiscal.estimation.learnt import posed, posterior_of, without_bad
 from axiscal.estimation.located import absorbed, bent, linear, located, refuse_mirrors, taken_as_normal
-from axiscal.estimation.membership import membership
 from axiscal.estimation.stations import progressed
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
@@ -31,14 +30,7 @@ from axiscal_core.threads import one_thread
 @stage("what the readings make known")
 def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
     """Return what readings make known while others are to follow."""
-    if not stated.rivals:
-        return _estimated(stated, stated, readings)
-    return _of_likeliest(stated, lambda side: _estimated(stated, stated.sides[side], readings), 0)
-
-
-def _estimated(stated: Case, case: Case, readings: Sequence[Reading]) -> Estimation:
-    """Return what readings make known by one of the beliefs, linearised about the machine that they show."""
-    case = case.shown_by(readings)
+    case = stated.shown_by(readings)
     times = timed(case, readings)
     implausible = judged(case, times.readings)
     if not times.readings:
@@ -66,16 +58,14 @@ def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
     so_far : what the same readings make known while others are to follow
     Raises AmbiguityError where a station may as well stand elsewhere.
     """
-    before = so_far or estimated(stated, readings)
-    last = _finished(stated.sides[before.side], before)
-    if last is before:
-        return before
-
-    def found(side: int) -> Estimation:
-        case = stated.sides[side]
-        return last if side == before.side else _finished(case, _estimated(stated, case, readings))
-
-    return _of_likeliest(stated, found, before.side) if stated.rivals else last
+    known = so_far or estimated(stated, readings)
+    there = bent(known.absorbed)
+    refuse_mirrors(there, known.implausible)
+    if there is known.absorbed:
+        return known
+    at, taken = stated.shown_by(known.readings).linear_as(there.case), taken_as_normal(there)
+    kept = without_bad(at, taken, known.implausible)
+    return replace(known, absorbed=there, posterior=posterior_of(at, taken, kept))
 
 
 def in_detail(stated: Case, readings: Sequence[Reading], so_far: Estimation | None = None) -> Estimation:
@@ -83,28 +73,3 @@ def in_detail(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
     before = so_far or estimated(stated, readings)
     finer = as_fine_as_shown(stated, before)
     return concluded(finer, readings, before if finer is stated else None)
-
-
-def _finished(case: Case, known: Estimation) -> Estimation:
-    """Return what is known if no reading is to follow; itself where that changes nothing."""
-    there = bent(known.absorbed)
-    refuse_mirrors(there, known.implausible)
-    if there is known.absorbed:
-        return known
-    at, taken = case.shown_by(known.readings).linear_as(there.case), taken_as_normal(there)
-    kept = without_bad(at, taken, known.implausible)
-    return replace(known, absorbed=there, posterior=posterior_of(at, taken, kept))
-
-
-def _of_likeliest(stated: Case, found: Callable[[int], Estimation], first: int) -> Estimation:
-    """Return the estimation by the likeliest of the rival beliefs.
-
-    found : by one of them, by its index; first : the one to begin with
-    """
-    tried, side = dict[int, Estimation](), first
-    while side not in tried:
-        known = found(side)
-        member = membership(stated, known.absorbed, known.readings, known.implausible)
-        tried[side] = replace(known, membership=member, side=side)
-        side = member.likeliest
-    return tried[side]

@@ -19,7 +19,6 @@ from axiscal.estimation.judged import Doubt, objection
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import Absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown, map_grid, rest_means, where_read
-from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
 from axiscal.estimation.stations import GAUSSIAN, MOST, indices
@@ -38,7 +37,6 @@ class Estimation:
     implausible, bad : readings that cannot be, and those that others contradict, by index
     absorbed : what is known at the sizes as learnt, of readings as they were shown
     posterior : of errors, set-ups and sizes; None before the first reading
-    membership : how probable the rival beliefs are, None where there is one; side : the one that it was found by
     """
 
     stated: Case
@@ -47,8 +45,6 @@ class Estimation:
     bad: Mapping[int, Doubt]
     absorbed: Absorbed
     posterior: Posterior | None = None
-    membership: Membership | None = None
-    side: int = 0
 
     @property
     def case(self) -> Case:
@@ -73,12 +69,6 @@ class Estimation:
     @cached_property
     def printed(self) -> Knowledge:
         """Knowledge with the bands that are printed, sizes averaged over."""
-        if self.membership is not None:
-            mixed, found = self.membership.belief, self.posterior
-            covariance = mixed.covariance.copy()
-            if found is not None:
-                covariance[: len(found.mean), : len(found.mean)] += found.shared
-            return Knowledge(self.knowledge.observation, Belief(mixed.mean, covariance))
         return printed(self.knowledge, self.posterior, self.widening)
 
     @property
@@ -90,7 +80,7 @@ class Estimation:
     def of_readings(self) -> Belief:
         """What readings alone leave open: causes of type B, which none improves, are apart."""
         whole, found = self.printed.belief, self.posterior
-        if found is None or self.membership is not None:
+        if found is None:
             return whole
         return Belief(whole.mean, whole.covariance - self.widening * found.shared, whole.degrees)
 
@@ -115,11 +105,6 @@ class Estimation:
         return self.absorbed.left_out
 
     @property
-    def whole(self) -> Belief:
-        """The belief at the most probable scales: of all rivals together where there are some."""
-        return self.knowledge.belief if self.membership is None else self.membership.belief
-
-    @property
     def agreement(self) -> Agreement:
         """Whether the readings agree with each other."""
         return NOTHING_READ if self.posterior is None else self.posterior.agreement
@@ -133,15 +118,6 @@ class Estimation:
         drawn = {i for i, reading in enumerate(self.readings) if reading.check}
         kinds = ((CheckReading(i, z) for i, z in each.items() if i in drawn) for each in (away, *doubted))
         return Checks.sorted_out(*kinds)
-
-    @property
-    def to_plan_by(self) -> Knowledge:
-        """What the next readings are chosen by: the likeliest rival's, or all of them once that one is good enough."""
-        target = self.stated.description.target
-        if self.membership is None or not target.accurate:
-            return self.knowledge
-        met = self.case.yardstick.measure(self.knowledge.belief).meets(target.rms, target.worst)
-        return Knowledge(self.knowledge.observation, self.whole) if met else self.knowledge
 
     @remembered
     def estimate(self) -> Estimate:

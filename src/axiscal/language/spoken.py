@@ -1,6 +1,6 @@
 """The language of the person who reads: English sentences in the code, other languages from one file each.
 
-`language/words.toml` has the English for codes, such as causes and states of SQL.
+`language/words.toml` has the English for codes, such as causes.
 `language/translations/de.po` is what a translator edits; `make languages` writes `de.mo`, which the program reads.
 
     text = said("reading {number} of {last}", number=3, last=9)   # in the language that is spoken now

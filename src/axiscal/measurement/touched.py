@@ -6,7 +6,6 @@ place of the sphere less the found one, y = b − p. The tip is at p + δp when 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -49,11 +48,10 @@ class Cycle:
 class SideTouch:
     """One side touched, in poses (q,).
 
-    side : (3,) unit vector from the centre to where the sphere is met, workpiece frame; way : over what it is come to
+    way : over what it is come to
     beside : where the touch begins; into : where it ends if nothing is met; back : (q,) off the surface, a step
     """
 
-    side: Array
     way: tuple[Array, ...]
     beside: Array
     into: Array
@@ -112,7 +110,7 @@ def touches(machine: Machine, pose: Array, cycle: Cycle) -> tuple[SideTouch, ...
     for side in ALL_ROUND:
         stops = centre + _stops(cycle, side) @ frame
         *way, beside, into, backed = tip_at(machine, np.tile(pose, (len(stops), 1)), stops)
-        found.append(SideTouch(side @ frame + 0.0, tuple(way), beside, into, backed - beside))
+        found.append(SideTouch(tuple(way), beside, into, backed - beside))
     return tuple(found)
 
 
@@ -135,15 +133,9 @@ def _stops(cycle: Cycle, side: Array) -> Array:
     return np.array([*way, off * side, (cycle.radius - cycle.past) * side, (off + cycle.back) * side])
 
 
-_COS = math.sqrt(0.75)
-"""Mathematics: the cosine of 30 degrees."""
-FROM_ABOVE = np.array([(0, 0, 1), (0.5, 0, _COS), (0, 0.5, _COS), (-0.5, 0, _COS), (0, -0.5, _COS), (0, 0, 1)])
-"""From where a probe that only goes down meets a sphere: the pole, four flanks 30 degrees beside it, the pole again."""
-
-
-def met_from(machine: Machine, pose: Array, sides: Array = ALL_ROUND) -> Array:
-    """Return sides (m, 3), said along first side, second side and pole, in the workpiece frame.  pose : (q,)"""
-    met: Array = sides @ touch_frames(machine, pose[None])[0] + 0.0
+def met_from(machine: Machine, pose: Array) -> Array:
+    """Return from where a cycle meets the sphere, (6, 3) unit vectors, workpiece frame.  pose : (q,)"""
+    met: Array = ALL_ROUND @ touch_frames(machine, pose[None])[0] + 0.0
     return met
 
 

@@ -76,7 +76,7 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     more = list(_not_there(case.description))
     for _ in range(min(_TOGETHER, len(more))):
         left = case.yardstick.left  # to see which one takes most away, the others need not be looked at again
-        alone = replace(case, inherited=Inherited(np.zeros(len(left)), left @ left.T), rivals=())
+        alone = replace(case, inherited=Inherited(np.zeros(len(left)), left @ left.T))
         setup = min(more, key=lambda each: _missed(_of(alone, (each,))))
         more.remove(setup)
         added.append(setup.name)

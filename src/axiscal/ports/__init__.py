@@ -1,1 +1,1 @@
-"""What an outsider could have written: controls, printers, fleets, servers; each found by its name."""
+"""What an outsider could have written: controls and printers; each found by its name."""

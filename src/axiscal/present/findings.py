@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.answers.changes import changes
-from axiscal.campaign.agreement_words import STRANGE, farthest, membership_words
 from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.case import Case
@@ -135,7 +134,7 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
         *learnt_sizes(estimation),
         *(Finding("drift", None, listed(" ", found)) for found in drifted if found),
         *_changes(estimation),
-        *strangers(estimation),
+        *unread_prior(estimation),
     ]
 
 
@@ -329,14 +328,11 @@ def _changes(estimation: Estimation) -> Iterator[Finding]:
         yield Finding("drift", change.name, text)
 
 
-def strangers(estimation: Estimation) -> Iterator[Finding]:
-    """Yield a warning where the readings say that the machine is none of its type."""
-    member = estimation.membership
-    if member is None or member.sister >= STRANGE:
-        return
-    found, unlike = farthest(estimation), membership_words(estimation)
-    text = "{unlike}. What its type has taught hardly counts; its bands are those of any machine."
-    yield Finding("not-a-sister", None if found is None else found.name, capital(said(text, unlike=unlike)))
+def unread_prior(estimation: Estimation) -> Iterator[Finding]:
+    """Yield a warning where the record's prior is one that a type has taught, which is gone."""
+    if estimation.stated.description.prior_gone:
+        text = "The prior of this record came from a type, which is gone: the machine's stated prior counts instead."
+        yield Finding("prior-gone", None, said(text))
 
 
 def learnt_sizes(estimation: Estimation) -> Iterator[Finding]:

@@ -24,7 +24,6 @@ from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription, Equipment
 from axiscal.description.type_b import Distribution
-from axiscal.description.type_text import is_type_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.functionals.functional import seen_by, stand_of
@@ -253,12 +252,10 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
 def _checksums(campaign: Campaign) -> dict[str, str]:
     """Return the SHA-256 of what the campaign was described by, and the hash of its record."""
     described = campaign.description
-    taught, earlier = said("what its type has taught"), said("the earlier campaign")
-    before = taught if is_type_text(described.prior_text) else earlier
     texts = {
         Path(described.source).name: described.text,
         Path(described.machine_source).name: described.machine.text,
-        before: described.prior_text,
+        said("the earlier campaign"): described.prior_text,
     }
     sums = {name: sha256(text.encode("utf-8", "surrogateescape")).hexdigest() for name, text in texts.items() if text}
     return sums | {campaign.path.name: campaign.state.name}

@@ -6,15 +6,12 @@ other one. Nothing that a person wrote is filled in but names of axes and of pro
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from axiscal.exceptions import ProgramError
-from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
-from axiscal.machine.description import Machine
 from axiscal.programs.steps import Touched
 
 LETTERS = "XYZABCUVW"
@@ -34,11 +31,9 @@ class Log:
 
     on, off : open it with its first line {head}, and write how many {readings} there were and close it; {code}
     settled : in `on`, turns each rotary {axis} exactly to where it stands, parameter {place}, a word of a straight move
-    touch : meets one side from beside it, fast and slowly, writes it down and goes back, {away}; ends the program where
-    nothing is met. {into}, {back} : words; {x} {y} {z} : where the way ends; {all} : numbers of the touch in brackets;
-    {along} : unit steps, {reach} {backwards} : mm; {reading} {touch} {fast} {slow}
-    declared : lines before all others; proof, closing : those of the dialect where the log is open
-    files : that the control needs besides, {code} and {head} in names and texts; notes : what must be known
+    touch : meets one side from beside it, fast and slowly, writes it down and goes back; ends the program where nothing
+    is met. {all} : its numbers in brackets
+    notes : what must be known
     """
 
     on: Lines
@@ -46,10 +41,6 @@ class Log:
     touch: Lines
     notes: Lines
     settled: str = ""
-    declared: Lines = ()
-    proof: str | None = None
-    closing: Lines | None = None
-    files: Mapping[str, str] = field(default_factory=dict)
 
     def opened(self, axes: Sequence[Axis], **told: str) -> list[str]:
         """Return what opens it."""
@@ -68,13 +59,8 @@ class Dialect:
         nought: nothing in force scales, mirrors, turns or offsets a motion then; closing : ends it
     move : a straight move in machine coordinates; dwell : a wait, {s} seconds or {ms} whole milliseconds
     stop : halts until somebody presses start; proof : checked after it for each axis, from {first} and {second} on
-    pause : halts while the tool point is held; comment : a line of its own, of plain words {text}
+    comment : a line of its own, of plain words {text}
     screen : the same on the operator's screen, where a comment is not seen there
-    tip_on : makes X Y Z those of the tool point on the workpiece, {tool} its length and {to} where it is
-    tip_off : makes them those of the machine again, {to} where its axes are; tip_move : moves the tool point straight,
-    rotary axes in step; tip_needs : which mode and zero that needs, for the head; tip_notes : what must be known of it
-    tip_decimals : of a place of the tool point, mm; from_zero : it takes the table as it stands when the mode begins
-    tip_tables : letters of the rotary axes that it has such a mode for, all where empty; tip_tables_said : a message
     axes : what an axis may be called; decimals : of a coordinate; longest_name : of a program
     signed : coordinates have a plus; numbered : so have blocks a number
     log : None where it writes none
@@ -87,18 +73,8 @@ class Dialect:
     closing: Lines
     move: str
     dwell: Lines
-    tip_on: Lines
-    tip_off: Lines
-    tip_needs: Lines
-    tip_notes: Lines
-    tip_move: str = "G1 {to} F{feed}"
-    tip_decimals: int = 4
-    tip_tables: Lines = ()
-    tip_tables_said: str = ""
-    from_zero: bool = False
     stop: Lines = ("M0",)
     proof: str | None = None
-    pause: Lines = ("M0",)
     comment: str = "({text})"
     screen: str | None = None
     axes: str = f"[{LETTERS}]"
@@ -116,17 +92,6 @@ class Dialect:
                 remedy = "Name the axes of the machine by the letters {letters}"
                 raise ProgramError(what, remedy, control=self.title, axis=axis.name, letters=" ".join(LETTERS))
 
-    def refuse_no_tip(self, machine: Machine) -> None:
-        """Raise ProgramError where the control cannot hold the tool point of such a machine."""
-        rotary = [axis for axis in machine.axes if axis.rotary]
-        first = machine.axes[: len(rotary)]
-        table = "".join(axis.name for axis in first if axis.workpiece_side)
-        if self.tip_tables and (table not in self.tip_tables or len(table) < len(rotary)):
-            what, remedy = "{control} has no kinematics for the chain {chain}", said(self.tip_tables_said)
-            raise ProgramError(what, remedy, control=self.title, chain=machine.chain)
-        if not {"X", "Y", "Z"} <= {axis.name for axis in machine.axes}:
-            raise ProgramError("a tool point is held by X, Y and Z", "Name the linear axes of the machine so")
-
     def logging(self) -> Log:
         """Return how the control writes a log; raises ProgramError where it writes none."""
         if self.log is None:
@@ -134,14 +99,11 @@ class Dialect:
             raise ProgramError("{control} programs write no log", remedy, control=self.title)
         return self.log
 
-    def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Iterable[str], logs: bool) -> str:
-        """Return the whole text of a program; number : 1 for the first of a plan; logs : whether it writes a log."""
-        log = self.logging() if logs else None
-        closing = self.closing if log is None or log.closing is None else log.closing
+    def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Iterable[str]) -> str:
+        """Return the whole text of a program; number : 1 for the first of a plan."""
         given = {"name": name, "number": number, "axes": ",".join(axis.name for axis in axes)}
         given["zeros"] = " ".join(f"{axis.name}0" for axis in axes)
-        begun = [*(() if log is None else log.declared), *filled(self.opening, **given)]
-        blocks = [*begun, *lines, *filled(closing, **given)]
+        blocks = [*filled(self.opening, **given), *lines, *filled(self.closing, **given)]
         if self.numbered:
             blocks = [f"{place} {block}" for place, block in enumerate(blocks)]
         return "\n".join(blocks) + "\n"
@@ -157,32 +119,16 @@ class Dialect:
         """Return a straight move in machine coordinates."""
         return self.move.format(to=self.words(words), feed=feed)
 
-    def stopped(self, axes: Sequence[Axis], logs: bool) -> list[str]:
+    def stopped(self, axes: Sequence[Axis]) -> list[str]:
         """Return what halts the program, and proves afterwards that its coordinates are the machine's."""
-        proof = self.proof if not logs or self.logging().proof is None else self.logging().proof
-        return [*self.stop, *(proof.format(first=5021 + k, second=5041 + k) for k in range(len(axes)) if proof)]
+        proofs = (self.proof.format(first=5021 + k, second=5041 + k) for k in range(len(axes)) if self.proof)
+        return [*self.stop, *proofs]
 
-    def touched(self, code: str, touch: Touched) -> list[str]:
+    def touched(self, touch: Touched) -> list[str]:
         """Return what touches one side and writes it down; where nothing is met the program ends with a message."""
-        far = [float(into) - float(beside) for into, beside in zip(touch.into, touch.beside, strict=True)]
-        reach, numbers = math.hypot(*far), (touch.reading, touch.touch, *touch.into, *touch.back, *touch.beside)
-        steps = zip(touch.letters, far, strict=True)
-        return filled(
-            self.logging().touch,
-            code=code,
-            into=self.words(touch.words(touch.into)),
-            back=self.words(touch.words(touch.back)),
-            away=self.straight_move(touch.words(touch.beside), touch.travel),
-            along=" ".join(f"I{axis}{way / reach:+.6f}" for axis, way in steps),
-            reach=reach,
-            backwards=math.hypot(*map(float, touch.back)),
-            all=" ".join(f"[{number}]" for number in (*numbers, touch.fast, touch.slow, touch.travel)),
-            reading=touch.reading,
-            touch=touch.touch,
-            fast=touch.fast,
-            slow=touch.slow,
-            **dict(zip("xyz", touch.into, strict=True)),
-        )
+        numbers = (touch.reading, touch.touch, *touch.into, *touch.back, *touch.beside)
+        feeds = touch.fast, touch.slow, touch.travel
+        return filled(self.logging().touch, all=" ".join(f"[{number}]" for number in (*numbers, *feeds)))
 
 
 def filled(lines: Iterable[str], **values: object) -> list[str]:

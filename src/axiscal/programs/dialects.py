@@ -11,7 +11,6 @@ from typing import Any
 from axiscal.document import meant, shown
 from axiscal.document.ports import names, of_class, one_of
 from axiscal.exceptions import ProgramError
-from axiscal.language.spoken import later
 from axiscal.programs.dialect import Dialect, Log
 
 _TOLD: Mapping[str, dict[str, Any]] = tomllib.loads(
@@ -26,16 +25,13 @@ def _of(kind: type[Dialect | Log], told: Mapping[str, Any]) -> dict[str, Any]:
     return {name: tuple(value) if name in lines else value for name, value in {**told, **texts}.items()}
 
 
-def _dialect(name: str, tip_tables_said: str = "") -> Dialect:
+def _dialect(name: str) -> Dialect:
     told = _TOLD[name]
     log = Log(**_of(Log, told["log"])) if "log" in told else None
-    return Dialect(**_of(Dialect, told) | {"log": log, "tip_tables_said": tip_tables_said})
+    return Dialect(**_of(Dialect, told) | {"log": log})
 
 
-FANUC, HEIDENHAIN, ISG, SINUMERIK = map(_dialect, ("fanuc", "heidenhain", "isg", "sinumerik"))
-LINUXCNC = _dialect(
-    "linuxcnc", later("xyzac- and xyzbc-trt-kins are for w-C'-A'- and w-C'-B'-; choose another control")
-)
+FANUC, HEIDENHAIN, ISG, LINUXCNC, SINUMERIK = map(_dialect, ("fanuc", "heidenhain", "isg", "linuxcnc", "sinumerik"))
 _DIALECTS = {"linuxcnc": LINUXCNC, "sinumerik": SINUMERIK, "heidenhain": HEIDENHAIN, "fanuc": FANUC, "isg": ISG}
 PORTS = "axiscal.dialects"
 """Group of the entry points by which packages bring words of a control."""

@@ -32,7 +32,7 @@ def write_programs(
     made = programs(machine, setups, places, dialect(controller), log)
     files = dict[str, str]()
     for program in made:
-        files |= {program.file_name: program.text, f"{program.name}.csv": program.listing, **program.beside}
+        files |= {program.file_name: program.text, f"{program.name}.csv": program.listing}
     code = plan_code([program.listing for program in made])
     _refuse_other_plan(Path(folder), LISTS.format(code), files)
     if log:

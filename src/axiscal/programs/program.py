@@ -5,9 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from decimal import Decimal
-from itertools import count
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +15,6 @@ from axiscal.exceptions import ProgramError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back, frames
-from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.readers.touch_log import plan_code
@@ -25,11 +22,10 @@ from axiscal.measurement.reading import Place, approach_text, columns_of
 from axiscal.measurement.setup import Setup
 from axiscal.programs import steps
 from axiscal.programs.dialect import Dialect, filled, head
-from axiscal.programs.gliding import GENTLE, SlideDriver, TipDriver, refuse_kept_out
-from axiscal.programs.in_touch import InTouch, SphereCycle
+from axiscal.programs.kept_out import refuse_kept_out
 from axiscal.programs.scale import ReadingTarget, target
+from axiscal.programs.sphere_cycle import SphereCycle
 from axiscal.programs.standing import standing
-from axiscal.units import to_unit
 
 LONGEST = 60
 """Characters of a remark that every control shows."""
@@ -84,7 +80,7 @@ class Program:
     """The program of one set-up.
 
     name, file_name : what the control calls it; text : ASCII; readings : its list, with where each is and when
-    notes : what whoever runs it must know; beside : files that the control needs as well, by name
+    notes : what whoever runs it must know
     """
 
     name: str
@@ -92,7 +88,6 @@ class Program:
     text: str
     readings: tuple[Listed, ...]
     notes: tuple[str, ...]
-    beside: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def listing(self) -> str:
@@ -141,12 +136,13 @@ class _Writer:
         self, machine: Machine, dialect: Dialect, setup: Setup, places: Sequence[tuple[int, Place]], log: bool
     ) -> None:
         dialect.check_axes(machine.axes)
+        if setup.contact == "held":
+            what = "the instrument of {setup} stays in touch between readings, and a program draws the tool back"
+            remedy = "Drive it with a program of your own, and give the readings to axiscal data estimate"
+            raise ProgramError(what, remedy, setup=shown(setup.name))
         self._machine, self._dialect, self._setup, self._places = machine, dialect, setup, places
-        self._axes = steps.ProgramAxes.from_setup(
-            machine, setup, [_decimals(axis, setup, dialect) for axis in machine.axes]
-        )
+        self._axes = steps.ProgramAxes.from_setup(machine, setup, [dialect.decimals] * len(machine.axes))
         self.touches = log and setup.contact == "retracted" and instrument_of(setup).all_round
-        self._holds_so_far = count(100, 10)  # a label may stand in a program once; those of the log follow the first
 
     def draft(self) -> tuple[tuple[steps.Step, ...], tuple[Listed, ...]]:
         """Return the actions of the program, and its readings."""
@@ -157,7 +153,7 @@ class _Writer:
 
     def _touched(self) -> dict[int, int]:
         """Return the ball of each reading by its number; none where no ball is read."""
-        if self._setup.artefact is None or self._setup.length is not None or not self._setup.balls:
+        if self._setup.artefact is None or not self._setup.balls:
             return {}
         tips = frames(self._machine, np.array([place.pose for _, place in self._places])).tcp
         balls = self._setup.artefact.nearest(tips, self._setup.balls).tolist()
@@ -169,18 +165,14 @@ class _Writer:
         lines = [self._comment(text) for text in self._head()]
         told, log = {"code": code, "head": head(code)}, dialect.logging() if self.touches else None
         lines += log.opened(self._machine.axes, **told) if log else []
-        lines += [line for step in run for line in self._lines(step, code)]
+        lines += [line for step in run for line in self._lines(step)]
         lines += filled(log.off, readings=len(readings), **told) if log else []
-        text = dialect.framed(name, number, self._machine.axes, lines, self.touches)
-        beside = {file.format(**told): each.format(**told) for file, each in (log.files if log else {}).items()}
-        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes(), beside)
+        text = dialect.framed(name, number, self._machine.axes, lines)
+        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes())
 
     def _steps(self) -> Iterator[steps.Step]:
         setup, places = self._setup, self._places
         reading = setup.reading_time if setup.driving.dwell else None
-        if setup.chart is not None and setup.contact == "held":
-            yield from self._in_touch(setup.chart).run_through(places, reading)
-            return
         poses = [self._stood_at(place) for _, place in places]
         numbered = zip(places, poses, strict=True)
         targets = [target(self._axes.scales, setup.name, k, pose, place.approach) for (k, place), pose in numbered]
@@ -190,20 +182,6 @@ class _Writer:
     def _cycle(self, places: Mapping[int, Place]) -> Callable[[ReadingTarget], Iterator[steps.Step]]:
         cycle = SphereCycle(self._machine, self._setup, self._axes)
         return lambda reached: cycle.steps(reached, places[reached.number])
-
-    def _in_touch(self, chart: Chart) -> InTouch:
-        """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
-        machine, driver = self._machine, SlideDriver(self._axes)
-        if _turns(self._setup, machine):
-            self._dialect.refuse_no_tip(machine)
-            step = Decimal(1).scaleb(-self._dialect.tip_decimals)
-            driver = TipDriver(self._axes, machine=machine, step=step, gentle=self._gentle)
-        return InTouch(machine, self._setup, chart, driver, self._holds and self._dialect.from_zero)
-
-    @property
-    def _gentle(self) -> int:
-        """mm/min, into touch and out of it."""
-        return next((group.near for group in self._axes.groups if group.near is not None), GENTLE)
 
     def _stood_at(self, place: Place) -> Sequence[float]:
         """Return where the axes stand at a reading: off its ball, where the probe begins."""
@@ -226,36 +204,22 @@ class _Writer:
             *(f"{axis.name} IS THE RADIUS" for axis in self._machine.axes if axis.diameters),
             f"ORDER OF MOVES {self._axes.order}",
             *standing(self._machine, self._setup),
-            *(self._dialect.tip_needs if self._holds else ()),
             *(_BY_ITSELF if self.touches else _AT_BALL if self._setup.contact == "retracted" else ()),
         ]
 
-    @property
-    def _holds(self) -> bool:
-        """Whether the control holds the tool point."""
-        return self._setup.contact == "held" and _turns(self._setup, self._machine)
-
-    def _lines(self, step: steps.Step, code: str) -> list[str]:
+    def _lines(self, step: steps.Step) -> list[str]:
         match step:
             case steps.Touched():
-                return self._dialect.touched(code, step)
+                return self._dialect.touched(step)
             case steps.Move():
                 words = [(self._machine.axes[k].name, self._axes.scales[k].written(v)) for k, v in step.to.items()]
                 return [self._dialect.straight_move(words, step.feed)]
-            case steps.Glide():
-                return [self._dialect.tip_move.format(to=self._dialect.words(step.to), feed=step.feed)]
-            case steps.Hold():
-                length = f"{to_unit(self._machine.tool, 'mm'):.{self._dialect.tip_decimals}f}"
-                to = self._dialect.words(step.at)
-                return filled(self._dialect.tip_on, tool=length, to=to, label=next(self._holds_so_far))
-            case steps.Release():
-                return filled(self._dialect.tip_off, to=self._dialect.words(step.at))
             case steps.Dwell():
                 return filled(self._dialect.dwell, s=step.seconds, ms=round(step.seconds * 1000))
             case steps.Halt():
-                stop = self._dialect.stopped(self._machine.axes, self.touches)
+                stop = self._dialect.stopped(self._machine.axes)
                 seen = (self._dialect.screen or self._dialect.comment).format(text=plain(step.text))
-                return [*([seen] if step.text else []), *(self._dialect.pause if step.held else stop)]
+                return [*([seen] if step.text else []), *stop]
             case steps.Remark():
                 return [self._comment(step.text)]
         assert isinstance(step, steps.Arrival)  # for the list of readings alone
@@ -269,7 +233,7 @@ class _Writer:
         """Yield the readings with the time from the start at the first one, stops not counted."""
         seconds, asked = 0.0, dict(self._places)
         for step in run:
-            if isinstance(step, steps.Move | steps.Glide | steps.Dwell | steps.Touched):
+            if isinstance(step, steps.Move | steps.Dwell | steps.Touched):
                 seconds += step.seconds
             elif isinstance(step, steps.Arrival):
                 reached, at = step.target, step.target.position
@@ -288,19 +252,15 @@ class _Writer:
             "order": self._axes.order,
             "clear": None if clearance is None else (scales[clearance[0]], clearance[1]),
             "slow": self._slow(),
-            "holds": self._holds,
             "overruns": ", ".join(f"{each.normalize():f} {scale.unit} on {scale.axis.name}" for scale, each in far),
         }
         return (
             *self._dialect.notes,
-            *(self._dialect.tip_notes if self._holds else ()),
             *(self._dialect.logging().notes if self.touches else ()),
             *rendered("axiscal.programs", "notes.jinja", **values).splitlines(),
         )
 
     def _slow(self) -> str:
-        if self._holds:
-            return f" Into touch and out of it the tool goes at F{self._gentle} at most."
         slow = [f"{' '.join(group.names)} at F{group.near}" for group in self._axes.groups if group.near is not None]
         near = " or ".join(dict.fromkeys(f"{each.nearness.normalize():f} {each.unit}" for each in self._axes.scales))
         return "" if not slow else f" The last {near} to a place are slow, {', '.join(slow)} at most."
@@ -308,17 +268,6 @@ class _Writer:
 
 _AT_BALL = ("AT A READING THE TOOL IS DRAWN BACK FROM ITS BALL", "RUN THE SPHERE CYCLE THEN PRESS START")
 _BY_ITSELF = ("THE PROGRAM TOUCHES EACH BALL AND WRITES A LOG", "PROBE IN THE SPINDLE - SPINDLE OFF")
-
-
-def _decimals(axis: Axis, setup: Setup, dialect: Dialect) -> int:
-    """Return with how many decimals an axis is written: slides that hold what touches, as places of a tool point."""
-    fine = setup.contact == "held" and not axis.rotary
-    return max(dialect.decimals, dialect.tip_decimals) if fine else dialect.decimals
-
-
-def _turns(setup: Setup, machine: Machine) -> bool:
-    """Whether a rotary axis moves in a set-up."""
-    return any(machine.axes[k].rotary for k in setup.moves)
 
 
 def plain(text: str) -> str:

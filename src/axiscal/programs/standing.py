@@ -21,8 +21,6 @@ _MOST = 12
 
 def mounting(setup: Setup) -> str:
     """Return what is to be done at the stop before the first reading."""
-    if setup.length is not None:
-        return "MOUNT THE BAR THEN PRESS START"
     if setup.artefact is not None and setup.contact == "retracted":
         return f"PUT DOWN {setup.artefact.name[:_NAME]} THEN PRESS START"
     return "MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"

@@ -107,32 +107,6 @@ class Move:
 
 
 @dataclass(frozen=True, slots=True)
-class Glide:
-    """A straight move of the tool point on the workpiece, rotary axes in step.
-
-    to : names of axes with where to, X Y Z on the workpiece, as text; feed in mm/min, deg/min where the point stays
-    """
-
-    to: tuple[tuple[str, str], ...]
-    feed: int
-    seconds: float
-
-
-@dataclass(frozen=True, slots=True)
-class Hold:
-    """From here on X Y Z are those of the tool point on the workpiece.  at : where it is, as text"""
-
-    at: tuple[tuple[str, str], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Release:
-    """From here on they are those of the machine again.  at : where its axes are, as text"""
-
-    at: tuple[tuple[str, str], ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Dwell:
     """The axes stand still, s."""
 
@@ -141,13 +115,9 @@ class Dwell:
 
 @dataclass(frozen=True, slots=True)
 class Halt:
-    """The program halts until somebody presses start.
-
-    text : why, on the screen, of our own words and of names; held : while the control holds the tool point
-    """
+    """The program halts until somebody presses start.  text : why, on the screen, of our own words and of names"""
 
     text: str = ""
-    held: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,7 +158,7 @@ class Touched:
         return tuple(zip(self.letters, values, strict=True))
 
 
-Step = Move | Glide | Hold | Release | Dwell | Halt | Remark | Arrival | Touched
+Step = Move | Dwell | Halt | Remark | Arrival | Touched
 
 
 Clearance = tuple[int, Decimal]

@@ -1,128 +1,25 @@
-"""Copies of a record: whole, to the letter, and only in the place of an earlier copy of the same one.
-
-Where a record is kept follows from its name: a file, or, as "store:NAME", the server that AXISCAL_STORE names.
-"""
+"""Copies of a record: whole, to the letter, and only in the place of an earlier copy of the same one."""
 
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
-from functools import partial
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from axiscal.document.durable import write_whole
-from axiscal.document.ports import part
+from axiscal.document.gone import instead_of
 from axiscal.exceptions import RecordError
 from axiscal.record.accepted import Bumped
-from axiscal.record.events import Created, Event, Recorded
+from axiscal.record.events import Event, Recorded
 from axiscal.record.line_form import EventText
-from axiscal.record.log import STORED, EventLog, in_one
+from axiscal.record.log import EventLog, in_one
 from axiscal.record.payload import encode
 from axiscal.record.store import Record, content_of, record_errors, refuse_existing
-from axiscal_core import refusals
 
-Opened = Callable[[], AbstractContextManager[EventLog]]
-"""How a record is opened to be read."""
-
-
-def is_stored(path: str | Path) -> bool:
-    """Whether a name is that of a campaign on a server."""
-    return str(path).startswith(STORED)
-
-
-def file_name(path: Path) -> Path:
-    """Return the name that a file of a record has, also where the record itself is on a server."""
-    return Path(f"{_name(path)}.axiscal") if is_stored(path) else path
-
-
-def created_log(path: str | Path, created: Created) -> EventLog:
-    """Return a new log that holds the event `created`; raises RecordError where there is one of this name."""
-    if not is_stored(path):
-        return Record.create(path, created)
-    name = _name(path)
-    log: EventLog = part("server-log").create(part("database")(), name, created)
-    return log
-
-
-def opened_log(path: str | Path, *, write: bool = True) -> EventLog:
-    """Return the log of an existing record, checked; raises RecordError."""
-    if not isinstance(path, str | Path):
-        raise refusals.InputError("Campaign.open", "path", f"= {path!r} is none", 'Give one, such as "mill.axiscal"')
-    if not is_stored(path):
-        return Record.open(path, write=write)
-    name = _name(path)
-    log: EventLog = part("server-log").open(part("database")(), name, write=write)
-    return log
-
-
-def _name(path: str | Path) -> str:
-    name = str(path).removeprefix(STORED)
-    if not name.strip():
-        raise RecordError("No campaign of the store is named", "Name one: store:NAME", path)
-    refuse_unfit(name, path)
-    return name
-
-
-_NO_FILE = re.compile(r'[/\\:*?"<>|]|^[-. ]|[. ]$|^(con|prn|aux|nul|com\d|lpt\d)(\.|$)', re.IGNORECASE)
-"""What no name of a file may have, on one system or another, or what a command takes for an option."""
-_LONGEST = 100
-"""Letters of a name: the file beside it has more, and most file systems take 255 bytes."""
-
-
-def unfit(name: str) -> bool:
-    """Return whether a name is no name of a file on every system."""
-    return not 0 < len(name) <= _LONGEST or not name.isprintable() or _NO_FILE.search(name) is not None
-
-
-def refuse_unfit(name: str, path: str | Path) -> None:
-    """Raise RecordError for a name of a campaign of a store that is no name of a file on every system."""
-    if unfit(name):
-        remedy = "Use up to {most} letters, digits, blanks, _ - and . between; what is there already goes by its id"
-        raise RecordError("A campaign of the store cannot have this name", remedy, path, most=_LONGEST)
-
-
-def is_store(named: Path) -> bool:
-    """Return whether the name is that of the whole store, not of a campaign in it."""
-    return str(named) == STORED
-
-
-def gathered(named: Iterable[Path]) -> list[Path]:
-    """Return the names of single records, by which each is opened; raises RecordError where the store cannot tell."""
-    found = list[Path]()
-    for each in named:
-        if is_store(each):
-            with each_opened(each) as there:
-                found += [path for path, _ in there]
-        elif not is_stored(each) and each.is_dir():
-            found += sorted(each.glob("*.axiscal"))
-        else:
-            found.append(each)
-    return found
-
-
-def records_of(shop: Path) -> list[Path]:
-    """Return the records of a folder, or of the store; raises RecordError for anything else."""
-    if not is_store(shop) and not shop.is_dir():
-        remedy = "Name the folder that holds the records, or {store} for the campaigns on the server"
-        raise RecordError("This is no folder", remedy, shop, store=STORED)
-    return gathered([shop])
-
-
-@contextmanager
-def each_opened(shop: Path) -> Iterator[list[tuple[Path, Opened]]]:
-    """Yield the records of a folder or of the store, each with how it is opened to be read; raises as `records_of`."""
-    if is_store(shop):
-        with part("server-logs")() as there:
-            yield there
-    else:
-        yield [(file, partial(opened_log, file, write=False)) for file in records_of(shop)]
-
-
-_TYPE = '"axiscal-type/'
-"""In the first line of what a type has taught, which is carried as it is."""
+TYPE = "axiscal-type/1"
+"""The schema of what a type has taught."""
 
 
 def write_copy(log: EventLog, path: Path) -> None:
@@ -175,19 +72,11 @@ def _content(row: EventText) -> tuple[str, str, str]:
 def carried_text(path: Path) -> str:
     """Return what a campaign names as its prior as text that a record can carry; raises RecordError.
 
-    path : of a campaign record, or of what `axiscal shop type learn` wrote
+    path : of a campaign record
     """
-    try:
-        with path.open("rb") as file:
-            start = file.read(200)
-        if start[:1] == b"{" and _TYPE in start.decode("utf-8", "replace"):
-            return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise RecordError(
-            "The file of the type is damaged", "Learn it anew with `axiscal shop type learn`", path
-        ) from None
-    except OSError:
-        pass  # the record says what is wrong with it
+    with suppress(OSError), path.open("rb") as file:  # the record says what is wrong with it
+        if TYPE.encode() in file.read(200):
+            raise RecordError("{schema} is gone", instead_of("files", TYPE), path, schema=TYPE)
     with Record.open(path, write=False) as record:
         state = record.state()
     created = state.created

@@ -47,7 +47,7 @@ def take(path: Path) -> bool:
                     return False
                 if held is not None and computer != mine and _age(path) < OLD:
                     what = "{person} on {computer} has been writing to this record since {since}"
-                    remedy = "Wait until that computer is done, or copy the record and bring both together: shop adopt"
+                    remedy = "Wait until that computer is done"
                     shown = computer.rpartition(" ")[0]
                     raise RecordError(what, remedy, path, person=person, computer=shown, since=since) from None
                 aside = draft_of(path).with_suffix(".old")  # which the next writer clears away after a kill

@@ -1,4 +1,4 @@
-"""The log of one campaign's events, wherever it is kept: a file, or a server that laptops share."""
+"""The log of one campaign's events."""
 
 from __future__ import annotations
 
@@ -22,8 +22,6 @@ from axiscal.record.signing import Hand, Signature, hand_now, holds, key_file, s
 
 EMPTY = 64 * "0"
 """The chain before the first event."""
-STORED = "store:"
-"""How the name of a campaign on a server begins, where a record is asked for."""
 _CAMPAIGNS = UUID("6b1f3c52-0d7e-5c7a-9c4b-2f6d8e1a7b90")
 """Name space of campaigns; drawn once."""
 
@@ -203,13 +201,13 @@ class Story:
     def state(self, path: Path) -> State:
         """Return the state folded from all events; raises NewerError."""
         if self._stopped:
-            raise self._of_newer("This one can copy and sync the record, no more", path)
+            raise self._of_newer("This one can copy the record, no more", path)
         return self._folding.state()
 
     def refuse_to_add(self, path: Path) -> None:
         """Raise NewerError where a newer version wrote here: what this one adds might not follow."""
         if self._newer is not None:
-            raise self._of_newer("This one can read, copy and sync the record; nothing was written", path)
+            raise self._of_newer("This one can read and copy the record; nothing was written", path)
 
     def _of_newer(self, still: str, path: Path) -> NewerError:
         assert self._newer is not None

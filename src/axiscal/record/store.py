@@ -170,8 +170,8 @@ class Record(EventLog):
         branch = self.path.with_name(f"{self.path.stem}-{mark.chain[:8]}.axiscal")
         Record.made(branch, [*(row for row, _ in before), *rows]).close()
         what = "Another computer has written at the same place; what was to be written is in {branch}"
-        remedy = "Let one computer write at a time. Take it over: axiscal shop adopt {path} {branch}"
-        return RecordError(what, remedy, self.path, branch=branch, path=self.path)
+        remedy = "Let one computer write at a time. Record the readings of {branch} here"
+        return RecordError(what, remedy, self.path, branch=branch)
 
     def last(self) -> int:
         """Return the number of the last event, 0 if there is none."""

@@ -33,16 +33,19 @@ _KINDS = "a table, backlash, pitch or sag compensation, a bed mesh or skew corre
 _BEGINNING = later(
     "Is a compensation active on the control while it is measured (a table, backlash, pitch or sag compensation, a bed "
     "mesh or skew correction)? Switch it off, or say so: compensation_active = false, = true or its files in "
-    "campaign.toml. New tables go on top of what was active; until it is said they are written as if nothing was, and "
-    "ask."
+    "campaign.toml. Tables of linuxcnc and sinumerik go on top of what was active; until it is said all are written as "
+    "if nothing was, and ask."
 )
 REPORTS = ("csv",)
 """What is read by people or other programs, not loaded in place of something."""
 _QUESTION = (
     f"WAS A COMPENSATION ACTIVE WHILE MEASURING ({_KINDS})? campaign.toml does not say. If one was, these files loaded "
-    "in its place bring back all that it took away: export again with --on-top-of OLD, the files that were active. If "
-    "none was, write compensation_active = false into campaign.toml, and this question is gone."
+    "in its place bring back all that it took away: {way}. If none was, write compensation_active = false into "
+    "campaign.toml, and this question is gone."
 )
+_AGAIN = "export again with --on-top-of OLD, the files that were active"
+OFF = later("measure again with the compensation of the control switched off")
+"""In place of old files, for controls whose files are not added to."""
 
 
 def informed(options: ExportOptions, description: CampaignDescription, controller: str) -> ExportOptions:
@@ -110,18 +113,20 @@ def on_top(estimate: Estimate, draft: Draft, old: Loaded, options: ExportOptions
     return replace(draft, control=control, wanted=wanted, notes=(note, *draft.notes))
 
 
-def asked_about(controller: str, instead: Mapping[str, str], draft: Draft, options: ExportOptions) -> Draft:
+def asked_about(controller: str, control: Exporter, draft: Draft, options: ExportOptions) -> Draft:
     """Return a draft with the question whether something was active, where nobody said.
 
-    Raises TableError where something was and files would take its place.  instead : of `Exporter`
+    Raises TableError where something was and files would take its place.
     """
+    adds = "--on-top-of" in control.takes
     if options.active and controller not in REPORTS:
         what = "a compensation was active while measuring (compensation_active), and these files would take its place"
-        raise TableError(what, instead.get("--on-top-of", _ON_TOP))
+        raise TableError(what, _ON_TOP if adds else control.instead.get("--on-top-of", OFF))
     if options.active:
         note = "The deviations are those that were left by the compensation that was active while measuring."
         return replace(draft, notes=(note, *draft.notes))
-    return draft if options.active is False else replace(draft, notes=(_QUESTION, *draft.notes))
+    question = _QUESTION.format(way=_AGAIN if adds else OFF)
+    return draft if options.active is False else replace(draft, notes=(question, *draft.notes))
 
 
 _ON_TOP = later("give the files that were active: axiscal export ... --on-top-of OLD")
@@ -148,8 +153,7 @@ class ExportOptions:
     numbers : of the joints or of the machine axis of each axis, where the order of the letters is not theirs
     template : text of a file that the control saved, template_name : how it is called
     name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
-    curves have where nobody says; zero : X and Y at which it adds nothing, m, None for where the printer says, or the
-    middle
+    curves have where nobody says; zero : X and Y at which it adds nothing, m, None for the middle
     pivots : put location errors of rotary axes into the kinematics (linuxcnc) instead of the tables
     encoder : measuring system, 1 or 2
     flip : the control takes the values with the other sign; sign_day : when a bump has shown which one, "" if none has
@@ -347,29 +351,23 @@ class TableFormat(Exporter):
 
     points : that a table holds; grid : of its positions, m and rad, by the decimals that are written
     across : it moves an axis over another one; both_ways : that has a direction
-    on_top : points that fit once old tables are added, None for `points`; even : they stay evenly spaced then
     """
 
     points: ClassVar[int] = MOST_POINTS
     grid: ClassVar[Multiples] = (None, None)
     across: ClassVar[bool] = True
     both_ways: ClassVar[bool] = False
-    on_top: ClassVar[int | None] = None
-    even: ClassVar[bool] = True
-    takes = frozenset({"--spacing", "--on-top-of"})
+    takes = frozenset({"--spacing"})
 
     @abstractmethod
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files for tables; raises TableError for what they cannot hold."""
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
-        """Return what the files are to hold, that of the old ones added; raises TableError."""
-        most = self.points
-        own = axis_tables(estimate, options.spacing, most, self.grid)
-        over = cross_tables(estimate, options.spacing, most, self.grid[0]) if self.across else ()
-        over = over if self.both_ways else tuple(table.averaged() for table in over)
-        fit = most if self.on_top is None else self.on_top
-        return options.old.under_tables((*own, *over), estimate.machine, fit, even=self.even)
+        """Return what the files are to hold; raises TableError."""
+        own = axis_tables(estimate, options.spacing, self.points, self.grid)
+        over = cross_tables(estimate, options.spacing, self.points, self.grid[0]) if self.across else ()
+        return (*own, *(over if self.both_ways else (table.averaged() for table in over)))
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files with their tables; raises TableError."""
@@ -381,11 +379,11 @@ class TableFormat(Exporter):
 class MapFormat(Exporter):
     """A control of X, Y and Z whose files hold the height over the plane, and what else a printer knows."""
 
-    takes = frozenset({"--mesh", "--on-top-of", "--zero"})
+    takes = frozenset({"--mesh", "--zero"})
 
     @abstractmethod
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return what the files are to hold, that of the old ones added; raises TableError."""
+        """Return what the files are to hold; raises TableError."""
 
     @abstractmethod
     def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:

@@ -20,11 +20,11 @@ from axiscal.description.ini_machine import unit_in
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.bed_map import read_part
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, Mesh, Skew, mesh_control, skew_control, sum_of
 from axiscal.tables.table import CompensationTable
-from axiscal.tables.volumetric import SampledError, distinct, tip_control
+from axiscal.tables.volumetric import SampledError, tip_control
 
 _SECTION = re.compile(r"^\s*\[\w+\]", re.MULTILINE)
 _JOINT = re.compile(r"(?:JOINT|AXIS)_(\d{1,2})")
@@ -93,7 +93,7 @@ def _named(name: str, folder: Path) -> Iterator[OldFile]:
 
 
 def _text(path: Path) -> str:
-    return "\n".join(read_part(path).lines)
+    return "\n".join(read_text(path).lines)
 
 
 def _joints(path: Path) -> Iterator[OldFile]:
@@ -182,12 +182,6 @@ class Loaded:
         new = {(table.axis, table.over): table for table in tables}
         return tuple(self._summed(kind, new.get(kind), machine, most, even) for kind in kinds)
 
-    def under_mesh(self, mesh: Mesh) -> Mesh:
-        """Return a mesh with the old heights added at its points."""
-        x, y = (grid.ravel() for grid in np.meshgrid(mesh.x, mesh.y))
-        old = np.sum([each.at(x, y) for each in self.meshes], axis=0) if self.meshes else np.zeros(len(x))
-        return replace(mesh, added=mesh.added + old.reshape(mesh.added.shape))
-
     def _summed(
         self, kind: tuple[str, str], table: CompensationTable | None, machine: Machine, most: int, even: bool
     ) -> CompensationTable:
@@ -213,7 +207,8 @@ def _nothing(kind: tuple[str, str], old: Sequence[CompensationTable], machine: M
 def _positions(table: CompensationTable, old: Sequence[CompensationTable], most: int, *, even: bool) -> Array:
     """Return the points of the sum: those of all tables, of the finest where all are too many or have to stay even."""
     points = [one.positions for one in old if len(one.positions) > 1]
-    union = distinct(np.concatenate([table.positions, *points]))
+    union = np.unique(np.concatenate([table.positions, *points]))
+    union = union[np.r_[True, np.diff(union) > _APART]]
     if len(union) <= most and not even:
         return union
     whole = [p for p in points if p[0] <= table.positions[0] + _APART and p[-1] >= table.positions[-1] - _APART]

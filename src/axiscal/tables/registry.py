@@ -9,6 +9,7 @@ import numpy as np
 
 from axiscal.description.fields import CONTROLS
 from axiscal.document import meant, shown
+from axiscal.document.gone import instead_of
 from axiscal.document.ports import made_by, names, of_class
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
@@ -16,7 +17,7 @@ from axiscal.exceptions import AxiscalError, Faults, TableError
 from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
 from axiscal.machine.description import Machine
-from axiscal.tables.exporter import Draft, Exporter, ExportOptions, asked_about, informed, on_top
+from axiscal.tables.exporter import OFF, Draft, Exporter, ExportOptions, asked_about, informed, on_top
 from axiscal.tables.loaded import Loaded, refuse_long_numbers
 from axiscal.tables.offer import Export, tried_out, tried_over_box
 from axiscal.tables.surface import Control
@@ -42,7 +43,7 @@ def _drafted(estimate: Estimate, name: str, options: ExportOptions) -> Draft:
     for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
         estimate.machine.index(axis)
     if not options.old_files:
-        return asked_about(name, control.instead, control.make(estimate, options), options)
+        return asked_about(name, control, control.make(estimate, options), options)
     old = loaded(name, estimate.machine, options)
     return on_top(estimate, control.make(estimate, replace(options, old=old)), old, options)
 
@@ -53,7 +54,8 @@ def refuse_untaken(controller: str, given: Sequence[str]) -> None:
     for option in given:
         if option not in control.takes:
             takers = joined([name for name in controllers() if option in exporter(name).takes]) or "program"
-            what, remedy = "{controller} does not take {option}", control.instead.get(option, _OTHERS)
+            usual = OFF if option == "--on-top-of" else _OTHERS
+            what, remedy = "{controller} does not take {option}", control.instead.get(option, usual)
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 
 
@@ -120,6 +122,9 @@ def controllers() -> tuple[str, ...]:
 
 def exporter(controller: str) -> Exporter:
     """Return what writes for a control and reads its files; raises TableError for one that is not known."""
+    instead = instead_of("controls", controller)
+    if instead:
+        raise TableError("{controller} is gone", instead, controller=controller)
     brought: Exporter | None = made_by(CONTROLS, controller, Exporter)
     if brought is None:
         remedy = meant(controller, controllers(), quoted="{}")

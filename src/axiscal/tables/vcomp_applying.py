@@ -22,7 +22,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.conditional import taken_by_rotor
-from axiscal.tables.surface import Control, Mesh, by_linear_axes, mesh_control
+from axiscal.tables.surface import Control, by_linear_axes
 from axiscal.units import from_unit, to_unit
 from axiscal_core.rigid import about
 
@@ -67,7 +67,6 @@ class VcompFile:
     campaign : the beginning of its record's hash; unit : mm or inch
     limit, limit_deg : the largest correction of a linear and of a rotary joint; tool : (3,) from the spindle nose
     axes : in chain order, from the workpiece to the tool
-    bed : what is added to z over x and y beside them, m, where the control has that
     """
 
     campaign: str
@@ -76,7 +75,6 @@ class VcompFile:
     limit_deg: float
     tool: Array
     axes: tuple[VcompAxis, ...]
-    bed: Mesh | None = None
 
 
 CORE = "axiscal_vcomp_core.h"
@@ -106,8 +104,7 @@ def component_control(file: VcompFile, machine: Machine) -> Control:
     def added(poses: Array, approaches: Array) -> Array:
         joints = np.stack([to_unit(column, u) for column, u in zip(poses.T, units, strict=True)], axis=1)
         further = correction(file, joints, approaches)
-        found = np.stack([from_unit(column, u) for column, u in zip(further.T, units, strict=True)], axis=1)
-        return found if file.bed is None else found + mesh_control(machine, file.bed)(poses, approaches)
+        return np.stack([from_unit(column, u) for column, u in zip(further.T, units, strict=True)], axis=1)
 
     return added
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -21,18 +20,16 @@ from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
-from axiscal.tables.surface import Mesh
 from axiscal.tables.vcomp_applying import KNOTS, MOTIONS, VcompAxis, VcompFile, at_zero, component_control, fnv1a
-from axiscal.units import from_unit, to_unit
+from axiscal.units import to_unit
 
 _FORM = "axiscal-vcomp 1"
 _AGAIN = "export it again; nothing in it may be changed"
 
 
-def read(text: str, name: str = "axiscal.vcomp", with_bed: bool = False) -> VcompFile:
+def read(text: str, name: str = "axiscal.vcomp") -> VcompFile:
     """Return what a file holds; raises TableError where its checksum, or its form, is another.
 
-    with_bed : of a control that has the height of a bed behind its axes
     The checksum guards all that `text_of` wrote; what else a file must not hold the component says when it is loaded.
     """
     body, _, end = text.rpartition("end ")
@@ -45,20 +42,19 @@ def read(text: str, name: str = "axiscal.vcomp", with_bed: bool = False) -> Vcom
         limit, limit_deg = lines.numbers("limits").tolist()
         tool, (count,) = lines.numbers("tool"), lines.after("axes")
         axes = tuple(_axis(lines) for _ in range(int(count)))
-        return VcompFile(campaign, unit, limit, limit_deg, tool, axes, _bed(lines) if with_bed else None)
+        return VcompFile(campaign, unit, limit, limit_deg, tool, axes)
     except (ValueError, LookupError):
         raise TableError("this is no file of the form {form}", _AGAIN, name, form=_FORM) from None
 
 
 class VolumetricFormat(Exporter):
-    """A control that knows the chain and reads one such file.  with_bed : it has the height of a bed as well"""
+    """A control that knows the chain and reads one such file."""
 
-    with_bed: ClassVar[bool] = False
     tried = True
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of files that are called .vcomp; raises TableError where none is."""
-        own = [read(file.text, file.name, self.with_bed) for file in files if file.name.lower().endswith(".vcomp")]
+        own = [read(file.text, file.name) for file in files if file.name.lower().endswith(".vcomp")]
         if not own:
             names = ", ".join(dict.fromkeys(file.name for file in files))
             raise TableError("{names} is no file of the whole correction", "give axiscal.vcomp", names=names)
@@ -114,12 +110,6 @@ def _curves(lines: _Lines, count: int, curves: int) -> tuple[Array, Array]:
         if i < count - 1:
             found[i] = [lines.numbers() for _ in range(curves)]
     return knots, found
-
-
-def _bed(lines: _Lines) -> Mesh:
-    _, deep = lines.after("bed")
-    x, y = lines.numbers(), lines.numbers()
-    return Mesh(*(from_unit(values, "mm") for values in (x, y, np.array([lines.numbers() for _ in range(int(deep))]))))
 
 
 _MARGIN, _LEAST = 1.5, 5e-6

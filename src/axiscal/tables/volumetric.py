@@ -5,7 +5,7 @@ An error of two axes together is in the motion of the later one: a table over bo
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,8 +13,7 @@ import numpy as np
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.term import Term
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
-from axiscal.machine.entry import parse_error_name, side_name
+from axiscal.machine.entry import side_name
 from axiscal.numerics import Array
 from axiscal.tables.sampling import hats_along
 from axiscal.tables.surface import Control, Mesh, by_linear_axes
@@ -23,8 +22,6 @@ _POINTS_PER_INTERVAL, _RECORDS = 4, 4000
 """Of a table over two axes: points as of one over one axis, as far as so many lines last."""
 _NOTHING = 1e-12
 """m or rad: rounding."""
-_APART = 1e-9
-"""m or rad: positions nearer than this are one, by their decimals."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -103,42 +100,6 @@ def anchored(model: ErrorModel, found: Mapping[str, SampledError]) -> dict[str, 
             sign, curve = model.machine.axes[function.axis].sign, found[_name(model, function)]
             result[_name(model, function)] = replace(curve, values=curve.values - sign * constant)
     return result
-
-
-def together(new: Mapping[str, SampledError], old: Mapping[str, SampledError]) -> dict[str, SampledError]:
-    """Return the sums of errors: the motions of an axis are all at the positions that any of them has."""
-    parts = {name: [each[name] for each in (new, old) if name in each] for name in {**new, **old}}
-    grids = dict[str, list[Array]]()
-    for name, both in parts.items():
-        if len(overs := sorted({one.over for one in both} - {""})) > 1:
-            what = "{name} depends on {before} before and on {now} now"
-            raise TableError(what, "take the old one out first", name=name, before=overs[0], now=overs[1])
-        grids.setdefault(_block(name, both), []).extend(one.positions for one in both)
-    at = {block: distinct(np.concatenate(positions)) for block, positions in grids.items()}
-    return {name: _sum(both, at[_block(name, both)]) for name, both in parts.items()}
-
-
-def _block(name: str, both: Sequence[SampledError]) -> str:
-    """Return which errors have their positions in common: those of one axis; constants and planes have their own."""
-    alone = all(len(one.positions) == 1 for one in both) or any(one.over for one in both)
-    return name if alone else parse_error_name(name).axis
-
-
-def distinct(positions: Array) -> Array:
-    """Return positions in order, those nearer than rounding once."""
-    at = np.unique(positions)
-    return at[np.r_[True, np.diff(at) > _APART]]
-
-
-def _sum(both: Sequence[SampledError], at: Array) -> SampledError:
-    across = [one.across for one in both if one.over]
-    if not across:
-        values: Array = np.sum([np.interp(at, one.positions, one.values) for one in both], axis=0)
-        return SampledError(at, values)
-    rows = distinct(np.concatenate(across))
-    own, other = np.meshgrid(at, rows)
-    total: Array = np.sum([one.at(own.ravel(), other.ravel()) for one in both], axis=0).reshape(own.shape)
-    return SampledError(at, total, next(one.over for one in both if one.over), rows)
 
 
 def tip_control(model: ErrorModel, found: Mapping[str, SampledError]) -> Control:

@@ -1,20 +1,14 @@
-"""After the end: tables for a control as texts, into a printer, and whether they work once they are loaded."""
+"""After the end: tables for a control as texts, and whether they work once they are loaded."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from datetime import UTC, datetime
-from pathlib import Path
-
 from axiscal.campaign.agreement_words import agreement_words
-from axiscal.document.ports import part
 from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.check import Check
-from axiscal.exceptions import TableError, TargetError
+from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
 from axiscal.present.guide.checking import CheckJudged
 from axiscal.tables import registry
-from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.web.desk import Desk
 from axiscal.web.shapes import CheckedRequest, TextsShape
 
@@ -47,24 +41,6 @@ def volume_picture(desk: Desk, width: float) -> str:
     control = next((each for each in tables if each != "csv"), "csv")
     bent = bent_volume(known, control, registry.offered_control(known, control) if tables else None)
     return picture_file([found_and_left_drawing(bent, width)], said("The error of the volume"))
-
-
-def put_into(desk: Desk, control: str, printer: str) -> str:
-    """Put the files of a control into a printer, and return what it did; raises InputError."""
-    loader, known = part("printer-loader")(printer, control), _standing(desk)
-    options = informed(ExportOptions(zero=loader.zero()), known.case.description, control)
-    files = registry.export(known.estimate(), control, options).files
-    return str(loader.load(loader.accepted_text(files), options.name))
-
-
-def measure_again(record: Path, files: Iterable[Path]) -> str:
-    """Return when the machine of a record is due; raises RecordError.  files : may tell how machines change"""
-    try:
-        shop = part("due-dates")([record, *files], datetime.now(UTC).date())
-    except TargetError:
-        return said("Measure again: the campaign has no target of U or RMS that would say when.")
-    days = (each.day_text for each in shop.machines if each.record.resolve() == record.resolve())
-    return said("Measure again: {day}.", day=next(days, said("another campaign of this machine says when")))
 
 
 def judge(desk: Desk, asked: CheckedRequest) -> CheckJudged:

@@ -18,6 +18,7 @@ from pydantic import ValidationError
 from axiscal.answers.answer_of_campaign import results_beside
 from axiscal.answers.row_words import said_row
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.listing import standings
 from axiscal.campaign.sources import virtual_note
 from axiscal.description import first_files
 from axiscal.description.campaign import CampaignDescription
@@ -25,7 +26,7 @@ from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
 from axiscal.description.target import RowName, rows_of
 from axiscal.document.durable import write_whole
 from axiscal.estimation.case import Case
-from axiscal.exceptions import AxiscalError, DescriptionError, InputError, PlanError, RecordError
+from axiscal.exceptions import DescriptionError, InputError, PlanError, RecordError
 from axiscal.language.spoken import WORDS, said, spoken_now
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Place
@@ -36,7 +37,6 @@ from axiscal.present.machine_drawing.setup_picture import machine_scene, setup_p
 from axiscal.present.plan_answer import coming_answer, minutes_curve
 from axiscal.present.plan_words import open_questions, planned_figures
 from axiscal.present.sentences import spelt
-from axiscal.record.copies import opened_log
 from axiscal.record.store import record_errors
 from axiscal.units import parse_quantity, to_unit, within
 from axiscal.web import shapes
@@ -173,7 +173,7 @@ def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:
 def plan_in_full(here: Path) -> None:
     """Make the plan by which the draft begins while its figures are looked at; raises InputError as `plan`."""
     known = _planned(here).estimate()
-    _in_full(known.case, known.to_plan_by, ())
+    _in_full(known.case, known.knowledge, ())
 
 
 def _in_full(case: Case, *known: Any) -> tuple[Place, ...]:
@@ -298,7 +298,7 @@ def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
     )
 
 
-def record_files(here: Path) -> list[Path]:
+def _record_files(here: Path) -> list[Path]:
     """Return the last records of a folder and of those below it, the last first."""
     files = {file: file.stat().st_mtime for pattern in ("*.axiscal", "*/*.axiscal") for file in here.glob(pattern)}
     results = {results_beside(file) for file in files}
@@ -308,17 +308,16 @@ def record_files(here: Path) -> list[Path]:
 
 def _records(here: Path) -> tuple[list[shapes.BegunShape], list[str]]:
     """Return the campaigns that can be gone on with, and what cannot be read."""
-    begun, left_out = list[shapes.BegunShape](), list[str]()
-    for file in record_files(here):
-        try:
-            with opened_log(file, write=False) as log:
-                state, last = log.state(), log.events()[-1]
-        except AxiscalError as failure:
-            left_out.append(str(failure))
-            continue
-        assert state.created is not None
-        machine = machine_from_text(state.created.machine_text).name
-        counts, finished = {"taken": len(state.readings), "coming": len(state.coming)}, state.finished is not None
-        record = str(file.relative_to(here))
-        begun.append(shapes.BegunShape(record=record, machine=machine, at=last.at, finished=finished, **counts))
-    return begun, left_out
+    found, faults = standings(_record_files(here))
+    begun = [
+        shapes.BegunShape(
+            record=str(each.file.relative_to(here)),
+            machine=each.machine,
+            at=each.at,
+            finished=each.finished is not None,
+            taken=each.taken,
+            coming=each.coming,
+        )
+        for each in found
+    ]
+    return begun, [str(fault) for fault in faults]

@@ -43,7 +43,6 @@ _STEPS: dict[str, tuple[type[AnswerDocument], Callable[..., str]]] = {
     "undo": (shapes.StepRequest, Desk.undo),
     "next": (shapes.StepRequest, Desk.go_on),
     "finish": (shapes.StepRequest, Desk.finish),
-    "load": (shapes.LoadRequest, after_end.put_into),
 }
 """What a page may ask of the desk: address, request, and what takes the fields of the request."""
 
@@ -70,7 +69,7 @@ def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None =
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "planned", "rows"):
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
-    for name in ("state", "typed", "cost", "texts", "check", "again"):
+    for name in ("state", "typed", "cost", "texts", "check"):
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
     for name in ("addresses", "draft", "open", "leave", "codes", "devices"):
         app.post(f"{ROOT}/{name}")(_documented(getattr(api, name)))
@@ -176,12 +175,6 @@ class _Api:
                 archive.writestr(f"{made.control}/{name}", text)
         headers = {"Content-Disposition": f'attachment; filename="{made.control}.zip"'}
         return Response(packed.getvalue(), media_type="application/zip", headers=headers)
-
-    async def again(self) -> shapes.SentenceShape:
-        """When the machine is to be measured again."""
-        record = self._counter.desk.campaign.path
-        sentence = await asyncio.to_thread(after_end.measure_again, record, draft.record_files(self._here))
-        return shapes.SentenceShape(sentence=sentence)
 
     async def leave(self) -> None:
         """Close the record, and show the start again."""

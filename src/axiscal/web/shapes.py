@@ -102,12 +102,6 @@ class TablesQuery(AnswerDocument):
     control: Short
 
 
-class LoadRequest(TablesQuery):
-    """The printer that is to take them: moonraker:HOST or duet:HOST."""
-
-    printer: Short
-
-
 class TextsShape(AnswerDocument):
     """The files for a control, by name."""
 

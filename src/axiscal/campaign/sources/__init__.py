@@ -1,6 +1,6 @@
 """Where readings come from.
 
-`sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc-live[:HOST]`, `moonraker:HOST`, `duet:HOST`.
+`sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc-live[:HOST]`.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from axiscal.campaign.sources.source import Answer, CsvSource, Request, SimulatedSource, Skip, Source
+from axiscal.document.gone import instead_of
 from axiscal.document.ports import made_by, of_class, one_of
 from axiscal.exceptions import SourceError
 from axiscal.record.events import Note
@@ -38,9 +39,10 @@ def open_source(
     Raises SourceError for an unknown kind, InputError for a file that cannot be used.
     """
     kind, _, rest = text.partition(":")
+    _refuse_gone(kind)
     if kind in VIRTUAL:
         return SimulatedSource(*virtual_machine(text, simulator))
-    if kind in ("csv", "exec", "moonraker", "duet") and not rest.strip():
+    if kind in ("csv", "exec") and not rest.strip():
         raise _nothing_named(text, kind)
     if kind == "csv":
         return CsvSource(Path(rest), taken, simulator.setups)
@@ -63,9 +65,15 @@ def answered(source: Source, request: Request) -> Answer | Skip:
     return found
 
 
+def _refuse_gone(kind: str) -> None:
+    instead = instead_of("sources", kind)
+    if instead:
+        raise SourceError("the source {kind} is gone", instead, kind=kind)
+
+
 _KINDS = (
-    "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, linuxcnc-live:HOST with a LinuxCNC that "
-    "runs, and moonraker:HOST and duet:HOST with a printer"
+    "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, and linuxcnc-live:HOST with a LinuxCNC "
+    "that runs"
 )
 
 
@@ -75,6 +83,7 @@ def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, in
     Raises SourceError for anything else, InputError for a file that cannot be used.
     """
     kind, colon, rest = text.partition(":")
+    _refuse_gone(kind)
     if kind not in VIRTUAL:
         what = "'{kind}' cannot be asked without a person and with tables"
         raise SourceError(what, "Take sim:SEED or truth:FILE.csv", kind=kind[:40])

@@ -11,18 +11,47 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import drawn_back, frames, tip_at
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, within_cone
-from axiscal.measurement.charts.ways import SmoothChart, bar_angles
 from axiscal.numerics import Array
 from axiscal_core.axes import Frames
 
 FINEST_PLACE = 1e-6
 """m: what a person can dial in."""
+
+
+class SmoothChart(Chart, Protocol):
+    """The common part of charts whose tool point follows their coordinates smoothly.  room : what may not be"""
+
+    __slots__ = ()
+    room: Room
+
+    def angles(self, at: Frames) -> tuple[tuple[Array, float], ...]:
+        """Return the cosines of angles, (m,) each, with the cone within which each stays, rad."""
+        return ()
+
+    def feasible(self, poses: Array) -> NDArray[np.bool_]:
+        """Return which poses are in travel, with nothing in the way, and every angle within its cone."""
+        found = self.room.holds(poses)
+        if found.any():
+            angles = self.angles(frames(self.room.machine, poses[found]))
+            found[found] = np.all([within_cone(*each) for each in angles], axis=0)
+        return found
+
+
+def bar_angles(at: Frames, centre: Array, free: Array, cone: float) -> tuple[tuple[Array, float], ...]:
+    """Return the angles of a bar with the tool, and with where its centre (3,) m is free, as of a chart.
+
+    free : (3,) away from the stem of the centre; cone : rad, of both
+    """
+    bar = at.tcp - centre
+    bar = bar / np.linalg.norm(bar, axis=1)[:, None]
+    return (np.sum(at.stem * bar, axis=1), cone), (bar @ free, cone)
 
 
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
@@ -67,7 +96,7 @@ _SLACK = 1e-10
 
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Sight(Chart):
-    """u : the axes that move, without what cannot be seen; on a way where a beam is lost it is found again.
+    """u : the axes that move, without what cannot be seen.
 
     moves : their indices; park : (q,); coordinates : from where to where each can be read
     stations : (k, 3) m, workpiece frame: all of them see the tool
@@ -101,10 +130,6 @@ class Sight(Chart):
             tcp = frames(self.room.machine, poses[found]).tcp
             found[found] = np.all([self._seen(station - tcp) for station in self.stations], axis=0)
         return found
-
-    def between(self, start: Array, stop: Array) -> Array | None:
-        """Return the straight way: a box of axes holds all of it."""
-        return np.stack([start, stop])
 
     def places(self, poses: Array) -> Array:
         """Return the coordinates of the axes that move."""
@@ -193,13 +218,6 @@ class Balls(Chart):
         for ball, chart in enumerate(self.each):
             found[which == ball] = chart.feasible(poses[which == ball])
         return found
-
-    def between(self, start: Array, stop: Array) -> Array | None:
-        """Return a way at one ball; None from ball to ball."""
-        if start[0] != stop[0]:
-            return None
-        legs = self.each[int(self._which(start[:1])[0])].between(start[1:], stop[1:])
-        return None if legs is None else np.column_stack([np.full(len(legs), start[0]), legs])
 
     def places(self, poses: Array) -> Array:
         """Return the nearest ball and the rotary coordinates of poses."""

@@ -67,9 +67,6 @@ class Chart(Protocol):
     def feasible(self, poses: Array) -> NDArray[np.bool_]:
         """Return which poses (m, q) can be taken."""
 
-    def between(self, start: Array, stop: Array) -> Array | None:
-        """Return the places (k, size) that a way goes over straight, its ends included; None where there is none."""
-
     def places(self, poses: Array) -> Array:
         """Return the coordinates (m, size) of the places nearest to poses (m, q)."""
 

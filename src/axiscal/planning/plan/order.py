@@ -39,7 +39,7 @@ def seconds_along(task: Task, order: Places) -> float:
 
 
 def seconds_around(task: Task, order: Places, readings: NDArray[np.intp], moved: Places) -> tuple[float, Array]:
-    """Return the time of readings in this order, and that to and from each where it has moved, (f,), ways as straight.
+    """Return the time of readings in this order, and that to and from each where it has moved, (f,).
 
     readings : (f,) which; moved : where each has moved to, while the others stay
     """
@@ -47,22 +47,21 @@ def seconds_around(task: Task, order: Places, readings: NDArray[np.intp], moved:
     before = np.where(ends[readings], own, readings - 1)
     after = np.where(ends[readings + 1], own, readings + 1)
     triples = Places.joined([order, moved]).within(np.stack([before, own, after], axis=1).ravel())
-    around = seconds_each(task, triples, straight=True).reshape(-1, 3)[:, 1:].sum(axis=1)
-    return float(seconds_each(task, order, straight=True).sum()), around
+    around = seconds_each(task, triples).reshape(-1, 3)[:, 1:].sum(axis=1)
+    return float(seconds_each(task, order).sum()), around
 
 
-def seconds_each(task: Task, order: Places, straight: bool = False) -> Array:
-    """Return what each reading takes after the one before, (m,): mounting where the set-up changes, way, settling,
-    reading.
+def seconds_each(task: Task, order: Places) -> Array:
+    """Return what each reading takes after the one before, (m,).
 
-    straight : as for `way_seconds`
+    Mounting where the set-up changes, the way, settling, reading.
     """
     setups = task.observation.setups
     stays, start = _before(task, order)
     seconds, counted = np.zeros(len(order)), counting(task, order)
     for setup, mine in order.by_setup():
         places = start[mine], order.poses[mine], counted[mine]
-        ways = way_seconds(task.observation.machine, setups[setup], *places, straight=straight)
+        ways = way_seconds(task.observation.machine, setups[setup], *places)
         seconds[mine] = np.where(stays[mine], ways, setups[setup].setup_time) + reading_seconds(setups[setup])
     return seconds
 
@@ -185,9 +184,9 @@ def _cheapest(task: Task, order: Places, place: Places) -> int | None:
         return 0 if task.here is not None and int(task.here.setups[0]) == index else None
     machine, setup, run = task.observation.machine, task.observation.setups[index], order.within(mine)
     sides, own = counting(task, run)[1:], counting(task, place)
-    there = way_seconds(machine, setup, run.poses, place.poses, own, straight=True)
-    back = way_seconds(machine, setup, place.poses, run.poses[1:], sides, straight=True)
-    saved = way_seconds(machine, setup, run.poses[:-1], run.poses[1:], sides, straight=True)
+    there = way_seconds(machine, setup, run.poses, place.poses, own)
+    back = way_seconds(machine, setup, place.poses, run.poses[1:], sides)
+    saved = way_seconds(machine, setup, run.poses[:-1], run.poses[1:], sides)
     return int(mine[np.argmin(there + np.append(back - saved, 0.0))]) + 1
 
 

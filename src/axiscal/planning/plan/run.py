@@ -38,7 +38,7 @@ class Ways:
             return np.zeros((len(start), len(stop)))
         machine, setup = self.task.observation.machine, self.task.observation.setups[int(stop.setups[0])]
         sides = counting(self.task, stop)[None]
-        return way_seconds(machine, setup, start.poses[:, None], stop.poses[None], sides, straight=True)
+        return way_seconds(machine, setup, start.poses[:, None], stop.poses[None], sides)
 
     def around(self, setup: int, candidate: int) -> tuple[Array, Array]:
         """Return the seconds from a candidate of a set-up to each of its candidates, and from each to it, (m,)."""

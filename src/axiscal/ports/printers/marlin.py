@@ -8,13 +8,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.marlin_map import in_unit, is_nodes, nodes
+from axiscal.measurement.readers.marlin_map import is_nodes, nodes
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
-from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, other_words, play_of, zero_note
+from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
@@ -24,8 +23,7 @@ _FILE = "axiscal.gcode"
 _COMMAND = re.compile(r"(M425|M852) ([^;\n]*)")
 _WORD = re.compile(r"(?<!\S)([A-Z])(-?[\d.]+)(?!\S)")
 _SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
-_PLANES = {letter: plane for plane, letter in _SKEW.items()} | {"S": "XY"}
-"""By the letters of M852: a Marlin that knows the plane XY alone answers with S."""
+_PLANES = {letter: plane for plane, letter in _SKEW.items()}
 
 
 class Marlin(MapFormat):
@@ -34,8 +32,8 @@ class Marlin(MapFormat):
     left_out = LEFT_OUT
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return what was seen, with what was active already."""
-        return content_of(estimate, options, _points(options))
+        """Return what was seen."""
+        return content_of(estimate, options, options.mesh)
 
     def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
         """Return the file; the firmware has to be built with the points of its map."""
@@ -47,25 +45,8 @@ class Marlin(MapFormat):
         return Written(files, steps, (*_notes(mesh, skew, play), *where), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what commands made active: a report of M503 or the file of an earlier export; raises TableError."""
-        meshes, play = tuple[Mesh, ...](), dict[str, float]()
-        skew: Skew = {}
-        for file in files:
-            found = read(file.text, machine, file.name)
-            if not found.meshes and not found.skew and not found.tables:
-                what = "there is no M421, M425 or M852 in this file"
-                raise TableError(what, "send M503, and save what Marlin answers", file.name)
-            meshes, skew = (*meshes, *found.meshes), found.skew or skew
-            play |= play_of(found)
-        letters = {"M425": "XYZFS", "M852": "IJKS"}
-        untaken = tuple(each for file in files for each in other_words(file, letters))
-        return Loaded(lost_motion(machine, play), meshes, skew, untaken=untaken)
-
-
-def _points(options: ExportOptions) -> int | None:
-    """Return the points of a mesh along each side: the firmware was built for those of an old one."""
-    old = [len(mesh.x) for mesh in options.old.meshes if len(mesh.x) == len(mesh.y)]
-    return next(iter(old), None) if options.mesh is None else options.mesh
+        """Return what the commands make active."""
+        return read("\n".join(file.text for file in files), machine)
 
 
 def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[str, ...]:
@@ -91,19 +72,19 @@ def text_of(content: Loaded) -> str:
     return "\n".join([*lines, "M500"]) + "\n"
 
 
-def read(text: str, machine: Machine, name: str = "") -> Loaded:
-    """Return what Marlin makes of the commands in a text; raises ReadingError for a map that is not whole.
+def read(text: str, machine: Machine) -> Loaded:
+    """Return what Marlin makes of the commands in a text, mm; raises ReadingError for a map that is not whole.
 
     Where the nodes of a map are is built into the firmware: an export says it, and else they span the travels.
     """
-    skew, play, file = dict[str, float](), dict[str, float](), in_unit(TextFile(name, tuple(text.splitlines())))
+    skew, play, file = dict[str, float](), dict[str, float](), TextFile("", tuple(text.splitlines()))
     for command in _COMMAND.finditer(text):
         values = {letter: float(number) for letter, number in _WORD.findall(command[2])}
         if command[1] == "M852":
-            skew = {_PLANES[letter]: value for letter, value in values.items() if letter in _PLANES}
+            skew = {_PLANES[letter]: value for letter, value in values.items()}
         else:
             share = values.pop("F", 1.0)
-            play = {axis: share * float(from_unit(v, file.unit)) for axis, v in values.items() if axis in "XYZ"}
+            play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis in "XYZ"}
     return Loaded(lost_motion(machine, play), (_mesh(file, machine),) if is_nodes(file) else (), skew)
 
 

@@ -13,7 +13,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.csv_readings import ALONE
 from axiscal.measurement.readers.text_file import TextFile
-from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, other_words, play_of, zero_note
+from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import PLANES, Mesh, Skew, mesh_of_nodes
@@ -33,12 +33,10 @@ _WORD = re.compile(r"([A-Z])\s*(-?[\d.]+)")
 class RepRapFirmware(MapFormat):
     """A height map of a Duet, and commands for its skew and its backlash."""
 
-    takes = MapFormat.takes | {"--load"}
-
     left_out = LEFT_OUT
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return what was seen, with what was active already; raises TableError for a map that no Duet takes."""
+        """Return what was seen; raises TableError for a map that no Duet takes."""
         found = content_of(estimate, options, options.mesh or (None if estimate.grid else int(_USUAL**0.5)))
         for mesh in found.meshes:
             if mesh.added.size > _MOST or len(mesh.x) > _MOST_ALONG_X:
@@ -59,20 +57,14 @@ class RepRapFirmware(MapFormat):
         return Written(files, steps, notes, in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what height maps hold, and what G-code sets; raises ReadingError, TableError."""
-        meshes, skew, play = list[Mesh](), dict[str, float](), dict[str, float]()
-        for file in files:
-            text = TextFile(file.name, tuple(file.text.splitlines()))
-            commands = {code: dict(_WORD.findall(words)) for code, words in _COMMAND.findall(file.text)}
-            if is_height_map(text) or not commands:
-                meshes.append(mesh_of_nodes(height_map(text, ALONE).readings))
-            if "M556" in commands:
-                skew = _skew({letter: float(word) for letter, word in commands["M556"].items()})
-            own = {axis: word for axis, word in commands.get("M425", {}).items() if axis in "XYZ"}
-            play |= {axis: float(from_unit(float(word), "mm")) for axis, word in own.items()}
-        letters = {"M425": "XYZS", "M556": "XYZS"}
-        untaken = tuple(each for file in files for each in other_words(file, letters))
-        return Loaded(lost_motion(machine, play), tuple(meshes), skew, untaken=untaken)
+        """Return what height maps hold, and what G-code sets."""
+        texts = [TextFile(file.name, tuple(file.text.splitlines())) for file in files]
+        meshes = [mesh_of_nodes(height_map(text, ALONE).readings) for text in texts if is_height_map(text)]
+        lines = (found for file in files for found in _COMMAND.findall(file.text))
+        commands = {code: {letter: float(word) for letter, word in _WORD.findall(words)} for code, words in lines}
+        play = {axis: float(from_unit(value, "mm")) for axis, value in commands.get("M425", {}).items()}
+        skew = _skew(commands["M556"]) if "M556" in commands else {}
+        return Loaded(lost_motion(machine, play), tuple(meshes), skew)
 
 
 def _notes(content: Loaded, play: Mapping[str, float]) -> tuple[str, ...]:

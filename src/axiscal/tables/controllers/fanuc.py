@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import InputError, TableError
+from axiscal.exceptions import TableError
 from axiscal.language.spoken import later, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
@@ -242,7 +242,7 @@ _WITHOUT = "{} (3624 is 0, no parameters 3620 to 3624 in the file, or a whole tu
 class Fanuc(TableFormat):
     """Pitch data in the place of those of a punched file."""
 
-    takes = frozenset({"--template", "--number", "--flip", "--on-top-of"})
+    takes = frozenset({"--template", "--number", "--flip"})
     unstated = "own"
     instead: ClassVar = {"--spacing": later("leave it out: parameters 3620 to 3624 say where the points are")}
 
@@ -254,9 +254,7 @@ class Fanuc(TableFormat):
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return the deviation at the points of the template: one for both ways, nothing at the reference point."""
         plans = _template(options, estimate.machine)
-        new = [_table(estimate, axis, plan) for axis, plan in plans.items()]
-        whole = options.old.under_tables(new, estimate.machine, 0, even=True)
-        held = ((table.averaged(), plans[table.axis].origin) for table in whole if table.axis in plans)
+        held = ((_table(estimate, axis, plan).averaged(), plan.origin) for axis, plan in plans.items())
         zeroed = ((table, table.forward - table.forward[home]) for table, home in held)
         return tuple(replace(table, forward=values, reverse=values) for table, values in zeroed)
 
@@ -277,29 +275,13 @@ class Fanuc(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of punched files; raises TableError."""
-        numbers, tables, untaken = options.numbered(machine), list[CompensationTable](), list[InputError]()
+        numbers, tables = options.numbered(machine), list[CompensationTable]()
         for file in files:
             records = read_records(file.text, file.name)
             plans = read_plans(records, file.name, machine, numbers)
             taken = ((name, plan.positions, -options.sign * _sums(records, plan)) for name, plan in plans.items())
             tables += [CompensationTable(name, at, values, values) for name, at, values in taken]
-            untaken += _untaken(file, records, plans, options)
-        return Loaded(tuple(tables), untaken=tuple(untaken))
-
-
-def _untaken(
-    file: OldFile, records: Records, plans: Mapping[str, PitchParameters], options: ExportOptions
-) -> Iterator[TableError]:
-    """Yield a failure for each entry of no axis that is known here, but for those that the template keeps."""
-    kept = read_records(options.saved("FANUC"), options.template_name)
-    taken = {FIRST_DATA + point for plan in plans.values() for point in plan.numbers}
-    for line, text in enumerate(file.text.splitlines(), 1):
-        found = _RECORD.fullmatch(text.strip())
-        number = int(found[1]) if found else 0
-        beyond = FIRST_DATA <= number < FIRST_DATA + 10**_DIGITS and number not in taken
-        if beyond and any(map(float, records[number].values())) and kept.get(number) != records[number]:
-            what, remedy = "{text!r} belongs to no axis", "its number is in no range of 3621 to 3622: take it out"
-            yield TableError(what, remedy, file.name, line, text=text.strip()[:40])
+        return Loaded(tuple(tables))
 
 
 def _template(options: ExportOptions, machine: Machine) -> dict[str, PitchParameters]:

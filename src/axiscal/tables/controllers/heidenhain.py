@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import InputError, TableError
+from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, paragraphs, sign_said
@@ -75,15 +75,13 @@ class Heidenhain(TableFormat):
     holds = "for each axis its positioning error and reversal, and over linear axes the straightness and squareness."
     left_out = "errors that depend on two axes at once, the reversal of straightness, and axes that have no column."
     points = 256  # by HEIDENHAIN's manual: lines of a table
-    takes = frozenset({"--template", "--spacing", "--flip", "--on-top-of"})
+    takes = frozenset({"--template", "--spacing", "--flip"})
     unstated = "own"
-    on_top = 0  # all columns of a file have the points of the new ones
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
-        """Return the tables that the template has a column for, all of one file on the same points."""
-        layout, common = read_layout(options.saved("HEIDENHAIN"), options.template_name), dict[str, Array]()
-        whole = [table for table in super().tables(estimate, options) if table.axis in layout.heads]
-        return tuple(_sampled(t, common.setdefault(t.over, t.positions)) for t in whole)  # an old column has others
+        """Return the tables that the template has a column for; those over one axis have the same points."""
+        layout = read_layout(options.saved("HEIDENHAIN"), options.template_name)
+        return tuple(table for table in super().tables(estimate, options) if table.axis in layout.heads)
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return one file for each axis, in the form of the template."""
@@ -97,9 +95,7 @@ class Heidenhain(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables do; raises TableError."""
-        untaken = list[InputError]()
-        tables = [one for file in files for one in _read(file, machine, options.sign, untaken)]
-        return Loaded(tuple(tables), untaken=tuple(untaken))
+        return Loaded(tuple(one for file in files for one in _read(file, machine, options.sign)))
 
 
 def read_layout(text: str, file: str) -> Layout:
@@ -127,31 +123,19 @@ def read_layout(text: str, file: str) -> Layout:
     return Layout(lines[0], lines[1], heads, edges, lines[-1], decimals)
 
 
-def _read(file: OldFile, machine: Machine, sign: float, untaken: list[InputError]) -> list[CompensationTable]:
-    """Return what the control makes of one file: the axis that its name begins with is looked up, or the one named."""
+def _read(file: OldFile, machine: Machine, sign: float) -> list[CompensationTable]:
+    """Return what the control makes of one file: the axis that its name begins with is looked up."""
     read_layout(file.text, file.name)
     first, header, *rows, _ = (line for line in file.text.splitlines() if line.strip())
-    over = machine.axis(file.axis or re.split(r"[_.]", first.split()[1])[0])
+    over = machine.axis(re.split(r"[_.]", first.split()[1])[0])
     table = np.array([[float(word) for word in row.split()] for row in rows])
     columns = dict(zip(header.split(), table.T, strict=True))
     at = from_unit(columns["AXISPOS"], over.unit)
-    what, remedy = "no axis is known for the column {name}", "describe that axis, or set the column to 0"
-    taken = {"NR", "AXISPOS", "BACKLASH", *(axis.name for axis in machine.axes)}
-    untaken += [TableError(what, remedy, file.name, 2, name=n) for n in columns.keys() - taken if columns[n].any()]
     tables = []
     for axis in (axis for axis in machine.axes if axis.name in columns):
         values, step = (sign * from_unit(columns[name], axis.unit) for name in (axis.name, "BACKLASH"))
         tables.append(CompensationTable(axis.name, at, values, values + step * (axis is over), over=over.name))
     return tables
-
-
-def _sampled(table: CompensationTable, at: Array) -> CompensationTable:
-    if np.array_equal(at, table.positions):
-        return table
-    held = table.resampled(at)
-    sides = ((held.forward, table.forward), (held.reverse, table.reverse))
-    away = max(float(np.max(np.abs(np.interp(table.positions, at, new) - old))) for new, old in sides)
-    return replace(held, departure=table.departure + away)
 
 
 def _file(layout: Layout, axis: str, tables: Sequence[CompensationTable], sign: float) -> str:

@@ -32,7 +32,7 @@ from axiscal.tables.loaded import Loaded, OldFile, table_control
 from axiscal.tables.sampling import axis_tables, points
 from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
-from axiscal.tables.volumetric import SampledError, anchored, curves, tip_control, together
+from axiscal.tables.volumetric import SampledError, anchored, curves, tip_control
 from axiscal.units import from_unit, to_unit
 
 _UNIT = 1e-4
@@ -71,14 +71,7 @@ def read_list(text: str, machine: Machine) -> CompensationTable:
             keys[found[2]] = found[5]
         else:
             sides[found[4]][int(found[3])] = int(found[5])
-    needed = ("log_achs_name", "kw_nr_max", "kw_startpos", "interval")
-    if missing := [key for key in needed if key not in keys]:
-        raise TableError("the list says no kw.ssfk.{missing}", "give it as the kernel loads it", missing=missing[0])
-    count = int(keys["kw_nr_max"])
-    if any(set(values) != set(range(len(values))) or len(values) != count for values in sides.values()):
-        remedy = "give it as the kernel loads it"
-        raise TableError("the list has not its {count} entries on both sides", remedy, count=count)
-    axis = machine.axis(keys["log_achs_name"])
+    axis, count = machine.axis(keys["log_achs_name"]), int(keys["kw_nr_max"])
     scale = list_unit(axis.unit)
     at: Array = scale * (int(keys["kw_startpos"]) + int(keys["interval"]) * np.arange(count, dtype=float))
     pos, neg = (scale * np.array([values[i] for i in range(count)]) for values in sides.values())
@@ -145,21 +138,15 @@ def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Sample
 
 
 def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
-    """Return a column over one axis, over two, or of a constant; raises TableError for a grid that is none."""
+    """Return a column over one axis, over two, or of a constant."""
     if len(at) < 2:
         return SampledError(next(iter(at.values()), np.zeros(1)), values)
     own = parse_error_name(name).axis
-    others = [axis for axis in at if axis != own]
-    if own not in at or len(others) > 1:
-        remedy = "give it over its own axis and one other"
-        raise TableError("{name} over {axes} is not read", remedy, name=name, axes=", ".join(at))
-    (positions, inner), (across, outer) = (np.unique(at[axis], return_inverse=True) for axis in (own, others[0]))
+    (other,) = (axis for axis in at if axis != own)
+    (positions, inner), (across, outer) = (np.unique(at[axis], return_inverse=True) for axis in (own, other))
     grid = np.full((len(across), len(positions)), np.nan)
     grid[outer, inner] = values
-    if len(values) != grid.size or np.any(np.isnan(grid)):
-        what = "{name} is not there at every pair of {other} and {own}"
-        raise TableError(what, "give the whole grid", name=name, other=others[0], own=own)
-    return SampledError(positions, grid, others[0], across)
+    return SampledError(positions, grid, other, across)
 
 
 def list_file(machine: Machine, options: ExportOptions, name: str) -> str:
@@ -183,7 +170,6 @@ _BOTH = "; what two axes do together as a table of the later one over both"
 _APART = "; and what each axis is apart between its directions"
 _RECORDS = 1000
 """Points of an axis that a table of the kernel may have; four an interval are rarely more than a hundred."""
-_REMEDY = "give the files that the kernel loads: ISG_CSV, and leadscrew lists (kw.ssfk)"
 _FILE = "volcomp.csv"
 _SIGN = "FCT-C26 and P-VOLC-00009 (negate) state how values are turned and not which sign they have"
 _MULTIPLE = (1e-6, float(np.radians(1e-4)))
@@ -193,15 +179,14 @@ _MULTIPLE = (1e-6, float(np.radians(1e-4)))
 class Isg(Exporter):
     """ISG_CSV, the list file, and leadscrew tables of axes with a reversal."""
 
-    takes = frozenset({"--spacing", "--number", "--flip", "--on-top-of"})
+    takes = frozenset({"--spacing", "--number", "--flip"})
     unstated = "own"
     left_out = "the reversal of straightness and of angles, and the orientation of the tool."
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files; raises TableError."""
         machine, found = estimate.machine, self._errors(estimate, options)
-        halves = options.old.under_tables(apart(estimate, options), machine, _RECORDS, even=True)
-        numbers = options.numbered(machine)
+        halves, numbers = apart(estimate, options), options.numbered(machine)
         lists = {f"ssfk_{t.axis}.lis": write_list(t, numbers[t.axis], machine.axis(t.axis).cyclic) for t in halves}
         listed = list_file(machine, options, _FILE)
         files = {_FILE: write_csv(found, machine), "volcomp.lis": listed, **lists}
@@ -227,22 +212,13 @@ class Isg(Exporter):
 
         The list file says where the others are and nothing else. Where the tool and rotary axes lie is no compensation.
         """
-        errors, lists = dict[str, SampledError](), list[CompensationTable]()
-        for file in files:
-            try:
-                if "kw.ssfk." in file.text:
-                    lists.append(read_list(file.text, machine))
-                elif "file_format[0]" not in file.text:
-                    errors |= {n: e for n, e in read_csv(file.text, machine).items() if not n.startswith("P")}
-            except (TableError, ValueError, LookupError) as fault:
-                what = fault.what if isinstance(fault, TableError) else "this is no table of the ISG kernel"
-                raise TableError(what, _REMEDY, file.name) from None
-        if not errors and not lists:
-            raise TableError("no error and no leadscrew table is in these files", _REMEDY, files[0].name)
-        return Loaded(tuple(lists), errors=errors)
+        lists = tuple(read_list(file.text, machine) for file in files if "kw.ssfk." in file.text)
+        texts = (file.text for file in files if "kw.ssfk." not in file.text and "file_format[0]" not in file.text)
+        found = (pair for text in texts for pair in read_csv(text, machine).items())
+        return Loaded(lists, errors={name: error for name, error in found if not name.startswith("P")})
 
     def _errors(self, estimate: Estimate, options: ExportOptions) -> dict[str, SampledError]:
-        """Return what the files are to hold, that of the old ones added; raises TableError."""
+        """Return what the files are to hold; raises TableError."""
         grids = {
             k: points(estimate.model, k, options.spacing, _RECORDS, _MULTIPLE[axis.rotary])
             for k, axis in enumerate(estimate.machine.axes)
@@ -253,7 +229,7 @@ class Isg(Exporter):
             raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=other)
         if not found:
             raise TableError("there is no deviation that these files could hold", "take readings first")
-        return together(anchored(estimate.as_described, found), options.old.errors) | nominal(estimate.machine)
+        return anchored(estimate.as_described, found) | nominal(estimate.machine)
 
 
 def apart(estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:

@@ -10,18 +10,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
-from axiscal.measurement.readers.csv_table import table_of
-from axiscal.measurement.readers.text_file import TextFile, lines_of
+from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 
-_UNITS = LENGTHS + ANGLES
-_LAYOUT = {"axis": TEXT, "over": TEXT, "position": _UNITS, "forward": _UNITS, "reverse": _UNITS, "std": _UNITS}
 _STEP = 0.5e-4  # of the deviations' unit, by their four decimals
 
 
@@ -32,7 +27,7 @@ class PlainCsv(TableFormat):
     left_out = "errors that depend on two axes at once, and the orientation of the tool."
     tried = True
     points = 2000  # four an interval are rarely more than a hundred
-    both_ways, even = True, False
+    both_ways = True
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return one file for each table."""
@@ -45,8 +40,8 @@ class PlainCsv(TableFormat):
         return Written(files, steps, (*notes, *turns))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what somebody does who takes the deviations of these tables away; raises ReadingError, TableError."""
-        return Loaded(tuple(parse(file.text, file.name) for file in files))
+        """Return what somebody does who takes the deviations of these tables away."""
+        return Loaded(tuple(parse(file.text) for file in files))
 
 
 def text_of(table: CompensationTable) -> str:
@@ -60,21 +55,18 @@ def text_of(table: CompensationTable) -> str:
     return header + "".join("{},{:.7f},{:.4f},{:.4f},{:.4f}\n".format(name, *row) for row in zip(*columns, strict=True))
 
 
-def parse(text: str, file: str = "table.csv") -> CompensationTable:
-    """Return the table of a text; raises ReadingError or TableError."""
-    source = table_of(TextFile(file, lines_of(text, file)))
-    _, *found = source.needed(_LAYOUT, "axis", "position_mm", "forward_mm", "reverse_mm", "std_mm")
-    names = {row.of("axis").text for row in source.rows}
-    if len(names) > 1:
-        remedy = "write one file for each axis"
-        raise TableError("the file holds the axes {known}", remedy, file, known=", ".join(sorted(names)))
-    over = {row.of("over").text for row in source.rows if source.all_of("over")}
-    if len(over) > 1:
-        raise TableError("the file holds several tables", "write one file for each", file)
-    if not over and len({column.dimension for column in found}) > 1:
-        raise TableError("the columns mix lengths and angles", "a table of one axis holds one kind", file, source.line)
-    at, forward, reverse, std = (np.array([row.of(each.stem).quantity() for row in source.rows]) for each in found)
-    return CompensationTable(names.pop(), at, forward, reverse, std, over.pop() if over else "")
+def parse(text: str) -> CompensationTable:
+    """Return the table of a text as `text_of` writes it."""
+    header, *lines = (line.split(",") for line in text.splitlines())
+    rows = [dict(zip(header, line, strict=True)) for line in lines]
+
+    def column(stem: str) -> Array:
+        name = next(each for each in header if each.startswith(f"{stem}_"))
+        found: Array = from_unit(np.array([float(row[name]) for row in rows]), name.removeprefix(f"{stem}_"))
+        return found
+
+    at, forward, reverse, std = (column(stem) for stem in ("position", "forward", "reverse", "std"))
+    return CompensationTable(rows[0]["axis"], at, forward, reverse, std, rows[0].get("over", ""))
 
 
 def _notes(table: CompensationTable) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from typing import ClassVar
 import numpy as np
 
 from axiscal.document.file import number_or_none
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
@@ -36,14 +37,14 @@ def read(
     text: str,
     names: Mapping[str, str],
     machine: Machine,
-    flip: bool = False,
-    encoder: int | None = None,
-    untaken: list[InputError] | None = None,
+    flip: bool,
+    encoder: int,
+    untaken: list[InputError],
 ) -> list[CompensationTable]:
     """Return what a SINUMERIK makes of a file, by its manuals: one assignment after the other.
 
     flip : CEC values are added as they are, instead of taken away as encoder compensation is
-    encoder : 0 or 1, the measuring system that is looked at; None for the one that there is
+    encoder : 0 or 1, the measuring system that is looked at
     untaken : takes a failure for each table with values that has no use here
     Raises TableError for a line that is none, for tables that are not whole, and for one that is multiplied by another.
     """
@@ -64,10 +65,10 @@ def read(
         begins.setdefault(place, (number, line))
     found_ones = list[CompensationTable]()
     for place, values in tables.items():
-        other = place[0] == "ENC_COMP" and encoder not in (None, int(place[1]))
+        other = place[0] == "ENC_COMP" and encoder != int(place[1])
         table = None if other else _understood(place, values, axes, machine, flip)
         found_ones += [] if table is None else [table]
-        if table is None and untaken is not None and any(_number(v) for key, v in values.items() if key[0] == "#"):
+        if table is None and any(_number(v) for key, v in values.items() if key[0] == "#"):
             what = "the table that begins with {text!r} is for no axis that is known here, or has no STEP"
             remedy = "Say whose it is: --number X=1 for AX1, or --on-top-of X=FILE; else take it out of the file"
             if other:
@@ -220,12 +221,15 @@ class Sinumerik(TableFormat):
         "apart, for straightness, sag and squareness."
     )
     left_out = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
-    takes = frozenset({"--spacing", "--number", "--flip", "--measuring-system", "--on-top-of"})
+    takes = TableFormat.takes | {"--number", "--flip", "--measuring-system", "--on-top-of"}
     unstated = "across"
     instead: ClassVar = {"--unit": later("leave it out: the tables are in mm and deg, load them in metric")}
     points = 200  # what an 828D holds for an axis
-    on_top = POINTS
     grid = (_STEP, float(np.radians(1e-3)))
+
+    def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
+        """Return what the files are to hold, that of the old ones added; raises TableError."""
+        return options.old.under_tables(super().tables(estimate, options), estimate.machine, POINTS, even=True)
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files that are needed."""

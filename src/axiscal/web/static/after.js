@@ -16,12 +16,7 @@ export function renderControls(state) {
     select.append(...[...state.tables, ...others].map((name) => Object.assign(element("option", name), { value: name })));
     select.value = state.tables.find((name) => name !== "csv") ?? "csv";
     choose();
-    sayWhen();
   }
-}
-
-async function sayWhen() {
-  text("due-day", (await waiting(call("/again"))).document.sentence);
 }
 
 function control() {
@@ -30,7 +25,6 @@ function control() {
 
 function choose() {
   show("verify", control() !== "csv"); // no control loads it
-  show("load-form", ["klipper", "reprapfirmware"].includes(control()));
   find("texts").replaceChildren();
   text("controls-fault", "");
   show("check", false);
@@ -127,10 +121,6 @@ on("check", "submit", judge);
 on("check-virtual", "click", () => {
   for (const [n, side] of ["found", "left"].entries()) fields(side).forEach((field, k) => { field.value = check.places[k].shows[n]; });
   keep();
-});
-on("load-form", "submit", async () => {
-  const done = await asked("/load", { control: control(), printer: find("printer").value.trim() });
-  if (done !== null) text("controls-fault", done.sentence);
 });
 on("open-report", "click", () => openReport(() => {}));
 on("print", "click", () => openReport((report) => report.print()));

@@ -25,9 +25,9 @@ from axiscal.measurement.touched import cycle_of, met_from, read_as
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
-from axiscal.programs.gliding import free_ways
-from axiscal.programs.in_touch import SphereCycle
+from axiscal.programs.kept_out import free_ways
 from axiscal.programs.scale import Decimals, ReadingTarget, exact, target
+from axiscal.programs.sphere_cycle import SphereCycle
 from axiscal.programs.steps import Arrival, Move, ProgramAxes, Step, Touched
 from axiscal.units import format_quantity, from_unit
 

@@ -1,0 +1,180 @@
+"""`axiscal status`: where a campaign stands, or each campaign of a folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from shlex import quote
+
+from axiscal.answers.answer_of_campaign import standing_answer
+from axiscal.campaign.agreement_words import agreement_document, agreement_words, change_words
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import because_text
+from axiscal.campaign.evidence import signed_text
+from axiscal.campaign.listing import Standing, standings
+from axiscal.cli.arguments import Details, Json, OwnRecord
+from axiscal.cli.outputs import standing_screen
+from axiscal.cli.printing import say, say_document, say_either
+from axiscal.cli.texts import accuracy_text, asked_screen
+from axiscal.exceptions import RecordError
+from axiscal.language.spoken import counted, decimals, listed, said
+from axiscal.present.guide.progress import contradictions
+from axiscal.present.guide.question import asked_text
+from axiscal.present.plan_answer import coming_answer
+from axiscal.units import format_quantity, said_quantity, to_unit
+
+
+def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
+    """Say where a campaign stands, or what each record of a folder needs next.
+
+    Of a record it shows readings, accuracy, minutes, skipped readings, and the question that is open. Of a folder it
+    shows a line for each record, as it stands there: nothing is estimated.
+
+    \b
+    Examples:
+      axiscal status mill.axiscal
+      axiscal status records
+    """
+
+    if record.is_dir():
+        _say_folder(record, json)
+        return
+    with Campaign.open(record, write=False) as campaign:
+        if json:
+            say_document(_document(campaign))
+            return
+        if details:
+            say("\n".join(_lines(campaign)))
+        say(standing_screen(campaign))
+        for each in campaign.state.newer:
+            say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
+        for person, numbers in _by_others(campaign).items():
+            readings = listed(", ", [str(number) for number in numbers])
+            say(said("By {person}: readings {readings}.", person=person, readings=readings))
+
+
+def _by_others(campaign: Campaign) -> dict[str, list[int]]:
+    """Return the numbers of the readings that others took than who began the campaign, by person."""
+    found: dict[str, list[int]] = {}
+    for index, reading in enumerate(campaign.state.readings):
+        if reading.by:
+            found.setdefault(reading.by, []).append(reading.numbered(index))
+    return found
+
+
+def _lines(campaign: Campaign) -> list[str]:
+    status, description = campaign.status(), campaign.description
+    state, target = status.state, description.target
+    lines = [
+        said(
+            "{machine}: {readings}, {minutes} of machine time",
+            machine=description.machine.name,
+            readings=counted("{count} reading", "{count} readings", len(state.readings)),
+            minutes=decimals(format_quantity(status.seconds, "min", 3)),
+        ),
+        said("standard uncertainty {accuracy}", accuracy=accuracy_text(status.accuracy, target.rms, target.worst)),
+    ]
+    if state.readings:
+        lines.append(agreement_words(campaign.estimate(), campaign.path))
+    for gap in state.skipped:
+        done = said("Left the set-up at") if gap.whole else said("Skipped")
+        lines.append(f"{done} {asked_text(campaign, gap.asked)}: {gap.reason}")
+    lines += [said("Accepted: {change}", change=change_words(each)) for each in state.accepted]
+    lines.append(said("The record is {signed}", signed=signed_text(campaign) or said("unsigned")))
+    lines += [said("Noted {at}: {text}", at=note.at[:16].replace("T", " "), text=note.text) for note in state.notes]
+    if state.finished is not None:
+        return [*lines, said("Finished: {because}", because=because_text(state.finished))]
+    if status.reached is not None:
+        words = "Reached: {what}. End it: axiscal finish {record}"
+        lines.append(said(words, what=because_text(status.reached), record=campaign.path))
+    return [*lines, asked_screen(campaign, state.pending)] if state.pending else lines
+
+
+def _document(campaign: Campaign) -> dict[str, object]:
+    """Return where a campaign stands.
+
+    answer : the same as of the last screen; question : the open one, as a source is asked
+    target : limits that end the campaign; None for one that does not count
+    reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
+    planned : what is known after the plan, before the first reading
+    newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
+    by : readings that others took than who began the campaign, by person
+    """
+    status, planned = campaign.status(), coming_answer(campaign)
+    state, target = status.state, campaign.description.target
+    rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
+    budget = None if target.budget is None else to_unit(target.budget, "min")
+    return {
+        "schema": "axiscal-status/1",
+        "machine": campaign.description.machine.name,
+        "readings": len(state.readings),
+        "minutes": to_unit(status.seconds, "min"),
+        "rms_um": to_unit(status.accuracy.rms, "um"),
+        "worst_um": to_unit(status.accuracy.worst, "um"),
+        "answer": standing_answer(campaign).model_dump(mode="json"),
+        "planned": None if planned is None else planned.model_dump(mode="json"),
+        "target": {"rms_um": rms, "worst_um": worst, "readings": target.readings, "budget_min": budget},
+        "reached": status.reached,
+        "finished": state.finished,
+        "agreement": agreement_document(status.agreement),
+        "mind": contradictions(campaign),
+        "question": campaign.request(state.pending).message() if state.pending else None,
+        "accepted": [change_words(each) for each in state.accepted],
+        "by": _by_others(campaign),
+        "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
+        "newer": [each.kind for each in state.newer],
+        "skipped": [
+            campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
+            for gap in state.skipped
+        ],
+    }
+
+
+def _say_folder(folder: Path, json: bool) -> None:
+    """Say where the campaigns of a folder stand; raises RecordError where it has no record."""
+    found, faults = standings(sorted(folder.glob("*.axiscal")))
+    if not found and not faults:
+        raise RecordError("There is no campaign record in this folder", "Name a folder of records, *.axiscal", folder)
+    records = [
+        {
+            "record": each.file.name,
+            "machine": each.machine,
+            "last": each.at,
+            "readings": each.taken,
+            "coming": each.coming,
+            "finished": each.finished,
+            "rms_um": None if each.result.rms is None else to_unit(each.result.rms, "um"),
+            "U_um": None if each.result.expanded is None else to_unit(each.result.expanded, "um"),
+            "agreement": each.result.agreement or None,
+            "next": _next_of(each) or None,
+        }
+        for each in found
+    ]
+    heads = said("record"), said("machine"), said("last"), said("state"), said("next")
+    rows = [
+        heads,
+        *((each.file.name, each.machine, each.at[:10], _state_of(each), _next_of(each) or "-") for each in found),
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
+    lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines += [said("Left out: {why}", why=fault) for fault in faults]
+    document = {"records": records, "left_out": [str(fault) for fault in faults]}
+    say_either(json, "axiscal-folder/1", document, lines)
+
+
+def _state_of(each: Standing) -> str:
+    count = counted("{count} reading", "{count} readings", each.taken)
+    if each.finished is None:
+        return said("{readings}, {coming} to come", readings=count, coming=each.coming) if each.coming else count
+    if each.result.agreement == "contradict":
+        return said("{readings}, finished: they contradict each other", readings=count)
+    if each.result.rms is None:
+        return said("{readings}, finished", readings=count)
+    return said("{readings}, finished: RMS {rms}", readings=count, rms=said_quantity(each.result.rms, "um"))
+
+
+def _next_of(each: Standing) -> str:
+    """Return the command that goes on with a campaign, "" where none has to."""
+    if each.finished is None:
+        command = "measure" if each.coming or not each.taken else "finish"
+        return f"axiscal {command} {quote(str(each.file))}"
+    return f"axiscal step undo {quote(str(each.file))}" if each.result.agreement == "contradict" else ""

@@ -1,1 +1,0 @@
-"""Events on a PostgreSQL server that laptops share; loaded only for a store."""
