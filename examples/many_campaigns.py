@@ -4,15 +4,19 @@
     python examples/many_campaigns.py dial.toml laser.toml --machines 1000 --cluster tcp://head:8786
 
 A case is a campaign file and the number of a virtual machine, which draws its errors. Cases are worked on by the
-processors of this computer, or by a Dask cluster, whose workers need axiscal too.
+processors of this computer, or by a Dask cluster, whose workers need axiscal too. Given again after an end of any kind,
+the command goes on behind the last whole row of the table.
 """
 
 import argparse
 import csv
+import io
 import sys
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +36,10 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 
 Row = dict[str, object]
+KEYS = ("campaign", "described", "machine")
 FIGURES = ("readings", "minutes", "U_um", "true_rms_um", "within_U", "reached", "error")
+LOOK = 2.0
+"""Seconds between two looks for workers that were lost."""
 
 
 def planned(campaign: CampaignDescription) -> tuple[Place, ...] | InputError:
@@ -47,7 +54,7 @@ def planned(campaign: CampaignDescription) -> tuple[Place, ...] | InputError:
 def outcome(campaign: CampaignDescription, places: Sequence[Place] | InputError, machine: int) -> Row:
     """Return what measuring one virtual machine comes to, or in words why it cannot be measured."""
     if isinstance(places, InputError):
-        return {"error": str(places)}
+        return {"error": " ".join(str(places).split())}
     case, truth = case_of(campaign), ac.Simulator(campaign.machine, campaign.setups).drawn(machine)
     readings = truth.measured(campaign.setups, places, ends_along(case, places), by_number(machine))
     known = concluded(case, readings)
@@ -74,13 +81,62 @@ def missed(known: Estimation, truth: VirtualMachine) -> Array:
     return counted
 
 
-def cases(files: Sequence[Path], machines: int, workers: Executor) -> Iterator[Row]:
-    """Yield a row for each case: all machines of the first file, then of the next."""
-    campaigns = [ac.read_campaign(file) for file in files]
-    for file, campaign, places in zip(files, campaigns, workers.map(planned, campaigns), strict=True):
-        found = workers.map(outcome, [campaign] * machines, [places] * machines, range(machines))
-        for machine, row in enumerate(found):
-            yield {"campaign": file.name, "machine": machine, **row}
+def cases(files: Sequence[Path], machines: int) -> list[tuple[CampaignDescription, Row]]:
+    """Return the campaign and the key of each case: all machines of the first file, then of the next."""
+    found = []
+    for file, campaign in ((file, ac.read_campaign(file)) for file in files):
+        described = sha256((campaign.text + campaign.machine.text + campaign.prior_text).encode()).hexdigest()[:12]
+        keys = ({"campaign": file.name, "described": described, "machine": str(n)} for n in range(machines))
+        found += [(campaign, key) for key in keys]
+    return found
+
+
+def measured(
+    left: Sequence[tuple[CampaignDescription, Row]], workers: Executor, look: Callable[[], None]
+) -> Iterator[Row]:
+    """Yield the row of each case that is left, in their order.  look : called while one is waited for"""
+    plans = {id(campaign): workers.submit(planned, campaign) for campaign, _ in left}
+    places = {campaign: _waited(plan, look) for campaign, plan in plans.items()}
+    each = [workers.submit(outcome, of, places[id(of)], int(str(key["machine"]))) for of, key in left]
+    for (_, key), future in zip(left, each, strict=True):
+        yield {**key, **_waited(future, look)}
+
+
+def _waited(future: Future[Any], look: Callable[[], None]) -> Any:
+    """Return what comes of a future."""
+    while True:
+        try:
+            return future.result(LOOK)
+        except TimeoutError:
+            look()
+
+
+def lost(client: Any) -> Callable[[], None]:
+    """Return what names on stderr the workers of a Dask cluster that were lost since it was last called."""
+    there = set[str]()
+
+    def look() -> None:
+        now = set(client.scheduler_info(n_workers=-1)["workers"])
+        for gone in sorted(there - now):
+            what = "others take its cases" if now else "and none is left: start one"
+            print(f"worker {gone} was lost, {what}", file=sys.stderr)
+        there.clear()
+        there.update(now)
+
+    look()
+    return look
+
+
+def kept(out: Path) -> list[Row]:
+    """Return the rows of an earlier run, and cut off what it wrote of the next one; ends where it is another table."""
+    if not out.exists():
+        return []
+    whole = out.read_text(encoding="utf-8").rpartition("\n")[0]
+    table = csv.DictReader(io.StringIO(whole))
+    if whole and table.fieldnames != [*KEYS, *FIGURES]:
+        sys.exit(f"{out} is another table. Name another file: --out FILE")
+    out.write_text(f"{whole}\n" if whole else "", encoding="utf-8")
+    return [dict(row) for row in table]
 
 
 def compared(rows: Sequence[Row], figure: str) -> Iterator[str]:
@@ -104,16 +160,22 @@ def main(words: Sequence[str]) -> None:
     parser.add_argument("--cluster")
     parser.add_argument("--out", type=Path, default=Path("cases.csv"))
     asked = parser.parse_args(words)
+    every, before = cases(asked.files, asked.machines), kept(asked.out)
+    done = {tuple(row[key] for key in KEYS): row for row in before}
+    rows = [done[tuple(key.values())] for _, key in every if tuple(key.values()) in done]
+    left = [case for case in every if tuple(case[1].values()) not in done]
     workers: Executor = ProcessPoolExecutor()
+    look: Callable[[], None] = list  # nobody is looked after here
     if asked.cluster:
         from dask.distributed import Client  # pip install distributed
 
-        workers = Client(asked.cluster).get_executor()
-    rows = list[Row]()
-    with workers, asked.out.open("w", newline="", buffering=1) as file:
-        table = csv.DictWriter(file, ["campaign", "machine", *FIGURES])
-        table.writeheader()
-        for row in cases(asked.files, asked.machines, workers):
+        client = Client(asked.cluster)
+        workers, look = client.get_executor(), lost(client)
+    with workers, asked.out.open("a", newline="", buffering=1, encoding="utf-8") as file:
+        table = csv.DictWriter(file, [*KEYS, *FIGURES], lineterminator="\n")
+        if not asked.out.stat().st_size:
+            table.writeheader()
+        for row in measured(left, workers, look):
             table.writerow(row)
             rows.append(row)
     print(*compared(rows, "minutes"), *compared(rows, "U_um"), sep="\n")

@@ -138,10 +138,6 @@ class RecordError(InputError):
     """A campaign record that cannot be opened, or a step that does not fit its state."""
 
 
-class UnreachableError(RecordError):
-    """The server that keeps the records does not answer; what it holds is not known, so nothing is left out."""
-
-
 class NewerError(RecordError):
     """A record that a newer version of axiscal has written to, where this one cannot do without what it wrote."""
 

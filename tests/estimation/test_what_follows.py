@@ -14,10 +14,9 @@ from axiscal.answers.changes import _change
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation, as_standard, expanded_uncertainty
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
-from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
+from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
 
 def known_with(seed: int, rest: float = 0.3e-6) -> Estimation:
@@ -52,13 +51,3 @@ def test_a_change_is_the_chi_square_of_the_difference_with_both_uncertainties() 
     single = _change(before, now, now.case.errors.names["EXX_reversal"])
     moved = now.printed.belief.mean - before.printed.belief.mean
     assert single.size == pytest.approx(float(moved[now.case.errors.names["EXX_reversal"].columns][0]))
-
-
-def test_an_expanded_uncertainty_stands_for_a_standard_one_by_the_factor_of_today() -> None:
-    known = concluded(CASE, read(machine(1), 24))
-    now = expanded_uncertainty(known)
-    knowledge = known.printed
-    rms = known.case.yardstick.measure(knowledge.belief).rms
-    assert as_standard(known.case, knowledge, now.space) == pytest.approx(rms, rel=1e-6)
-    assert as_standard(known.case, knowledge, 3 * now.space) == pytest.approx(3 * rms, rel=1e-6)
-    assert 1.9 < now.space / rms < 3.0

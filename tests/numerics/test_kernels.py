@@ -36,7 +36,7 @@ def test_a_seed_draws_the_same_machine_under_every_kernel() -> None:
     ran = [under(kernel, _DRAWS) for kernel in kernels()]
     assert len({kernel for kernel, _ in ran}) == len(ran) >= 2  # each was taken as asked, and no two are the same one
     first = ran[0][1]
-    assert len(first) > 60
+    assert len(first) >= 60
     for kernel, found in ran[1:]:
         assert found.keys() == first.keys()
         apart = {name: np.max(np.abs(np.subtract(found[name], first[name]))) for name in first}

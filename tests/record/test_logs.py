@@ -14,9 +14,9 @@ from axiscal.measurement.reading import Place
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Asked, Event, Finished, Noted, Planned, Skipped, Undone, fold
 from axiscal.record.line_form import EventText
-from axiscal.record.log import EMPTY, EventLog, chained_texts
+from axiscal.record.log import EMPTY, EventLog
 from axiscal.record.store import Record
-from tests.reliability.record_faults import CREATED, recorded
+from tests.reliability.record_faults import CREATED, chained_texts, recorded
 
 _numbers = itertools.count()
 

@@ -22,7 +22,7 @@ from axiscal.record.line_form import EventText
 from axiscal.record.signing import KEY, PERSON, make_key
 from axiscal.record.store import Record, content_of
 from tests.reliability.bounds import campaign_of
-from tests.reliability.record_faults import CREATED, NAME, recorded
+from tests.reliability.record_faults import CREATED, NAME, chained_texts, recorded
 from tests.reliability.trial import Trial, scratch
 from tests.zoo.running import given
 from tools.check_record import checked
@@ -153,7 +153,7 @@ def _names(fault: str, number: int) -> bool:
 def set_back() -> Iterator[bool]:
     """Yield for each earlier state whether the last known end names it; alone only what ends signed has no fault."""
     first = original()
-    for number, text in enumerate(log.chained_texts(first.rows)[:-1], 1):
+    for number, text in enumerate(chained_texts(first.rows)[:-1], 1):
         cut = content_of(log.in_one(first.rows[:number]))[0]
         named = any("set back" in fault for fault in checked(cut, first.keys, [first.heads[-1]]).faults)
         yield named and bool(checked(cut, first.keys).faults) == (text.chain not in first.heads)

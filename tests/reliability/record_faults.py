@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from axiscal.measurement.reading import Reading
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Created, Recorded, Stored
+from axiscal.record.line_form import EventText, chained
+from axiscal.record.log import EMPTY, ChainedText
 from axiscal.record.store import Record
 from tests.reliability.faults import faults
 from tests.reliability.trial import Say, Trial, scratch
@@ -30,6 +33,15 @@ def events(path: Path) -> tuple[Stored, ...]:
     """Return what a record holds."""
     with Record.open(path, write=False) as record:
         return record.events()
+
+
+def chained_texts(rows: Iterable[EventText], chain: str = EMPTY) -> list[ChainedText]:
+    """Return events with the chain behind each."""
+    found = list[ChainedText]()
+    for row in rows:
+        chain = chained(chain, row)
+        found.append(ChainedText(row, chain))
+    return found
 
 
 def begun() -> Trial:

@@ -102,10 +102,10 @@ def refuse_absurd(*values: float) -> None:
 
 
 def _refuse_gone(setup: str, mounted: Sequence[Mounted]) -> None:
-    """Raise ReadingError for a set-up as it stood for a branch, or before its zero jumped: it has gone."""
+    """Raise ReadingError for a set-up as it stood before its zero jumped: it has gone."""
     for each in mounted:
         if each.name == setup:
-            what = '"{setup}" has gone: it was mounted anew'
+            what = '"{setup}" has gone: its zero jumped'
             raise ReadingError(what, 'Read "{instead}"', setup=setup, instead=each.setup)
 
 

@@ -156,7 +156,7 @@ def _say_folder(folder: Path, json: bool) -> None:
     ]
     widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
     lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    lines += [said("Left out: {why}", why=fault) for fault in faults]
+    lines += [said("Left out: {why}", why=str(fault)) for fault in faults]
     document = {"records": records, "left_out": [str(fault) for fault in faults]}
     say_either(json, "axiscal-folder/1", document, lines)
 

@@ -344,12 +344,3 @@ def with_mounted(
         anew = warm(replace(setup, name=each.name, unknowns=tuple(moved)))
         description = replace(description, setups=(*description.setups, anew))
     return description
-
-
-def stands_with_others(setup: Setup) -> str:
-    """Return what else would have to be mounted anew with a set-up: what owns the place it reads at; "" for nothing."""
-    standing = "" if setup.artefact is None else setup.artefact.standing
-    for unknown in setup.unknowns:
-        if unknown.owner and (unknown.owner == standing or unknown.name.startswith("station_")):
-            return unknown.owner
-    return ""

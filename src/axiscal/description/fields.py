@@ -198,20 +198,10 @@ def _active(given: bool | str | list[str]) -> bool | tuple[str, ...]:
     return names
 
 
-def _patterns(given: str | list[str]) -> tuple[str, ...]:
-    """Return names of files, or patterns of such."""
-    patterns = (given,) if isinstance(given, str) else tuple(given)
-    wrong = next((each for each in patterns if not each.strip() or not each.isprintable()), None)
-    if wrong is not None:
-        raise DescriptionError("records = {text} names no file", 'Write "records/*.axiscal"', text=shown(wrong))
-    return patterns
-
-
 Name = Annotated[str, ReadAs(str, _name)]
 Printable = Annotated[str, ReadAs(str, _printable)]
 Country = Annotated[str, ReadAs(Printable, _country)]
 Language = Annotated[str, ReadAs(Printable, _language)]
-Patterns = Annotated[tuple[str, ...], ReadAs(str | list[str], _patterns)]
 Active = Annotated[bool | tuple[str, ...], ReadAs(bool | str | list[str], _active)]
 Wanted = Annotated[float, QuantityOf("length", FINEST)]
 Doubt = Annotated[float, QuantityOf("length", 0.0, 0.1)]

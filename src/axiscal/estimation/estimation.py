@@ -175,12 +175,6 @@ def expanded_uncertainty(known: Estimation) -> Expanded:
     return expanded(known.case.yardstick, known.printed.belief)
 
 
-def as_standard(case: Case, knowledge: Knowledge, wanted: float) -> float:
-    """Return the RMS standard uncertainty that stands for an expanded one, m, by the factor of what is known now."""
-    rms = case.yardstick.measure(knowledge.belief).rms
-    return wanted / expanded(case.yardstick, knowledge.belief).factor(rms)
-
-
 class Moment(NamedTuple):
     """The accuracy after a reading, its innovations (None before the first), and its time in seconds."""
 

@@ -16,7 +16,7 @@ from axiscal.record.events import Event, Recorded
 from axiscal.record.line_form import EventText
 from axiscal.record.log import EventLog, in_one
 from axiscal.record.payload import encode
-from axiscal.record.store import Record, content_of, record_errors, refuse_existing
+from axiscal.record.store import Record, content_of, record_errors
 
 TYPE = "axiscal-type/1"
 """The schema of what a type has taught."""
@@ -29,17 +29,6 @@ def write_copy(log: EventLog, path: Path) -> None:
     refuse_other(log, path)
     with record_errors(path):
         write_whole(path, content_of(in_one([text.row for text in log.texts()]))[0])
-
-
-def end_at(path: Path, last: int) -> Path:
-    """Let a record end at an event, and return where all of it stays, beside; raises RecordError."""
-    kept = path.with_name(f"{path.stem}-whole{path.suffix}")
-    refuse_existing(kept)
-    with Record.open(path) as record, record_errors(path):
-        rows = [text.row for text in record.texts()[:last]]
-        write_whole(kept, path.read_bytes())
-        write_whole(path, content_of(in_one(rows))[0])
-    return kept
 
 
 def refuse_other(log: EventLog, path: Path) -> None:

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import contextlib
 from abc import abstractmethod
-from bisect import bisect_left
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
-from uuid import UUID, uuid5
 
 from axiscal.document.durable import Closing
 from axiscal.document.quoting import shown
 from axiscal.exceptions import NewerError, OvertakenError, RecordError
 from axiscal.record.events import Event, EventOrderError, Folding, Newer, Signed, State, Stored, fold
-from axiscal.record.line_form import DamageError, EventText, chained
+from axiscal.record.line_form import DamageError, EventText
 from axiscal.record.payload import PayloadError, decode, encode, hand_of
 from axiscal.record.signing import Hand, Signature, hand_now, holds, key_file, signature, step_now, what_is_signed
 
 EMPTY = 64 * "0"
 """The chain before the first event."""
-_CAMPAIGNS = UUID("6b1f3c52-0d7e-5c7a-9c4b-2f6d8e1a7b90")
-"""Name space of campaigns; drawn once."""
 
 
 class ChainedText(NamedTuple):
@@ -225,19 +221,6 @@ def _refuse_timeless(stored: Stored) -> None:
     raise DamageError(f"event {stored.number}: {stored.at[:40]!r} is no time")
 
 
-def campaign_of(first: ChainedText) -> str:
-    """Return which campaign a log is of, a UUID: it follows from its first event and the time of that."""
-    return str(uuid5(_CAMPAIGNS, f"{first.row.at} {first.chain}"))
-
-
-def shared_events(one: Sequence[str], other: Sequence[str]) -> int:
-    """Return how many events two logs begin with alike: what is chained is alike up to one place, and never after.
-
-    one, other : the chain behind each of their events
-    """
-    return bisect_left(range(min(len(one), len(other))), True, key=lambda index: one[index] != other[index])
-
-
 def rows_of(events: Sequence[Event]) -> list[EventText]:
     """Return events as they are written now, in one transaction; raises ValueError for one that cannot be kept."""
     at, hand, step = _now(), hand_now(), step_now()
@@ -247,15 +230,6 @@ def rows_of(events: Sequence[Event]) -> list[EventText]:
 def in_one(rows: Sequence[EventText]) -> list[EventText]:
     """Return events of another log as one transaction."""
     return [row._replace(closes=n == len(rows)) for n, row in enumerate(rows, 1)]
-
-
-def chained_texts(rows: Iterable[EventText], chain: str = EMPTY) -> list[ChainedText]:
-    """Return events with the chain behind each."""
-    found = list[ChainedText]()
-    for row in rows:
-        chain = chained(chain, row)
-        found.append(ChainedText(row, chain))
-    return found
 
 
 def refuse_overtaken(last: int, after: int | None, path: Path) -> None:
