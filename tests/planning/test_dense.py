@@ -8,11 +8,11 @@ import pytest
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.covariance import Scorer
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
 from tests.generators import dense_gains as dense
 from tests.generators.designs import levered, read
-from tests.generators.forms import gains_of
 from tests.planning.test_three_values import mixed
 
 
@@ -28,6 +28,14 @@ def _known(asked: Task) -> dense.DenseState:
 def _gains(asked: Task, places: Places) -> Array:
     """The gain of each place alone, plainly."""
     return np.array([dense.gain(_known(asked), asked.root.weights, places.single(i)) for i in range(len(places))])
+
+
+def gains_of(scorer: Scorer, lattice: Places) -> Array:
+    """Return the gain of every candidate, (m,)."""
+    result = np.empty(len(lattice))
+    for setup in np.unique(lattice.setups).tolist():
+        result[lattice.setups == setup] = scorer.gains_at(setup, *lattice.in_setup(setup))
+    return result
 
 
 def test_the_gain_of_one_number_is_the_ratio_of_the_paper() -> None:

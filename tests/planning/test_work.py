@@ -33,8 +33,8 @@ def _calls(work: Callable[[], object]) -> int:
 
 
 PATHS: dict[str, tuple[Callable[[], object], int]] = {
-    "a plan of one axis": (lambda: make_plan(splines(1, 7, 0.1, 500), Limits(readings=12), bounded=False), 94_000),
-    "a plan with levers": (lambda: make_plan(levered(200), Limits(readings=6), bounded=False, patience=0.0), 39_000),
+    "a plan of one axis": (lambda: make_plan(splines(1, 7, 0.1, 500), Limits(readings=12)), 94_000),
+    "a plan with levers": (lambda: make_plan(levered(200), Limits(readings=6), patience=0.0), 39_000),
     "a plan of two kinds of instruments, with its bound": (
         lambda: make_plan(mixed(150), Limits(readings=6), patience=0.0),
         59_000,
