@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
-from tests.certify.gcode_traces import canonical_calls
+from tests.programs.readers import canonical_calls
 from tests.programs.test_programs_in_touch import made
 from tests.zoo.animals import Job
 from tests.zoo.mills import LATHE
