@@ -28,15 +28,13 @@ from benchmarks.trust.attack_table import (
 )
 from benchmarks.trust.beds import available, bed_rows, beds
 from benchmarks.trust.curves import CASES, DATA, Measured, iso_test
-from benchmarks.trust.defaults import default_rows
-from benchmarks.trust.displays import display_rows
 from benchmarks.trust.iso_tests import iso_rows
 from benchmarks.trust.kept import Keeping
 from benchmarks.trust.measured import ENOUGH, Outcomes, iso_outcome, outcomes
 from benchmarks.trust.sources import version
 from benchmarks.trust.tables import table_rows
 from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
-from benchmarks.trust.zoo import FOREIGN_HEAD, WIDTHS_HEAD, ZOO_HEAD, foreign_rows, width_rows, zoo_rows
+from benchmarks.trust.zoo import ZOO_HEAD, zoo_rows
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "trust.md"
 ZOO = PAGE.parents[2] / "tests" / "zoo"
@@ -86,16 +84,6 @@ Real tests of five runs each way; stated: std 30 µm, smooth over two spacings, 
 |---|---|---|---|---|
 """
 
-_DISPLAYS = """
-## A display that moves in steps
-Share of a curve that the 95 % band holds: two readings at each of 13 places, the curve ten times the noise. Steps are
-in units of the noise. Rounding is ignored, counted as a variance of q²/12, or each reading says its interval
-(`make trust PART=display`). Estimates take the interval from three noises on.
-
-| step | ignored | σ² + q²/12 | interval |
-|---|---|---|---|
-"""
-
 _ATTACKS = """
 ## Attacks
 {machines} machines in each cell, of seeds {first} and following; each machine gives 24 readings, one a minute:
@@ -130,17 +118,6 @@ spline (scipy) through the even grid; *worst*: of a type. (`make trust PART=beds
 
 | points | inside U: planned | even | missed: planned | even | spline | planned over even | worst |
 |---|---|---|---|---|---|---|---|
-"""
-
-_DEFAULTS = """
-## Default sizes
-Each default, a third of it and three times as much, on the measured curves and
-beds above, from even places. *Chosen*: the best for all machines but one, and for how many machines that is so. On the
-machine left out: *gain*, what the chosen one adds to the mean log density of the truth; *inside*, the share of the
-truth in the 95 % band. (`make trust PART=defaults`)
-
-| row | default | chosen | gain: mean | worst | inside: mean | worst | with the default | machines |
-|---|---|---|---|---|---|---|---|---|
 """
 
 _GROSS = """
@@ -247,11 +224,6 @@ def _iso(_: argparse.Namespace) -> Iterator[str]:
     yield from iso_rows()
 
 
-def _displays(args: argparse.Namespace) -> Iterator[str]:
-    yield _DISPLAYS.strip("\n")
-    yield from display_rows(args.trials)
-
-
 def _attacks(args: argparse.Namespace) -> Iterator[str]:
     which = beginning_with(args.only.split("; ")) if args.only else KNOWN
     kept, machines = attacked(args.attacked, args.processes, 60 * args.minutes, which)
@@ -278,24 +250,9 @@ def _tables(args: argparse.Namespace) -> Iterator[str]:
     yield from table_rows(args.attacked, _keeping(args, "tables", "tables.py", "virtual.py", "curves.py"))
 
 
-def _defaults(_: argparse.Namespace) -> Iterator[str]:
-    if not available():
-        return
-    yield _DEFAULTS.strip("\n")
-    yield from default_rows()
-
-
 def _zoo(args: argparse.Namespace) -> Iterator[str]:
     yield ZOO_HEAD.format(machines=args.attacked).strip("\n")
     yield from zoo_rows(args.attacked, _of_zoo(args, "zoo"))
-
-
-def _widths(args: argparse.Namespace) -> Iterator[str]:
-    keeping = _of_zoo(args, "widths")
-    yield WIDTHS_HEAD.format(machines=args.attacked).strip("\n")
-    yield from width_rows(args.attacked, keeping)
-    yield FOREIGN_HEAD.rstrip("\n")
-    yield from foreign_rows(args.attacked, keeping)
 
 
 def _of_zoo(args: argparse.Namespace, part: str) -> Keeping:
@@ -307,14 +264,11 @@ PARTS: dict[str, Callable[[argparse.Namespace], Iterator[str]]] = {
     "virtual": _virtual,
     "measured": _measured,
     "beds": _beds,
-    "defaults": _defaults,
     "iso": _iso,
     "gross": _gross,
-    "display": _displays,
     "attacks": _attacks,
     "tables": _tables,
     "zoo": _zoo,
-    "widths": _widths,
 }
 
 
