@@ -42,20 +42,13 @@ _SIZES = (3e-6, 10e-6, 50e-6, 1e-3)
 
 _HEAD = """# Can you trust it?
 
-Every figure that the program prints has a ±. This page says how often the truth lies within it. On virtual machines
-the model is right, or wrong on purpose; on measured curves no model is right. `make trust` writes the
-page; each section ends with its sources.
-
-A band is 1.96 standard deviations either way, so 95 % of the truth should lie in it. *Curves* counts every error curve
-of the machine at 101 positions, *tool point* the TCP deviation along x, y, z at 80 poses.
+How often the truth lies within the printed ± (95 % are promised). `make trust` writes the page.
 """
 
 _VIRTUAL = """
 ## Virtual machines
-A prior draws the machines; readings have noise and go through the full kinematics.
-
-- Prior × 3: every stated standard deviation is three times the true one.
-- *Said*: machines of the first forty whose report says that a size is not as stated.
+The prior draws the machines. *Prior × 3*: stated sizes are three times the true ones. *Curves*: each error curve at 101
+positions. *Tool point*: its deviation at 80 poses. *Said*: the report says that a size is not as stated.
 
 | machine | readings | prior | machines | curves | tool point | said |
 |---|---|---|---|---|---|---|
@@ -63,11 +56,9 @@ A prior draws the machines; readings have noise and go through the full kinemati
 
 _MEASURED = """
 ## Measured curves
-A few readings of curves or maps that were measured densely; the rest of them is the truth. The priors are round
-figures, not fitted, but chosen by somebody who knew the files. A row is a machine; of several curves the share is the
-mean, and what is missed the geometric mean. *Missed*: RMS of truth minus estimate. *Spline*: what a thin-plate spline
-(scipy) through the even readings misses, a cubic one along a line. *Band*: RMS of the printed standard deviation over
-what is missed, planned before the first reading. Random places: the mean of three draws. (`make trust PART=measured`)
+Dense measurements of real machines are the truth; a few of their readings are given. *Missed*: RMS of truth minus
+estimate. *Spline*: the same of scipy's spline through the even readings. *Band*: printed standard deviation over what is
+missed, planned. (`make trust PART=measured`)
 
 | machine | curves | readings | in the band: planned | even | random | missed: planned | even | random | spline | band |
 |---|---|---|---|---|---|---|---|---|---|---|
@@ -86,24 +77,11 @@ Real tests of five runs each way; stated: std 30 µm, smooth over two spacings, 
 
 _ATTACKS = """
 ## Attacks
-{machines} machines in each cell, of seeds {first} and following; each machine gives 24 readings, one a minute:
-
-- one axis of 1 m: curve 10 µm over 200 mm, noise 0.5 µm, the laser's zero unknown
-- two axes of 400 mm under a probe
-- five axes under an R-test at three spheres
-
-The machine is as stated but for the attack. *Planned*: where a plan asks for readings; *even* and *random* places are
-read out and back. The first three figures of a cell are of machines whose U is printed:
-
-- share of the volume that is no farther off than U (95 % are promised)
-- true over promised RMS, geometric mean
-- share of machines with a ratio above {far}
-- share of machines whose U is withheld, if any: readings contradict each other, or the file is refused
-
-Nothing but `axiscal verify` shows a turned sign of all readings. In the rows "lengths" all readings are longer alike,
-and [type B](../promise.md#what-no-reading-shows) counts; in the others instruments and temperatures are perfect.
-20 µm/m are 1.7 standard deviations of type B: a ratio near 1.7 is as promised.
-`make trust PART=attacks MACHINES={machines}` goes on where it stopped; `MINUTES=30` stops it.
+{machines} machines in each cell, of seeds {first} and following; 24 readings of each. One axis of 1 m unless the row
+says two or five. The machine is as stated but for the attack. Cells: share of the volume within U; true over promised
+RMS; share of machines with a ratio above {far}; share whose U is withheld. A turned sign of all readings shows in
+`axiscal verify` alone. In the rows "lengths" [type B](../promise.md#what-no-reading-shows) counts.
+(`make trust PART=attacks MACHINES={machines}`)
 
 | inside, ratio, above {far}, withheld | planned | even | random |
 |---|---|---|---|
@@ -111,10 +89,8 @@ and [type B](../promise.md#what-no-reading-shows) counts; in the others instrume
 
 _BEDS = """
 ## Beds of printers
-The densest bed map of each owner's printer, {machines} of five types, is the truth, the plane of best fit taken off.
-Each is read at 9, 16 or 25 points without noise: where a plan of the built-in printer asks for them, or at an even
-grid. *Inside U*: share of the bed. *Missed*: RMS, the geometric mean of the printers, in µm; *spline*: a thin-plate
-spline (scipy) through the even grid; *worst*: of a type. (`make trust PART=beds`)
+Maps of {machines} printers of five types, the plane taken off, read without noise. *Missed*: RMS, geometric mean, µm. *Spline*:
+scipy's thin plate through the even grid. *Worst*: of a type. (`make trust PART=beds`)
 
 | points | inside U: planned | even | missed: planned | even | spline | planned over even | worst |
 |---|---|---|---|---|---|---|---|
@@ -122,12 +98,9 @@ spline (scipy) through the even grid; *worst*: of a type. (`make trust PART=beds
 
 _GROSS = """
 ## One bad reading
-Thirty readings of a one-axis machine (noise 1 µm, curve 10 µm), one of them wrong. The table says how far the curve
-moves at most, in units of the printed σ: median and worst of {trials} machines.
-
-- *Found*: the reading is taken out.
-- *From the right one*: beside the estimate with the right reading.
-- *Accepted*: worst with `--accept` where U is printed, and how often it is withheld.
+One of thirty readings is wrong (one axis, noise 1 µm, curve 10 µm). How far the curve moves at most from the estimate
+with the right reading, in printed σ: median and worst of {trials} machines. *Found*: the reading is taken out.
+*Accepted*: worst with `--accept` where U is printed, and how often it is withheld.
 
 | error | found | from the right one: median | worst | at most σ/2 | accepted |
 |---|---|---|---|---|---|
