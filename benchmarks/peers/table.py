@@ -22,12 +22,13 @@ number per reading:
 
 {cases}
 
-Criterion `joint` integrates the variances of all splines, `volume` is the mean variance of their sum. One evaluator, which
-shares nothing with axiscal, computes J from the positions. A cell is the processor time on one thread (a median pick, or the
-whole plan), J after the last reading, and memory above {large:.0f} GB. Runs end after {seconds:.0f} s or beyond {memory:.3g} GB.
+Criterion `joint` integrates the variances of all splines, `volume` is the mean variance of their sum. One
+evaluator, which shares nothing with axiscal, computes J from the positions. A cell is the processor time on one
+thread (a median pick, or the whole plan), J after the last reading, and memory above {large:.0f} GB. Runs end after
+{seconds:.0f} s or beyond {memory:.3g} GB.
 
-Libraries of Gaussian processes get the exact kernel and exact quadrature nodes. "Over fewest places" gives Trieste as few
-linear forms as J has. FIGAROH takes its own criterion, the determinant; pyoptex has 101 levels on each axis.
+Libraries of Gaussian processes get the exact kernel and exact quadrature nodes. "Over fewest places" gives Trieste
+as few linear forms as J has. FIGAROH takes its own criterion, the determinant; pyoptex has 101 levels on each axis.
 """
 
 

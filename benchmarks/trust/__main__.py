@@ -57,8 +57,8 @@ positions. *Tool point*: its deviation at 80 poses. *Said*: the report says that
 _MEASURED = """
 ## Measured curves
 Dense measurements of real machines are the truth; a few of their readings are given. *Missed*: RMS of truth minus
-estimate. *Spline*: the same of scipy's spline through the even readings. *Band*: printed standard deviation over what is
-missed, planned. (`make trust PART=measured`)
+estimate. *Spline*: the same of scipy's spline through the even readings. *Band*: printed standard deviation over
+what is missed, planned. (`make trust PART=measured`)
 
 | machine | curves | readings | in the band: planned | even | random | missed: planned | even | random | spline | band |
 |---|---|---|---|---|---|---|---|---|---|---|
@@ -89,8 +89,8 @@ RMS; share of machines with a ratio above {far}; share whose U is withheld. A tu
 
 _BEDS = """
 ## Beds of printers
-Maps of {machines} printers of five types, the plane taken off, read without noise. *Missed*: RMS, geometric mean, µm. *Spline*:
-scipy's thin plate through the even grid. *Worst*: of a type. (`make trust PART=beds`)
+Maps of {machines} printers of five types, the plane taken off, read without noise. *Missed*: RMS, geometric mean,
+µm. *Spline*: scipy's thin plate through the even grid. *Worst*: of a type. (`make trust PART=beds`)
 
 | points | inside U: planned | even | missed: planned | even | spline | planned over even | worst |
 |---|---|---|---|---|---|---|---|
