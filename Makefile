@@ -12,7 +12,7 @@ COVERING := tests/refusals tests/document tests/description tests/measurement te
 	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py \
 	tests/linuxcnc/test_patched_configuration.py
 
-.PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust certify controls reliability fuzz coverage mutants requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust controls reliability fuzz coverage mutants requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -28,7 +28,6 @@ help:
 	@echo "make languages  bring the translations of prompt, page and report up to the messages there are (src/axiscal/language/translations)"
 	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/evidence/trust.md (PART=iso, PART=zoo, PART=widths: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
-	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode, PART=dialects and PART=simulator go on where they were ended)"
 	@echo "make controls   the exports in real controls: LinuxCNC, Klipper, RepRapFirmware; a row each (ONLY=klipper)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; DISK=/mnt/stick: on another disk; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run; SECONDS=600 of each kind; KIND=name)"
@@ -101,9 +100,6 @@ languages: .venv/dev.stamp
 trust: .venv/dev.stamp
 	$(BIN)/python -m benchmarks.trust $(if $(PART),--part $(PART)) $(if $(MACHINES),--attacked $(MACHINES)) \
 		$(if $(MINUTES),--minutes $(MINUTES)) $(if $(PROCESSES),--processes $(PROCESSES)) $(if $(ONLY),--only "$(ONLY)")
-
-certify: .venv/dev.stamp
-	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART)) $(if $(CASES),--cases $(CASES))
 
 controls: .venv/dev.stamp .venv-controls/stamp
 	$(BIN)/python -m tests.controls $(ONLY:%=--only %)

@@ -55,11 +55,7 @@ def picks() -> None:
             plan = make_plan(problem, Limits(readings=case.readings))
             whole = time.process_time() - start
             name = f"{case.name}, {'volume' if volume else 'joint'}"
-            print(
-                f"{name:36} pick {1e3 * pick:7.2f} ms, J {value:9.5f}   together {whole:6.2f} s, J {plan.value:9.5f}",
-                end="",
-            )
-            print(f", bound {plan.bound.value if plan.bound else 0.0:9.5f}")
+            print(f"{name:36} pick {1e3 * pick:7.2f} ms, J {value:9.5f}   together {whole:6.2f} s, J {plan.value:9.5f}")
 
 
 def fixed_candidates() -> None:
@@ -81,9 +77,8 @@ def five_axes() -> None:
     plan = make_plan(problem, Limits(readings=60))
     seconds = time.process_time() - start
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    bound = plan.bound.value if plan.bound else 0.0
     print(f"five axes, 60 of 20,000 together: {seconds:.1f} s, {memory:.2f} GB at most, ", end="")
-    print(f"root of J {1e6 * plan.value**0.5:.2f} um, bound {1e6 * bound**0.5:.2f} um")
+    print(f"root of J {1e6 * plan.value**0.5:.2f} um")
 
 
 if __name__ == "__main__":

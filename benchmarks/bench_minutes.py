@@ -118,7 +118,7 @@ def for_budgets() -> None:
     print("|---|---|---|---|---|---|---|---|---|")
     for speed, seconds, minutes, before in ROWS:
         task, start = asked(speed, seconds), time.process_time()
-        plan = make_plan(task, Limits(budget=60.0 * minutes), bounded=False)
+        plan = make_plan(task, Limits(budget=60.0 * minutes))
         spent = time.process_time() - start
         made = f"{len(plan.readings)} | {1e6 * plan.accuracy.rms:.2f} | {plan.seconds / 60:.2f} | {plan.value:.3g}"
         print(f"| {speed} | {seconds} | {minutes} | {made} | {plan.value / before:.2f} | {spent:.1f} |", flush=True)

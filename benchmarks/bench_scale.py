@@ -37,7 +37,7 @@ def planned(unknowns: int, candidates: int, readings: int) -> None:
     """Print the seconds, J and gigabytes of a plan."""
     task = stacked(Stacked("", "", AXES, unknowns // AXES, 0.1, readings), candidates, volume=True)
     begun = time.process_time()
-    plan = make_plan(task, Limits(readings=readings), bounded=False)
+    plan = make_plan(task, Limits(readings=readings))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     print(time.process_time() - begun, plan.value, memory)
 

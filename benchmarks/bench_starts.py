@@ -151,7 +151,7 @@ def main() -> None:
     for case, volume in drawn():
         task = stacked(case, 4000, volume)
         start = time.process_time()
-        value = make_plan(task, Limits(readings=case.readings), bounded=False).value
+        value = make_plan(task, Limits(readings=case.readings)).value
         seconds = time.process_time() - start
         found = random_starts(task, case.readings, STARTS)
         name = f"{case.axes} | {case.knots} | {case.readings} | {case.noise:.3f} | {'volume' if volume else 'joint'}"

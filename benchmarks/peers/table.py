@@ -17,25 +17,18 @@ _LARGE = 2e9
 
 _HEAD = """# Side by side with other libraries
 
-`make bench-peers` measures this page, in {run}. Each library solves the same problems in its process,
-which ends after {seconds:.0f} s of the processor or beyond {memory:.3g} GB.
-
-The problems are natural splines on [0, 10] that add up, C₀ = I, one number per reading:
+`make bench-peers` measures this page, in {run}. The problems are natural splines on [0, 10] that add up, C₀ = I, one
+number per reading:
 
 {cases}
 
-Criterion `joint` is the paper's, the variances of all splines integrated; `volume` is the mean variance of their sum.
-One evaluator computes J from the positions alone and shares nothing with axiscal: SciPy's splines, Gauss's quadrature,
-a plain inverse.
+Criterion `joint` integrates the variances of all splines, `volume` is the mean variance of their sum. One
+evaluator, which shares nothing with axiscal, computes J from the positions. A cell is the processor time on one
+thread (a median pick, or the whole plan), J after the last reading, and memory above {large:.0f} GB. Runs end after
+{seconds:.0f} s or beyond {memory:.3g} GB.
 
-Libraries of Gaussian processes get the exact kernel and quadrature nodes that make its integral exact. "Over fewest
-places" gives Trieste as few linear forms as J has. Other settings are defaults or those of tutorials. Pyapprox, FIGAROH
-and axiscal choose from the same 2,000 random candidates. FIGAROH takes its own criterion, the determinant. Pyoptex has
-101 levels on each axis and J as its metric.
-
-Times are seconds of the processor on one thread: the median pick where readings are chosen one at a time, else whole
-plans. Our plans include their lower bound, which no other gives. A cell is the time, J after the last reading, and the
-memory above {large:.0f} GB.
+Libraries of Gaussian processes get the exact kernel and exact quadrature nodes. "Over fewest places" gives Trieste
+as few linear forms as J has. FIGAROH takes its own criterion, the determinant; pyoptex has 101 levels on each axis.
 """
 
 

@@ -28,15 +28,13 @@ from benchmarks.trust.attack_table import (
 )
 from benchmarks.trust.beds import available, bed_rows, beds
 from benchmarks.trust.curves import CASES, DATA, Measured, iso_test
-from benchmarks.trust.defaults import default_rows
-from benchmarks.trust.displays import display_rows
 from benchmarks.trust.iso_tests import iso_rows
 from benchmarks.trust.kept import Keeping
 from benchmarks.trust.measured import ENOUGH, Outcomes, iso_outcome, outcomes
 from benchmarks.trust.sources import version
 from benchmarks.trust.tables import table_rows
 from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
-from benchmarks.trust.zoo import FOREIGN_HEAD, WIDTHS_HEAD, ZOO_HEAD, foreign_rows, width_rows, zoo_rows
+from benchmarks.trust.zoo import ZOO_HEAD, zoo_rows
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "trust.md"
 ZOO = PAGE.parents[2] / "tests" / "zoo"
@@ -44,20 +42,13 @@ _SIZES = (3e-6, 10e-6, 50e-6, 1e-3)
 
 _HEAD = """# Can you trust it?
 
-Every figure that the program prints has a ±. This page says how often the truth lies within it. On virtual machines
-the model is right, or wrong on purpose; on measured curves no model is right. `make trust` writes the
-page; each section ends with its sources.
-
-A band is 1.96 standard deviations either way, so 95 % of the truth should lie in it. *Curves* counts every error curve
-of the machine at 101 positions, *tool point* the TCP deviation along x, y, z at 80 poses.
+How often the truth lies within the printed ± (95 % are promised). `make trust` writes the page.
 """
 
 _VIRTUAL = """
 ## Virtual machines
-A prior draws the machines; readings have noise and go through the full kinematics.
-
-- Prior × 3: every stated standard deviation is three times the true one.
-- *Said*: machines of the first forty whose report says that a size is not as stated.
+The prior draws the machines. *Prior × 3*: stated sizes are three times the true ones. *Curves*: each error curve at 101
+positions. *Tool point*: its deviation at 80 poses. *Said*: the report says that a size is not as stated.
 
 | machine | readings | prior | machines | curves | tool point | said |
 |---|---|---|---|---|---|---|
@@ -65,11 +56,9 @@ A prior draws the machines; readings have noise and go through the full kinemati
 
 _MEASURED = """
 ## Measured curves
-A few readings of curves or maps that were measured densely; the rest of them is the truth. The priors are round
-figures, not fitted, but chosen by somebody who knew the files. A row is a machine; of several curves the share is the
-mean, and what is missed the geometric mean. *Missed*: RMS of truth minus estimate. *Spline*: what a thin-plate spline
-(scipy) through the even readings misses, a cubic one along a line. *Band*: RMS of the printed standard deviation over
-what is missed, planned before the first reading. Random places: the mean of three draws. (`make trust PART=measured`)
+Dense measurements of real machines are the truth; a few of their readings are given. *Missed*: RMS of truth minus
+estimate. *Spline*: the same of scipy's spline through the even readings. *Band*: printed standard deviation over
+what is missed, planned. (`make trust PART=measured`)
 
 | machine | curves | readings | in the band: planned | even | random | missed: planned | even | random | spline | band |
 |---|---|---|---|---|---|---|---|---|---|---|
@@ -86,36 +75,13 @@ Real tests of five runs each way; stated: std 30 µm, smooth over two spacings, 
 |---|---|---|---|---|
 """
 
-_DISPLAYS = """
-## A display that moves in steps
-Share of a curve that the 95 % band holds: two readings at each of 13 places, the curve ten times the noise. Steps are
-in units of the noise. Rounding is ignored, counted as a variance of q²/12, or each reading says its interval
-(`make trust PART=display`). Estimates take the interval from three noises on.
-
-| step | ignored | σ² + q²/12 | interval |
-|---|---|---|---|
-"""
-
 _ATTACKS = """
 ## Attacks
-{machines} machines in each cell, of seeds {first} and following; each machine gives 24 readings, one a minute:
-
-- one axis of 1 m: curve 10 µm over 200 mm, noise 0.5 µm, the laser's zero unknown
-- two axes of 400 mm under a probe
-- five axes under an R-test at three spheres
-
-The machine is as stated but for the attack. *Planned*: where a plan asks for readings; *even* and *random* places are
-read out and back. The first three figures of a cell are of machines whose U is printed:
-
-- share of the volume that is no farther off than U (95 % are promised)
-- true over promised RMS, geometric mean
-- share of machines with a ratio above {far}
-- share of machines whose U is withheld, if any: readings contradict each other, or the file is refused
-
-Nothing but `axiscal verify` shows a turned sign of all readings. In the rows "lengths" all readings are longer alike,
-and [type B](../promise.md#what-no-reading-shows) counts; in the others instruments and temperatures are perfect.
-20 µm/m are 1.7 standard deviations of type B: a ratio near 1.7 is as promised.
-`make trust PART=attacks MACHINES={machines}` goes on where it stopped; `MINUTES=30` stops it.
+{machines} machines in each cell, of seeds {first} and following; 24 readings of each. One axis of 1 m unless the row
+says two or five. The machine is as stated but for the attack. Cells: share of the volume within U; true over promised
+RMS; share of machines with a ratio above {far}; share whose U is withheld. A turned sign of all readings shows in
+`axiscal verify` alone. In the rows "lengths" [type B](../promise.md#what-no-reading-shows) counts.
+(`make trust PART=attacks MACHINES={machines}`)
 
 | inside, ratio, above {far}, withheld | planned | even | random |
 |---|---|---|---|
@@ -123,34 +89,18 @@ and [type B](../promise.md#what-no-reading-shows) counts; in the others instrume
 
 _BEDS = """
 ## Beds of printers
-The densest bed map of each owner's printer, {machines} of five types, is the truth, the plane of best fit taken off.
-Each is read at 9, 16 or 25 points without noise: where a plan of the built-in printer asks for them, or at an even
-grid. *Inside U*: share of the bed. *Missed*: RMS, the geometric mean of the printers, in µm; *spline*: a thin-plate
-spline (scipy) through the even grid; *worst*: of a type. (`make trust PART=beds`)
+Maps of {machines} printers of five types, the plane taken off, read without noise. *Missed*: RMS, geometric mean,
+µm. *Spline*: scipy's thin plate through the even grid. *Worst*: of a type. (`make trust PART=beds`)
 
 | points | inside U: planned | even | missed: planned | even | spline | planned over even | worst |
 |---|---|---|---|---|---|---|---|
 """
 
-_DEFAULTS = """
-## Default sizes
-Each default, a third of it and three times as much, on the measured curves and
-beds above, from even places. *Chosen*: the best for all machines but one, and for how many machines that is so. On the
-machine left out: *gain*, what the chosen one adds to the mean log density of the truth; *inside*, the share of the
-truth in the 95 % band. (`make trust PART=defaults`)
-
-| row | default | chosen | gain: mean | worst | inside: mean | worst | with the default | machines |
-|---|---|---|---|---|---|---|---|---|
-"""
-
 _GROSS = """
 ## One bad reading
-Thirty readings of a one-axis machine (noise 1 µm, curve 10 µm), one of them wrong. The table says how far the curve
-moves at most, in units of the printed σ: median and worst of {trials} machines.
-
-- *Found*: the reading is taken out.
-- *From the right one*: beside the estimate with the right reading.
-- *Accepted*: worst with `--accept` where U is printed, and how often it is withheld.
+One of thirty readings is wrong (one axis, noise 1 µm, curve 10 µm). How far the curve moves at most from the estimate
+with the right reading, in printed σ: median and worst of {trials} machines. *Found*: the reading is taken out.
+*Accepted*: worst with `--accept` where U is printed, and how often it is withheld.
 
 | error | found | from the right one: median | worst | at most σ/2 | accepted |
 |---|---|---|---|---|---|
@@ -247,11 +197,6 @@ def _iso(_: argparse.Namespace) -> Iterator[str]:
     yield from iso_rows()
 
 
-def _displays(args: argparse.Namespace) -> Iterator[str]:
-    yield _DISPLAYS.strip("\n")
-    yield from display_rows(args.trials)
-
-
 def _attacks(args: argparse.Namespace) -> Iterator[str]:
     which = beginning_with(args.only.split("; ")) if args.only else KNOWN
     kept, machines = attacked(args.attacked, args.processes, 60 * args.minutes, which)
@@ -278,24 +223,9 @@ def _tables(args: argparse.Namespace) -> Iterator[str]:
     yield from table_rows(args.attacked, _keeping(args, "tables", "tables.py", "virtual.py", "curves.py"))
 
 
-def _defaults(_: argparse.Namespace) -> Iterator[str]:
-    if not available():
-        return
-    yield _DEFAULTS.strip("\n")
-    yield from default_rows()
-
-
 def _zoo(args: argparse.Namespace) -> Iterator[str]:
     yield ZOO_HEAD.format(machines=args.attacked).strip("\n")
     yield from zoo_rows(args.attacked, _of_zoo(args, "zoo"))
-
-
-def _widths(args: argparse.Namespace) -> Iterator[str]:
-    keeping = _of_zoo(args, "widths")
-    yield WIDTHS_HEAD.format(machines=args.attacked).strip("\n")
-    yield from width_rows(args.attacked, keeping)
-    yield FOREIGN_HEAD.rstrip("\n")
-    yield from foreign_rows(args.attacked, keeping)
 
 
 def _of_zoo(args: argparse.Namespace, part: str) -> Keeping:
@@ -307,14 +237,11 @@ PARTS: dict[str, Callable[[argparse.Namespace], Iterator[str]]] = {
     "virtual": _virtual,
     "measured": _measured,
     "beds": _beds,
-    "defaults": _defaults,
     "iso": _iso,
     "gross": _gross,
-    "display": _displays,
     "attacks": _attacks,
     "tables": _tables,
     "zoo": _zoo,
-    "widths": _widths,
 }
 
 

@@ -2,13 +2,6 @@
 
 A greedy choice takes what serves most now and is never sorry. An exchange takes each reading out in turn and puts in
 what then serves most, until nothing changes (Fedorov 1972). Several starts find several ends; the best one climbs.
-
-No plan of as many readings at candidates has a J below a bound. J(w) of readings with weights w is convex (Pukelsheim
-2006), and its tangent at any w lies below it. So all plans of n readings have
-
-    J ≥ J(w) + Σ w_i d_i - n max d,    d_i = -∂J/∂w_i
-
-A multiplicative step w_i ← w_i √d_i, normed, raises it. Rests are left out, which a reading could only lose by.
 """
 
 from __future__ import annotations
@@ -23,6 +16,7 @@ from axiscal_core.criterion import Criterion, Goal
 from axiscal_core.from_scipy import chi_square_quantile, solution
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places, Readings
+from axiscal_core.rank_bound import rank_bound, worth_saying
 from axiscal_core.refusals import Array, InputError, whole, within
 from axiscal_core.state import State, joined
 from axiscal_core.step import climbed
@@ -43,7 +37,8 @@ class Evaluation:
 
     J : by the criterion; rms : of the tool point over the volume, m; U : which that RMS exceeds in 5 % of machines, m
     U counts causes of type B, J and rms do not
-    minutes : set-ups and readings, without ways; bound : J that no choice of as many of the candidates can beat
+    minutes : set-ups and readings, without ways
+    bound : RMS that no plan of as many readings can beat, m; None where it is below half of this one's
     """
 
     J: float
@@ -113,7 +108,7 @@ def _told(case: Model, search: _Search, places: Places, after: Readings | Places
     sorted_places = places.at(order)
     n = case.numbers(sorted_places)
     course = [search.value(joined([search.taken, n.at(n.place < i)])) for i in range(1, len(places) + 1)]
-    found = evaluated(case, sorted_places, after, search.goal, bounded=False)
+    found = evaluated(case, sorted_places, after, search.goal)
     least, every = (1 - _NOTHING) * search.state.value, range(len(search.fixed), len(search.own))
     if least <= found.J and least <= search.value(search.numbers(every)):
         what = "falls by no reading: what it asks for moves none of the instruments"
@@ -123,21 +118,18 @@ def _told(case: Model, search: _Search, places: Places, after: Readings | Places
 
 @one_thread()
 def evaluated(
-    case: Model, places: Places | Readings, after: Readings | Places | None, criterion: Criterion | Goal,
-    bounded: bool = True,
+    case: Model, places: Places | Readings, after: Readings | Places | None, criterion: Criterion | Goal
 ) -> Evaluation:  # fmt: skip
     """Return what readings at places would make known; arguments are those of `Case.evaluate`."""
     where = "Case.evaluate"
     wanted = criterion if isinstance(criterion, Goal) else case.goal(criterion, where)
     found = case.checked(places, where)
     before = case.taken(after, where)
-    state = State(case, wanted, joined([before, case.taken(places, where)]))
-    spread = case.volume.root @ state.covariance @ case.volume.root.T
-    bound = None
-    if bounded and wanted.function is None and len(found):
-        tried = case.numbers(case.lattice() + found)
-        bound = lower_bound(State(case, wanted, before).covariance, wanted.root, tried, len(found))
-    rms, moved = float(np.sqrt(np.trace(spread))), case.volume.root @ state.moved
+    root, state = case.volume.root, State(case, wanted, joined([before, case.taken(places, where)]))
+    spread, start = (root @ each.covariance @ root.T for each in (state, State(case, wanted, before)))
+    rms, moved = float(np.sqrt(np.trace(spread))), root @ state.moved
+    most = max(len(each.names) for each in case.instruments)
+    bound = worth_saying(float(np.sqrt(rank_bound(start, most * len(found)))), rms)
     each = dict(zip(case.setups, case.instruments, strict=True))
     seconds = sum(each[name].begins for name in {*found.instruments})
     seconds += sum(each[name].costs for name in found.instruments)
@@ -295,27 +287,3 @@ class _Search:
     def numbers(self, chosen: Sequence[int]) -> Numbers:
         """Return those of readings that are there, of kept places, and of candidates."""
         return joined([self.taken, *(self.n.at(self.own[i]) for i in (*self.fixed, *chosen))])
-
-
-_STEPS = 60  # with four times as many the bound of eight drawn cases rises by up to 2 %
-
-
-def lower_bound(covariance: Array, root: Array, numbers: Numbers, count: int) -> float:
-    """Return the bound.
-
-    covariance : (size, size) before; root : V (w, size); numbers : of all candidates; count : n
-    """
-    values, vectors = np.linalg.eigh(covariance)
-    kept = values > 1e-14 * values[-1]
-    half = vectors[:, kept] * np.sqrt(values[kept])
-    rows, goal = numbers.rows @ half / numbers.noise[:, None], root @ half
-    places = int(numbers.place[-1]) + 1
-    weights, best = np.full(places, count / places), 0.0
-    for _ in range(_STEPS):
-        information = np.eye(half.shape[1]) + rows.T @ (rows * weights[numbers.place, None])
-        solved = np.linalg.solve(information, goal.T)
-        falls = np.bincount(numbers.place, np.sum((rows @ solved) ** 2, axis=1), minlength=places)
-        best = max(best, float(np.sum(goal.T * solved) + weights @ falls - count * falls.max()))
-        weights = weights * np.sqrt(falls)
-        weights *= count / weights.sum()
-    return best

@@ -148,7 +148,7 @@ def test_plans_are_as_good_as_those_of_the_product(name: str) -> None:
     own = root_of(beside.product, know.belief)
     lattice = spread(observation.machine, observation.setups, 2000)
     task = Task(observation, know.belief, own, beside.product.yardstick, lattice)
-    theirs = make_plan(task, Limits(count), bounded=False).places
+    theirs = make_plan(task, Limits(count)).places
     mine = beside.core.plan(count, criterion=root)
     state = Covariance.from_factor(observation, know.belief.factor, own)
     setups = np.array([beside.core.setups.index(each) for each in mine.places.instruments])

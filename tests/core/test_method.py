@@ -39,13 +39,6 @@ def test_readings_chosen_together_beat_those_one_after_another() -> None:
     assert np.all(np.diff(plan.course) < 0)
 
 
-def test_no_places_beat_the_bound() -> None:
-    case = _paper()
-    found = case.evaluate(case.plan(readings=7, criterion="joint").places, criterion="joint")
-    assert found.bound is not None
-    assert 0.9 * found.J < found.bound < found.J
-
-
 def test_a_callable_criterion_plans_what_its_matrix_plans() -> None:
     case = _paper()
     root = np.eye(case.size)[[2, 3]]

@@ -11,7 +11,6 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from axiscal.numerics import Array
-from benchmarks.beyond import beyond
 from tests.docs.examples import ROOT
 
 SEQUENCE = [8.435996, 6.86244, 5.29228, 3.73376, 2.21355, 1.07741, 0.62000, 0.19634, 0.09769, 0.07641, 0.06404]
@@ -121,13 +120,3 @@ def test_no_lattice_point_beats_a_reading_chosen(
             for seen in (tried @ covariance,)
         )
         assert best / chosen - 1 <= 1e-9
-
-
-@pytest.mark.long
-def test_where_joints_are_not_what_the_paper_assumes_its_method_misses_more() -> None:
-    last = [(np.median(found.linear[:, -1]), np.median(found.whole[:, -1])) for found in beyond()]
-    times = [linear / whole for linear, whole in last]
-    assert [whole < 6e-6 for _, whole in last] == [True] * 3
-    assert times[0] > 4
-    assert times[1] > 2
-    assert times[2] > 100

@@ -25,10 +25,10 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, shown_by_each
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from benchmarks.nonlinear.stations import tracers
 from tests.generators import laser_axis
 from tests.generators.problems import readings_of
 from tests.generators.texts import campaign_text, setup_text
+from tests.generators.tracers import tracers
 
 
 def shown_values(observation: Observation, readings: Sequence[Reading], point: Array) -> Array:

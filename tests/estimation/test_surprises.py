@@ -19,12 +19,12 @@ from axiscal.measurement.cells import wandered
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator
-from benchmarks.nonlinear.stations import at_once, tracers
 from benchmarks.trust.virtual import described, read_evenly
 from tests.generators.campaigns import built_in, drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
 from tests.generators.problems import readings_of
 from tests.generators.texts import campaign_text, setup_text
+from tests.generators.tracers import at_once, tracers
 
 
 def _dense(

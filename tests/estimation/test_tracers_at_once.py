@@ -12,7 +12,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.stations import Optimum, closed_form
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
-from benchmarks.nonlinear.stations import at_once, read, tracers
+from tests.generators.tracers import at_once, read, tracers
 
 
 def test_a_station_of_several_that_fits_in_two_places_is_named_with_both() -> None:

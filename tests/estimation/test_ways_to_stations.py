@@ -13,7 +13,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.stations import BentReadings, closed_form, mirrored, polished, tips
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from benchmarks.nonlinear.stations import tracers
+from tests.generators.tracers import tracers
 
 CASE = tracers("300 mm", "100 mm")
 TRUTH = np.array([0.12, -0.21, 0.05])

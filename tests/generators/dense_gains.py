@@ -1,8 +1,7 @@
-"""The gain of readings as the formulas stand, on dense matrices: the truth that every fast way is tested against.
+"""What readings leave as the formulas stand, on dense matrices: the truth that every fast way is tested against.
 
     C₊ = C − C Gᵀ (R + G C Gᵀ)⁻¹ G C          what is left after readings (B&H eq. 31-33)
     J  = tr(W C)                              what a plan makes small (B&H eq. 26, 36)
-    ΔJ = J − J₊ = tr( (R + G C Gᵀ)⁻¹ G C W C Gᵀ )    what readings bring (B&H eq. 27, 37)
 
 with the rows G of all numbers of the readings and R, diagonal, their noise. The rest of a cell is a separate unknown
 from the first reading in it on. Nothing is kept, nothing is factorised: O(n³) for a single number.
@@ -48,12 +47,3 @@ def after_readings(known: DenseState, places: Places) -> DenseState:
 def value(known: DenseState, gram: Array) -> float:
     """Return J.  gram : W (n, n), over the leading unknowns"""
     return float(np.trace(gram @ known.covariance[: len(gram), : len(gram)]))
-
-
-def gain(known: DenseState, gram: Array, places: Places) -> float:
-    """Return ΔJ of readings that are taken together."""
-    before = opened(known, places)
-    rows, noise, _ = rows_at(before.observation, places)
-    crossed = before.covariance @ rows.T
-    below, counted = np.diag(noise) + rows @ crossed, crossed[: len(gram)]
-    return float(np.trace(np.linalg.inv(below) @ counted.T @ gram @ counted))

@@ -14,10 +14,10 @@ from axiscal.machine.motion import inward
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import dialect, programs
-from tests.certify.gcode import HOSTILE, Plan, interpreted, random_plan
-from tests.certify.gcode_traces import canonical_calls, interpreter
 from tests.linuxcnc.lab import Joint, run
 from tests.linuxcnc.running import ControlError
+from tests.programs.judge import HOSTILE, Plan, interpreted, random_plan
+from tests.programs.readers import canonical_calls, interpreter
 
 pytestmark = [
     pytest.mark.linuxcnc,

@@ -23,7 +23,6 @@ from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from tests.core.beside import instrument_of, machine_of
-from tests.generators.forms import apart_from_series
 from tests.generators.known import known_to_be, truth_of
 from tests.generators.machines import random_machine, random_poses
 
@@ -136,35 +135,6 @@ def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
     ((_, cell),) = observation.cells
     assert cell == round(position * 159)
     assert observation.rows(0, np.array([[position]]), np.zeros((1, 1))).rows[0, -1] == 1.0
-
-
-@pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("instrument", ["probe", "level"])
-def test_the_forms_are_followed_between_the_breaks(seed: int, instrument: str) -> None:
-    """`breaks` and `smoothness` let Chebyshev series of that many nodes follow the gain's forms to 1e-12."""
-    machine, rng = random_machine(seed + 20), np.random.default_rng(seed)
-    model = ErrorModel(machine)
-    observation = Observation(model, (mounted(machine, instrument, _direction(seed)),))
-    poses, approaches = random_poses(machine, 3, rng)
-    observation = visited(observation, Places.of_setup(0, poses, approaches))
-    factor = np.sqrt(np.diagonal(observation.prior_covariance()))[:, None] * rng.standard_normal((observation.size, 4))
-    weighted = rng.standard_normal((3, 4))
-    for axis in range(len(machine.axes)):
-        breaks = breaks_along(observation, axis, 0)
-        assert (breaks[0], breaks[-1]) == machine.axes[axis].travel
-        assert apart_from_series(observation, axis, poses[0], approaches[0], factor, weighted) < 1e-12
-
-
-def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
-    """Cubics times sine and cosine, squared, over 117°."""
-    turn = Axis("C", True, (0.0, np.radians(350)), origin=(0.3, -0.2, 0.0))
-    entries = tuple(ErrorEntry(name, 1e-5, knots=4) for name in ("EXC", "EYC", "ECC", "EAC"))
-    observation = Observation(
-        ErrorModel(Machine("m", (turn,), 0.1, entries, "", "")),
-        (Setup("s", "probe", (0.6, 0.8, 0.0), (0,), (0.0,), 1e-6, (), 0.0, 0.0, 0.0, (0.0,), "both"),),
-    )
-    factor = np.random.default_rng(1).standard_normal((16, 4))
-    assert apart_from_series(observation, 0, np.zeros(1), np.zeros(1), factor, np.ones((1, 4))) < 1e-12
 
 
 def test_breaks_are_knots_and_edges_of_visited_cells() -> None:

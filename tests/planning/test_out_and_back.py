@@ -34,7 +34,7 @@ def one_axis(approach: str = "both") -> tuple[Case, Task]:
 @cache
 def planned(task: Task) -> Places:
     """Return the twenty places that leave least, in the order of the way."""
-    return make_plan(task, Limits(readings=20), bounded=False).places
+    return make_plan(task, Limits(readings=20)).places
 
 
 @cache

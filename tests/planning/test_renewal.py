@@ -60,7 +60,7 @@ def way(asked: Task, places: Places) -> float:
 
 
 ASKED = levered(150)
-PLAN = make_plan(ASKED, Limits(readings=14), patience=0.0, bounded=False).places
+PLAN = make_plan(ASKED, Limits(readings=14), patience=0.0).places
 
 
 @pytest.mark.parametrize("done", [1, 9])
@@ -77,7 +77,7 @@ def test_after_a_reading_elsewhere_no_worse_than_what_was_left_and_about_as_good
     pose = np.random.default_rng(seed).uniform([-1.0, 0.0, 0.0], [2.0, 0.6, 0.4])
     after = taken(ASKED, replace(part(PLAN, 0, 4), poses=np.vstack([PLAN.poses[:3], pose])))
     rest = renewed(after, Limits(readings=10), part(PLAN, 4))
-    fresh = make_plan(after, Limits(readings=10), patience=0.0, bounded=False)
+    fresh = make_plan(after, Limits(readings=10), patience=0.0)
     assert len(rest) == 10
     assert worth(after, rest) <= worth(after, part(PLAN, 4)) * (1 + 1e-9)
     assert worth(after, rest) <= 1.1 * fresh.value
@@ -87,7 +87,7 @@ def test_a_rejected_reading_is_made_up_for_where_an_accuracy_is_asked_for() -> N
     before = ASKED.yardstick.measure(ASKED.belief)
     target = before.floor + 0.55 * (before.rms - before.floor)
     limits = Limits(readings=60, rms=target)
-    plan = make_plan(ASKED, limits, goal=rms_of(ASKED, target), patience=0.0, bounded=False)
+    plan = make_plan(ASKED, limits, goal=rms_of(ASKED, target), patience=0.0)
     assert plan.accuracy.rms <= target
     half = len(plan.places) // 2
     first, bad = taken(ASKED, part(plan.places, 0, half)), plan.places.single(half)

@@ -20,7 +20,7 @@ def test_the_number_of_threads_does_not_count() -> None:
     found = []
     for threads in (1, 2):
         with threadpool_limits(threads):
-            found.append(make_plan(levered(300), Limits(readings=9), bounded=False))
+            found.append(make_plan(levered(300), Limits(readings=9)))
     np.testing.assert_array_equal(found[0].places.poses, found[1].places.poses)
 
 

@@ -1,4 +1,4 @@
-"""Planning of readings that have several values: gains, exchanges, bounds and exact lines against dense matrices."""
+"""Planning of readings that have several values: gains, exchanges and exact lines against dense matrices."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
-from axiscal.planning.bound.lower_bound import lower_bound
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import exchange
@@ -101,22 +100,6 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     assert len(scores.places) == 5
     np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
     assert scores.losses()[2] > 0
-
-
-def test_no_plan_of_three_values_is_below_its_bound() -> None:
-    asked = mixed(150, (0, 1))
-    pool, count = Pool(asked.observation, asked.lattice), 7
-    scores = Scores(pool, asked.state)
-    for _ in range(count):
-        scores.enter(int(scores.gains.argmax()))
-    exchange(scores)
-    bound = lower_bound(pool, asked.state, scores.places, np.ones(len(pool) + count), float(count))
-    assert 0 < bound.value <= scores.state.value
-    assert bound.value > 0.25 * scores.state.value
-    rng = np.random.default_rng(0)
-    for _ in range(20):
-        chosen = pool.lattice.within(rng.integers(len(pool), size=count))
-        assert dense_value(asked, chosen) >= bound.value
 
 
 @pytest.mark.parametrize(("open_by", "alone"), [(1e-4, False), (3.0, True)])

@@ -93,7 +93,7 @@ def test_the_set_up_that_takes_most_per_second_comes_first() -> None:
 )
 def test_a_plan_is_within_two_percent_of_the_best_of_all(candidates: int, speed: float, budget: float) -> None:
     asked = gantry(candidates, speed)
-    plan = make_plan(asked, Limits(budget=budget), bounded=False, patience=0.0)
+    plan = make_plan(asked, Limits(budget=budget), patience=0.0)
     assert plan.value <= 1.02 * best_of_all(asked, budget)
 
 
@@ -121,7 +121,7 @@ def test_no_plan_takes_longer_than_its_budget_and_every_reading_can_be_taken(see
     )
     first = first_seconds(asked)
     budget = float(min(first.values()) + rng.uniform(0.0, 1.0) * 300)
-    plan = make_plan(asked, Limits(budget=budget), bounded=False, patience=1e9, usual=bool(seed % 2))
+    plan = make_plan(asked, Limits(budget=budget), patience=1e9, usual=bool(seed % 2))
     assert len(plan.places)
     assert seconds_along(asked, plan.places) <= budget * (1 + 1e-6)
     assert can_be_taken(asked, plan.places)
@@ -135,7 +135,7 @@ def test_no_plan_takes_longer_than_its_budget_and_every_reading_can_be_taken(see
 @pytest.mark.long
 def test_a_set_up_is_mounted_where_that_is_worth_its_minutes() -> None:
     asked = gantry(60, 0.5, reading=20.0, settings=3)
-    short, long = (make_plan(asked, Limits(budget=b), bounded=False, patience=0.0) for b in (50.0, 3600.0))
+    short, long = (make_plan(asked, Limits(budget=b), patience=0.0) for b in (50.0, 3600.0))
     assert set(short.places.setups) == {0}
     assert 2 in long.places.setups
 

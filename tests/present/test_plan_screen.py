@@ -65,9 +65,8 @@ def plan(verdict: PlanVerdict, rows: list[PlannedRow], setups: int) -> PlanAnswe
         minutes=1234.5,
         budget_minutes=1240.0,
         **dict.fromkeys(("rms_um", "worst_um", "before_rms_um", "unseen_rms_um", "reachable_rms_um", "J"), 1.0),
-        **dict.fromkeys(("bound_J", "bound_rms_um", "ratio", "bound_holds_for")),
+        bound_rms_um=None,
         target_met=False,
-        proof_gap_percent=None,
     )
 
 
@@ -108,10 +107,11 @@ def test_the_advice_on_the_temperature_says_how_well_to_measure_it() -> None:
     assert "measure it to 0.3 K; you are asked for it." in " ".join(plan_screen(answer, "c.toml").split())
 
 
-def test_a_bound_says_what_its_j_is() -> None:
-    bound = {"bound_J": 0.5, "bound_holds_for": "any readings whatever", "criterion": "rows"}
-    assert bound_sentence(plan("reached", [], 1).model_copy(update=bound)).endswith(
-        'J is the figure that criterion = "rows" makes small.'
+def test_a_bound_stands_beside_what_the_plan_reaches() -> None:
+    planned = plan("reached", [], 1)
+    assert bound_sentence(planned) == ""
+    assert bound_sentence(planned.model_copy(update={"bound_rms_um": 0.7})).endswith(
+        "smaller RMS than 0.7 um; this one reaches 1 um."
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
-from tests.certify.gcode_traces import canonical_calls
+from tests.programs.readers import canonical_calls
 from tests.zoo.animals import Job
 from tests.zoo.mills import LATHE
 from tests.zoo.running import described, given

@@ -15,8 +15,8 @@ from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.programs import controllers, dialect, programs
-from tests.certify.gcode_traces import READERS, Event, Halt, Mark, Move, Wait
 from tests.generators.reaches import reach_of
+from tests.programs.readers import READERS, Event, Halt, Mark, Move, Wait
 
 CAMPAIGN = """
 machine = "{machine}"

@@ -16,7 +16,7 @@ from axiscal.machine.axis import Axis
 from axiscal.programs import controllers
 from axiscal.programs.program import plain, program_name
 from axiscal.programs.scale import AxisScale
-from tests.certify.gcode import Plan, random_plan, read_back
+from tests.programs.judge import Plan, random_plan, read_back
 
 seeds = st.integers(10**6, 2 * 10**6)
 

@@ -19,8 +19,8 @@ from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import dialect, programs, write_programs
 from axiscal.programs.scale import AxisScale
-from tests.certify.gcode import Judge, Plan, judged
-from tests.certify.gcode_traces import READERS, Halt, Move
+from tests.programs.judge import Judge, Plan, judged
+from tests.programs.readers import READERS, Halt, Move
 
 TABLE = Axis("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
 SLIDE = Axis("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)

@@ -12,7 +12,6 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
-from tests.certify.kept import Kept
 from tests.reliability import (
     bad_files,
     bounds,
@@ -27,6 +26,7 @@ from tests.reliability import (
     stuck_instruments,
     writers,
 )
+from tests.reliability.kept import Kept
 from tests.reliability.trial import DISK, Trial
 
 

@@ -29,9 +29,9 @@ from pathlib import Path
 import pytest
 from scipy.stats import binomtest
 
-from tests.certify.kept import FOLDER, HOUSE, Kept, state_of_sources
 from tests.reliability import covering
 from tests.reliability.covering import Covered
+from tests.reliability.kept import FOLDER, HOUSE, Kept, state_of_sources
 
 SOURCES, TESTS = HOUSE / "src", HOUSE / "tests"
 _PACKAGE = SOURCES / "axiscal"
@@ -39,8 +39,8 @@ ROOMS = {"core": SOURCES / "axiscal_core"} | {
     room.name: room for room in sorted(_PACKAGE.iterdir()) if (TESTS / room.name).is_dir()
 }
 """Its folder, by the name that its tests have."""
-_APART = ("docs", "cli", "web", "scenarios", "benchmarks", "reliability", "certify")
-_LOADED = ("hypothesis", "mpmath", "scipy.linalg", "scipy.optimize", "threadpoolctl")
+_APART = ("docs", "cli", "web", "scenarios", "benchmarks", "reliability")
+_LOADED = ("hypothesis", "scipy.linalg", "scipy.optimize", "threadpoolctl")
 """What tests and package need of others, loaded once for all forks; nothing of the package itself."""
 _FIRST = 8
 """So many tests are run first, the fastest: they find most changes, and to load all files takes longer than they do."""

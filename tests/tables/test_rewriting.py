@@ -20,7 +20,7 @@ from axiscal.numerics import Array
 from axiscal.programs.part_program import read_program
 from axiscal.tables.rewriting import Rewritten, Sent, rewrite
 from axiscal.tables.round_trip import drawn_and_known
-from tests.certify.gcode_traces import canonical_calls, interpreter
+from tests.programs.readers import canonical_calls, interpreter
 
 ORIGIN = (0.25, 0.2, 0.15)
 PLAY = 6e-6

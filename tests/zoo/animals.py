@@ -109,22 +109,17 @@ class Interval:
     """How ± `half` about what is said does.
 
     half, far : um, and where 95 % of the truth lie; inside : share of the truth within
-    score : interval score, um: (43) of Gneiting and Raftery, J. Amer. Statist. Assoc. 102 (2007), for 95 %
     """
 
     half: float
     far: float
     inside: float
-    score: float
 
     @classmethod
     def about(cls, left: Array, half: float) -> Interval:
         """Return how it does.  left : truth beside what is said, (p,) um"""
         size = np.abs(left)
-        beyond = np.maximum(size - half, 0.0)
-        return cls(
-            half, float(np.quantile(size, 0.95)), float(np.mean(beyond == 0)), float(2 * half + 40 * beyond.mean())
-        )
+        return cls(half, float(np.quantile(size, 0.95)), float(np.mean(size <= half)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,13 +28,10 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import (
     beyond_budget,
     bought,
-    compared,
     proposed,
-    proven,
     reached_unread,
     refuse_endless,
     refuse_out_of_reach,
-    refuse_unless_provable,
 )
 from axiscal.planning.unseen import seen_as_one
 from axiscal.present.machine_drawing.setup_picture import plan_picture
@@ -43,9 +40,6 @@ from axiscal.present.plan_words import plan_list, plan_screen
 from axiscal.programs import write_programs
 from axiscal.programs.dialects import dialect
 from axiscal.units import to_unit
-
-_GAP = 0.5
-"""Percent; a proof that is tighter takes longer, and the bound that is printed holds at any."""
 
 
 def plan(
@@ -63,21 +57,6 @@ def plan(
     ] = False,
     picture: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="Draw each set-up on the machine, and where it is read.")
-    ] = None,
-    prove: Annotated[
-        bool,
-        typer.Option(
-            "--prove",
-            help="Prove the bound for readings anywhere in the travel, not only for the candidates. For set-ups that "
-            "move up to three axes, and on charts of one coordinate without steps; takes seconds with one axis, "
-            "minutes with three.",
-        ),
-    ] = False,
-    gap: Annotated[
-        float | None,
-        typer.Option(
-            metavar="PERCENT", help="End --prove when the bound is known this well; 0.5 unless said.", min=0.01
-        ),
     ] = None,
     details: Annotated[
         bool, typer.Option("--details", help="List the readings first, and how far they are from the best plan.")
@@ -98,13 +77,10 @@ def plan(
       axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
       axiscal plan campaign.toml --readings 40 --gcode linuxcnc --log
       axiscal plan campaign.toml --readings 40 --picture where.svg
-      axiscal plan campaign.toml --readings 12 --prove
     """
 
     if log and gcode is None:
         raise PlanError("--log is of programs, and none are asked for", "Add --gcode CONTROLLER, or leave --log out")
-    if gap is not None and not prove:
-        raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
     if picture is not None and picture.suffix.lower() != ".svg":
         remedy = "Give it a name that ends in .svg"
         raise PlanError("--picture draws an SVG file, and {name} is none", remedy, name=picture.name)
@@ -116,8 +92,6 @@ def plan(
     ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
     limits = _limits(case, readings, target, budget)
     refuse_endless(case, limits, candidates)
-    if prove:
-        refuse_unless_provable(case)
     if target is not None:
         refuse_out_of_reach(case, limits)
     if (unread := reached_unread(case, limits)) is not None:
@@ -125,12 +99,7 @@ def plan(
         limits = few_more(limits)
     if (late := beyond_budget(case, limits)) is not None:
         tell_mind(late)
-    proposal = proposed(case, limits, candidates, bounded=(details or json) and not prove)
-    if prove:
-        of_figure = 2 if case.description.target.criterion == "volume" else 1  # the RMS is the root of a J
-        proposal = proven(case, proposal, candidates, (_GAP if gap is None else gap) / 100 * of_figure)
-    if details or json or prove:
-        proposal = compared(case, limits, proposal, candidates)
+    proposal = proposed(case, limits, candidates)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
         write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())

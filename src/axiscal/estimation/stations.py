@@ -119,7 +119,7 @@ def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[
     """Return the case linearised about the mode that its plausible readings show; as it was where that is linear.
 
     A distance or a tracker is linear only about its assumed place. If that is 100 mm or 20 mrad off, good readings look
-    bad. So the mode is found before readings are doubted (docs/evidence/nonlinear.md).
+    bad. So the mode is found before readings are doubted.
     """
     kept = [reading for index, reading in enumerate(readings) if index not in implausible]
     some = drawn(kept, MOST)

@@ -1,6 +1,6 @@
 """Candidates for a reading: poses spread evenly over what the set-ups allow, with the directions of approach.
 
-The coordinates of an axis at which the rows of a set-up are not smooth, and how smooth they are in between.
+The coordinates of an axis at which the rows of a set-up are not smooth.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from axiscal.errors.volume import Box
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.charts.room import Chart, Coordinate, arrivals, has_room, side_choices
-from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
@@ -41,20 +40,6 @@ def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
 def knots_along(observation: Observation, axis: int, setup: int) -> Array:
     """Return the same without the edges of cells."""
     return _between(observation, axis, setup, observation.errors.knots_along(axis))
-
-
-@remembered
-def smoothness_along(observation: Observation, axis: int, setup: int) -> tuple[int, float]:
-    """Return polynomial degree and phase (rad) of the gain's forms on one interval of an axis.
-
-    Rows are cubic; a lever arm adds one degree along a linear axis, and sine and cosine along a rotary one. Forms
-    are squares, and products of as many as a reading has numbers.
-    """
-    times = values_of(observation.setups[setup])
-    if not observation.machine.axes[axis].rotary:
-        angular = any(f.angular for f in observation.errors.terms)
-        return times * (8 if angular else 6), 0.0
-    return 6 * times, 2 * times * float(np.max(np.diff(breaks_along(observation, axis, setup))))
 
 
 def _between(observation: Observation, axis: int, setup: int, edges: list[Array]) -> Array:

@@ -147,7 +147,7 @@ def _planned(case: Case, added: tuple[str, ...]) -> Helping:
     try:
         task = posed(case, case.knowledge, candidates=_CANDIDATES)
         heeded = enough(case, limits)
-        made = make_plan(task, heeded, goal=goal_of(case, task, heeded), patience=0.0, bounded=False)
+        made = make_plan(task, heeded, goal=goal_of(case, task, heeded), patience=0.0)
     except PlanError:
         return Helping(added, 0, 0.0, reached=True)
     met = reached_by(case, limits, with_rooms(case, made.places))

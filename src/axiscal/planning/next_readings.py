@@ -117,7 +117,7 @@ def _chosen(
         return coming
     # off the lattice a way might lead into a gap
     patience = 0.0 if gaps or (long and len(left)) else task.patience
-    return make_plan(task, limits, goal=goal, patience=patience, bounded=False, usual=usual).places
+    return make_plan(task, limits, goal=goal, patience=patience, usual=usual).places
 
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:

@@ -1,4 +1,4 @@
-"""A whole plan, and the proof of how good any other could be.
+"""A whole plan.
 
 Before the first reading it is tested whether the set-ups can reach the target at all.
 """
@@ -14,20 +14,16 @@ import numpy as np
 
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import expanded, known_to
-from axiscal.estimation.accuracy.yardstick import Root, Yardstick
+from axiscal.estimation.accuracy.yardstick import Root
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.reading import Place, Places, Reading, reading_unit
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.travel import reading_seconds
-from axiscal.planning.bound.lower_bound import prove
-from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.enough import enough, goal_of, reached
-from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, posed, reaching
 from axiscal.planning.other_readings import with_rooms
@@ -35,10 +31,8 @@ from axiscal.planning.plan.minutes import stretched
 from axiscal.planning.plan.order import in_order, inserted, seconds_along
 from axiscal.planning.plan.plan import MANY, Plan, judged, make_plan
 from axiscal.planning.plan.run import first_seconds
-from axiscal.planning.plan.searches import Searches, searched
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import asked, foreseen
-from axiscal.planning.step.ground import regions
 from axiscal.planning.unseen import hidden_of
 from axiscal.units import format_quantity, said_quantity, to_unit
 from axiscal_core.threads import one_thread
@@ -57,15 +51,13 @@ _ABSURD = 100
 Mark = Literal["half", "asked", "double"]
 _SHARES: dict[float, Mark | None] = {0.25: None, 0.5: "half", 0.75: None, 1.0: "asked", 1.5: None, 2.0: "double"}
 """Of the time of a plan, for which it is said what they buy, with those that are marked."""
-_NEAR = 1.02
-"""J over its bound up to which a proof is near: the RMS is then within 1 % of what no plan can beat."""
 _INSTANT = 1e-3
 """Seconds of a reading that is said to take no time."""
 
 
 @one_thread()
 def refuse_out_of_reach(case: Case, limits: Limits) -> None:
-    """Raise TargetError for an RMS that these set-ups cannot bring, however often or MOST times read, and say why."""
+    """Raise TargetError for an RMS that these set-ups cannot bring, however often read, and say why."""
     if limits.rms is None:
         return
     floor = case.yardstick.rms_floor
@@ -74,8 +66,6 @@ def refuse_out_of_reach(case: Case, limits: Limits) -> None:
         what = "an RMS of {rms:.3g} um cannot be reached: {leaves}"
         leaves = _leaves(limits.rms, floor)
         raise TargetError(what, _what_helps(case, target), rms=to_unit(limits.rms, "um"), leaves=leaves)
-    if limits.readings is None and limits.budget is None:
-        _refuse_too_noisy(case, limits.rms)
 
 
 def _leaves(limit: float, floor: float) -> str:
@@ -140,52 +130,11 @@ def _what_helps(case: Case, target: Target) -> str:
     return said("{helps} What cannot be seen: {hidden}", helps=helps, hidden=hidden)
 
 
-def _refuse_too_noisy(case: Case, target: float) -> None:
-    """Raise TargetError where not even the best weights of MOST readings, whatever is planned, bring the accuracy."""
-    yardstick = case.yardstick
-    asked = posed(case, case.knowledge, candidates=_CANDIDATES)
-    pool = Pool(asked.observation, asked.lattice)
-    state = Covariance.from_factor(case.observation, case.prior.factor, yardstick.root)
-    relaxation = Relaxation(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(MOST))
-    for _ in range(_ROUNDS):
-        dual = relaxation.solved()
-        slopes = relaxation.slopes(dual)
-        least = dual.whole - MOST * float(slopes.max())
-        if not _met(yardstick, target, least):
-            what = "an RMS of {rms:.3g} um is out of reach: {most:,} readings leave at least {left:.3g} um"
-            rms, left = (to_unit(each, "um") for each in (target, yardstick.rms_of(least)))
-            raise TargetError(what, _half_the_noise(case, relaxation), rms=rms, most=MOST, left=left)
-        if _met(yardstick, target, dual.value) or not relaxation.grow(slopes):
-            return
-
-
-def _met(yardstick: Yardstick, target: float, value: float) -> bool:
-    return yardstick.figures(value, np.zeros(1)).meets(target, None)
-
-
-def _half_the_noise(case: Case, relaxation: Relaxation) -> str:
-    """Say in which set-up half the noise would help most."""
-    setups, of = case.description.setups, relaxation.setups
-    left = [relaxation.value_if(np.where(of == index, 4.0, 1.0)) for index in range(len(setups))]
-    best = int(np.argmin(left))
-    noise = format_quantity(setups[best].noise / 2, reading_unit(setups[best]))
-    reached = to_unit(case.yardstick.rms_of(left[best]), "um")
-    what = 'With half the noise in "{setup}" ({noise}) it would be {reached:.3g} um; or ask for less'
-    return said(what, setup=setups[best].name, noise=noise, reached=reached)
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class Proposal:
-    """A plan.
-
-    gap : share of the bound on J at which its proof stopped; None if none was asked for
-    searches : what those from other starts found; None where a bound is near, or none was asked for
-    criterion : what J is, where it is not the target's
-    """
+    """A plan.  criterion : what J is, where it is not the target's"""
 
     plan: Plan
-    gap: float | None = None
-    searches: Searches | None = None
     criterion: str | None = None
 
 
@@ -246,7 +195,6 @@ def proposed(
     case: Case,
     limits: Limits,
     candidates: int | Places = CANDIDATES,
-    bounded: bool = False,
     so_far: SoFar | None = None,
     criterion: OwnCriterion | None = None,
     kept: Sequence[Place] = (),
@@ -254,7 +202,7 @@ def proposed(
     """Return a plan of the readings to come.  Raises PlanError, DescriptionError.
 
     Places and order are those that a campaign asks for that goes on with these limits.
-    candidates : how many places to choose from, or these alone; bounded : whether the bound is wanted
+    candidates : how many places to choose from, or these alone
     so_far : None from the beginning; criterion : None for the target's; kept : places that are read anyway
     """
     refuse_unmade(case)
@@ -267,30 +215,15 @@ def proposed(
         if isinstance(candidates, Places):
             search = replace(heeded, readings=within.readings, budget=within.budget)
             goal = goal_of(case, task, search, readings, readings, checks=kept)
-            return _Order(make_plan(task, search, goal=goal, patience=0.0, bounded=False).places)
+            return _Order(make_plan(task, search, goal=goal, patience=0.0).places)
         places = reaching(case, task, within, heeded, readings, readings, kept=kept)
         checks = frozenset(i for i, place in enumerate(places) if place.check)
         return _Order(places_of(case.description.setups, places), checks)
 
     order = _with_kept(task, limits, places_of(case.description.setups, kept), coming)
-    plan = judged(task, heeded, order.places, bounded)
+    plan = judged(task, order.places)
     named = None if criterion is None else criterion.name
     return Proposal(replace(plan, checks=order.checks, kept=order.kept), criterion=named)
-
-
-@one_thread()
-def compared(case: Case, limits: Limits, proposal: Proposal, candidates: int = CANDIDATES) -> Proposal:
-    """Return a plan with what searches from other starts found, as it was where its bound is near.
-
-    limits, candidates : it was made with
-    """
-    plan = proposal.plan
-    drawn = np.array([index in plan.checks for index in range(len(plan.places))], dtype=bool)
-    own = plan.places.within(~drawn)
-    if plan.bound is None or plan.ratio <= _NEAR or not len(own):
-        return proposal
-    task = replace(posed(case, case.knowledge, candidates=candidates), beside=plan.places.within(drawn))
-    return replace(proposal, searches=searched(task, enough(case, limits), own, case.description.usual))
 
 
 class Bought(NamedTuple):
@@ -323,20 +256,3 @@ def bought(case: Case, places: Places, seconds: float, candidates: int = CANDIDA
 def _space(case: Case, places: Places) -> float:
     """Return U of the volume after some places, m."""
     return expanded(case.yardstick, foreseen(case, (), with_rooms(case, places)).belief).space
-
-
-def refuse_unless_provable(case: Case) -> None:
-    """Raise PlanError where no proof for readings anywhere can be had, before any time is spent on a plan."""
-    for index in range(len(case.description.setups)):
-        regions(case.observation, index)
-
-
-@one_thread()
-def proven(case: Case, proposal: Proposal, candidates: int, gap: float) -> Proposal:
-    """Return a plan with a bound for as many readings of any of the set-ups, wherever they are taken.
-
-    gap : share of J at which to stop.  Raises PlanError.
-    """
-    task = posed(case, case.knowledge, candidates=candidates)
-    proof = prove(task.state, task.lattice, proposal.plan.places, gap)
-    return replace(proposal, plan=replace(proposal.plan, bound=proof.bound), gap=proof.gap)

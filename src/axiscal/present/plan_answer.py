@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict
 from typing import Literal
 
 import numpy as np
@@ -22,7 +20,6 @@ from axiscal.answers.answer import (
     PlanVerdict,
     ReachAnswer,
     StepCode,
-    finite,
 )
 from axiscal.answers.answer_of_campaign import Aims, known_figures
 from axiscal.campaign.campaign import Campaign
@@ -68,26 +65,13 @@ class PlanPoint(AnswerDocument):
     check: bool = Field(False, exclude_if=lambda check: not check)
 
 
-class OtherSearches(AnswerDocument):
-    """Searches from other starts: how many, how many found a better plan, and how many one as good within 0.1 % of J.
-
-    share : the least J that they found, of that of the plan without its checks
-    """
-
-    count: int
-    better: int
-    alike: int
-    share: float
-
-
 class PlanAnswer(PlannedAnswer):
     """A plan in full.
 
-    `points`, `J`, `rms_um`, `worst_um` and `ratio` leave out what no reading shows, such as the error of a wavelength
+    `points`, `J`, `rms_um` and `worst_um` leave out what no reading shows, such as the error of a wavelength
     units : of the axes
     certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
-    searches : from other starts; None where the bound is near, or none was asked for
-    ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
+    bound_rms_um : RMS that no plan of as many readings can beat; None where it is below half of `rms_um`
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
@@ -102,12 +86,7 @@ class PlanAnswer(PlannedAnswer):
     reachable_rms_um: float
     target_met: bool
     J: float
-    bound_J: float | None  # noqa: N815 as outsiders know it
     bound_rms_um: float | None
-    ratio: float | None
-    bound_holds_for: str | None
-    proof_gap_percent: float | None
-    searches: OtherSearches | None = None
 
 
 @one_thread()
@@ -125,8 +104,6 @@ def plan_answer(
     buys : what other minutes buy; ends : whether the campaign says when it ends; before : readings so far
     """
     plan, places = proposal.plan, placed(case, proposal.plan)
-    bound = bound_rms_um(case, proposal)
-    ratio = _ratio(plan, bound)
     begin: list[StepCode] = ["start"] if ends else ["target", "start"]
     passed = [0.0, *(reading.seconds for reading in plan.readings)]
     answer = _planned(case, places, passed.__getitem__, limits, begin, before)
@@ -142,12 +119,7 @@ def plan_answer(
         reachable_rms_um=to_unit(case.yardstick.rms_floor, "um"),
         target_met=answer.verdict == "reached",
         J=plan.value,
-        bound_J=None if plan.bound is None else plan.bound.value,
-        bound_rms_um=bound,
-        ratio=finite(ratio),
-        bound_holds_for=_holds_for(proposal),
-        proof_gap_percent=None if proposal.gap is None else finite(_gap_percent(case, proposal)),
-        searches=None if (found := proposal.searches) is None else OtherSearches(**asdict(found)),
+        bound_rms_um=None if plan.bound is None else to_unit(plan.bound, "um"),
     )
 
 
@@ -271,40 +243,3 @@ def _points(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlanPoi
             minutes=to_unit(reading.seconds, "min"),
             check=place.check,
         )
-
-
-def bound_rms_um(case: Case, proposal: Proposal) -> float | None:
-    """Return the RMS that no plan can beat, um; None without a bound, or where the criterion is not the volume's."""
-    bound = proposal.plan.bound
-    if bound is None or (proposal.criterion or case.description.target.criterion) != "volume":
-        return None
-    return to_unit(case.yardstick.rms_of(bound.value), "um")
-
-
-def _ratio(plan: Plan, bound: float | None) -> float:
-    """Return how many times the mean variance over the volume (else J) is what no plan can beat; inf without a bound.
-
-    Rests and what no set-up sees are in both, a constant shift that is not counted in neither: as printed.
-    """
-    if bound is None:
-        return plan.ratio
-    return (to_unit(plan.accuracy.rms, "um") / bound) ** 2 if bound > 0 else math.inf
-
-
-def _holds_for(proposal: Proposal) -> str | None:
-    """Return which plans the bound is about."""
-    if proposal.plan.bound is None:
-        return None
-    if proposal.gap is not None:
-        return "every position in the travel"
-    everywhere = "any readings whatever"
-    return everywhere if proposal.plan.bound.everywhere else f"lattice of {proposal.plan.candidates:,} candidates"
-
-
-def _gap_percent(case: Case, proposal: Proposal) -> float:
-    """Return the gap at which the proof stopped, of the RMS (else of J)."""
-    gap, bound = proposal.gap or 0.0, proposal.plan.bound
-    if bound is None or bound_rms_um(case, proposal) is None or not math.isfinite(gap):
-        return 100 * gap
-    low, high = (case.yardstick.rms_of(value) for value in (bound.value, bound.value * (1 + gap)))
-    return 100 * (high / low - 1) if low > 0 else math.inf

@@ -26,15 +26,13 @@ from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, ending, listed, put, said
 from axiscal.machine.questions import questions
 from axiscal.planning.helping import helping_words
-from axiscal.present.plan_answer import OtherSearches, PlanAnswer
+from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.sentences import cause_words
 from axiscal.tables.exporter import unasked
 from axiscal.units import digits, said_quantity, um_text
 
 LINES = 16
 """Of a terminal that nobody scrolls."""
-_MUCH = 0.5
-"""Share of the bound from which it is worth a sentence."""
 _BARS = "▁▂▃▄▅▆▇█"
 """Bars of the picture of what minutes buy."""
 _READ = 0.9
@@ -160,7 +158,7 @@ def _alike(answer: PlannedAnswer) -> str:
 
 
 def plan_list(answer: PlanAnswer) -> Iterator[str]:
-    """Yield a line for each mounting and for each reading, and how far the plan is from the best one."""
+    """Yield a line for each mounting and for each reading, and what no plan can beat."""
     moves, mounted = {each.setup: each.moves for each in answer.setups}, ""
     where = [
         ", ".join(f"{axis} = {point.position[axis]:.9g} {answer.units[axis]}" for axis in moves[point.setup])
@@ -175,9 +173,8 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         after = f"RMS {um_text(point.rms_um):>8}, {point.minutes:6.1f} min"
         check = "  " + said("check") if point.check else ""
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
-    yield bound_sentence(answer)
-    if answer.searches is not None:
-        yield _searches(answer.searches)
+    if bound := bound_sentence(answer):
+        yield bound
     if answer.certain_minutes is not None:
         minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
         yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
@@ -198,36 +195,10 @@ def _curve(bought: Sequence[BoughtAccuracy]) -> str:
 
 
 def bound_sentence(answer: PlanAnswer) -> str:
-    """Return what no plan can bring, and where the proof of it stopped."""
-    if answer.bound_J is None or answer.bound_holds_for is None:
-        return "No bound was asked for."
-    bound = answer.bound_rms_um
-    readings = f"{answer.readings} reading{'' if answer.readings == 1 else 's'}"
-    kinds = {
-        "every position in the travel": "anywhere in the travel",
-        "any readings whatever": "wherever they are taken",
-    }
-    where = kinds.get(answer.bound_holds_for, f"from these {answer.bound_holds_for.removeprefix('lattice of ')}")
-    best = f"make J smaller than {answer.bound_J:.4g}" if bound is None else f"be better than {bound:.3g} um"
-    own = f"{answer.J:.4g}" if bound is None else f"{answer.rms_um:.3g} um"
-    text = f"No plan of {readings} {where} can {best}; this one gives {own}"
-    if (gap := answer.proof_gap_percent) is not None:
-        shown = f"{gap:.2g}" if gap < 100 else f"{gap:.0f}"
-        text += f"; the proof stopped at a gap of {shown} %"
-    if bound is None:
-        return f'{text}. J is the figure that criterion = "{answer.criterion}" makes small.'
-    if answer.reachable_rms_um < _MUCH * bound:
-        return f"{text}."
-    return f"{text}. Of both, {answer.reachable_rms_um:.3g} um is what endless readings leave."
-
-
-def _searches(found: OtherSearches) -> str:
-    """Return what searches from other starts found."""
-    one, many = "{count} independent search", "{count} independent searches"
-    searches = counted(one, many, found.count)
-    if not found.better:
-        what = "{searches} from other starts: none better, {alike} within 0.1 %."
-        return said(what, searches=searches, alike=found.alike)
-    less = put("{percent:.2g}", percent=100 * (1 - found.share))
-    what = "{searches} from other starts: {better} better, the best by {percent} % of J."
-    return said(what, searches=searches, better=found.better, percent=less)
+    """Return what no plan of as many readings can beat; "" where it is far below this one."""
+    if answer.bound_rms_um is None:
+        return ""
+    readings = counted("{count} reading", "{count} readings", answer.readings)
+    best, own = um_text(answer.bound_rms_um), um_text(answer.rms_um)
+    what = "No plan of {readings} can reach a smaller RMS than {best}; this one reaches {own}."
+    return said(what, readings=readings, best=best, own=own)

@@ -38,7 +38,7 @@ from axiscal.present.plan_words import bound_sentence
 from axiscal.python import given
 from axiscal.python.estimated import HEIGHT, LINE, Estimated, NotebookPicture, html_table, names_of
 from axiscal.python.given import GivenPlaces, GivenReadings, PlannedPlaces, SetupKeys, readings_of
-from axiscal.units import format_quantity, from_unit, to_unit
+from axiscal.units import format_quantity, to_unit
 from axiscal_core import refusals
 from axiscal_core.case import Case as OwnCase
 from axiscal_core.criterion import Criterion, goal
@@ -92,12 +92,8 @@ class PlanResult:
 
     @property
     def bound(self) -> float | None:
-        """The RMS that no plan of as many readings from the same candidates can beat, m; None where it is not known.
-
-        `Evaluation.bound` is a J instead.
-        """
-        found = self.answer.bound_rms_um
-        return None if found is None else from_unit(found, "um")
+        """The RMS that no plan of as many readings can beat, m; None where it is below half of this one's."""
+        return self.proposal.plan.bound
 
     @property
     def places(self) -> PlannedPlaces:
@@ -247,7 +243,7 @@ class Case:
         with _placed(where):
             refuse_endless(case, limits, lattice if isinstance(lattice, int) else len(lattice))
             refuse_out_of_reach(case, limits)
-            proposal = proposed(case, limits, lattice, True, so_far, own, kept)
+            proposal = proposed(case, limits, lattice, so_far, own, kept)
         found = PlanResult(case, proposal, plan_answer(case, proposal, limits, before=so_far.readings), so_far.readings)
         if wanted and count is seconds is None and not reached_by(case, limits, [*found.places], so_far.readings):
             what = f"= {wanted:g} is not reached: {len(found)} readings leave {found.rms:.3g}"
@@ -271,7 +267,7 @@ class Case:
         after: GivenReadings | Places | Estimated | None = None,
         criterion: Criterion | None = None,
     ) -> Evaluation:
-        """Return what readings at places, in this order, would make known, and the J that no others can beat.
+        """Return what readings at places, in this order, would make known.
 
         U is that of `Estimated`; the core's is of the RMS over the volume.
         """
@@ -283,13 +279,13 @@ class Case:
         with _placed(where):
             task = posed(case, so_far.knowledge, readings=so_far.readings)
         task = task if own is None else replace(task, root=own.root)
-        plan = judged(task, Limits(len(coming)), columns, bounded=not function)
+        plan = judged(task, columns)
         known = expanded(case.yardstick, foreseen(case, so_far.readings, coming).belief)
-        value, bound = plan.value, None if plan.bound is None else float(plan.bound.value)
+        value = plan.value
         if callable(criterion):
             left = task.state.after_readings(columns).factor[: case.observation.size]
             value = goal(criterion, case.observation.size, {}, where).value(left @ left.T)
-        return Evaluation(value, plan.accuracy.rms, known.space, to_unit(plan.seconds, "min"), bound)
+        return Evaluation(value, plan.accuracy.rms, known.space, to_unit(plan.seconds, "min"), plan.bound)
 
     def estimate(self, readings: GivenReadings) -> Estimated:
         """Return what readings make known; raises InputError with file, line, value and remedy."""

@@ -92,11 +92,6 @@ class Pool:
             result += np.einsum("kim,kjm->ijm", seen, seen)
         return result
 
-    def squares(self, observation: Observation, vectors: Array) -> Array:
-        """Return the squared lengths of each candidate's rows times vectors (n, c), all its numbers together, (M,)."""
-        squares: Array = np.trace(self.grams(observation, vectors))
-        return squares
-
     def gain_forms(self, scorer: Scorer) -> tuple[Array, Array]:
         """Return N = G C W C Gᵀ and M = R + G C Gᵀ of every candidate, each (w, w, M)."""
         observation, vectors = scorer.observation, scorer.both

@@ -17,8 +17,8 @@ _SHAKES, _SHARE, _SEED = 10, 0.02, 1
 _FEWEST = 8
 """Readings of a set-up below which every place counts more than what may repeat."""
 _DRAWN, _AS_GOOD = 0.8, 1.15
-"""Share of its part in which a place is drawn, and times J: of drawn shapes such readings miss less than those of the
-plan (`benchmarks/bench_grid.py`)."""
+"""Share of its part in which a place is drawn, and times J: beds of printers are missed by less than from an even grid
+(`make trust PART=beds`)."""
 
 
 def irregular(task: Task, limits: Limits, order: Places, goal: Goal | None = None) -> Places:

@@ -187,17 +187,6 @@ def stretched(task: Task, setups: Setups, left: Places, most: int, budgets: Sequ
         yield other.places
 
 
-def from_elsewhere(task: Task, limits: Limits, setups: Setups, number: int, patience: float) -> tuple[Places, float]:
-    """Return readings for a budget in their order from a start that no plan has, and its work, roughly.
-
-    number : of the start; patience : operations that climbs may take
-    """
-    tour = _begun(True, limits, *_base(task.coarse, setups), setups, _STARTS + number)
-    places = retoured(task, limits, setups, tour.places, patience)
-    size = task.observation.size
-    return places, tour.work + _ROUNDS * work_of_climb(size, size) * len(places)
-
-
 def _base(task: Task, setups: Setups) -> tuple[Ways, Scores]:
     scores, whole = scores_among(task, setups), np.sort(task.lattice.setups)
     return Ways(task, scores.pool.lattice, np.isin(whole, setups)), scores

@@ -1,7 +1,7 @@
-"""A plan: which set-ups, which readings in each, in which order, how long, how good, and how good any plan could be.
+"""A plan: which set-ups, which readings in each, in which order, how long, and how good.
 
     plan = make_plan(task, Limits(readings=40))
-    plan.places.poses[0], plan.accuracy.rms, plan.seconds, plan.ratio
+    plan.places.poses[0], plan.accuracy.rms, plan.seconds
 
 Tours of `minutes` plan for a budget, and for an accuracy in the fewest minutes. For so many readings exchange chooses
 them together. It improves a greedy, a space-filling, an evenly spaced and the best random design; the best result is
@@ -23,10 +23,9 @@ import numpy as np
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import PlanError
 from axiscal.language.stages import stage
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import reading_seconds
-from axiscal.planning.bound.lower_bound import Bound, lower_bound
-from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, plain_designs
@@ -38,6 +37,7 @@ from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Patience, Task, clock
 from axiscal.planning.promise import FEW
+from axiscal_core.rank_bound import rank_bound, worth_saying
 from axiscal_core.threads import one_thread
 from axiscal_core.ties import ALIKE, first_best, ranked
 
@@ -180,7 +180,7 @@ class Plan:
 
     places : from the sides from which the machine comes to them; readings : what each of them leaves
     value : J after the last; before : the accuracy now
-    bound : what no plan can beat, None if it was not asked for; candidates : size of the lattice it holds for, else 0
+    bound : RMS that no plan of as many readings can beat, m; None where it is below half of this one's
     checks, kept : indices of readings that were drawn at random, and of those that are taken anyway
     """
 
@@ -188,8 +188,7 @@ class Plan:
     readings: tuple[PlannedReading, ...]
     value: float
     before: Accuracy
-    bound: Bound | None
-    candidates: int
+    bound: float | None
     checks: frozenset[int] = frozenset()
     kept: frozenset[int] = frozenset()
 
@@ -203,11 +202,6 @@ class Plan:
         """The time of the whole plan."""
         return self.readings[-1].seconds if self.readings else 0.0
 
-    @property
-    def ratio(self) -> float:
-        """J over its lower bound; infinite without one."""
-        return self.value / self.bound.value if self.bound and self.bound.value > 0 else np.inf
-
 
 @one_thread()
 def make_plan(
@@ -216,14 +210,12 @@ def make_plan(
     *,
     goal: Goal | None = None,
     patience: float = PATIENCE,
-    bounded: bool = True,
     usual: bool = False,
 ) -> Plan:
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
     goal : the accuracy that limits ask for; it is reached in the fewest minutes
     patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
-    bounded : whether the lower bound is wanted
     usual : with what usually goes wrong: places keep no regular distances, and their order is interleaved
     """
     refuse_unplannable(task, limits)
@@ -235,7 +227,7 @@ def make_plan(
     if order is None or _too_long(task, limits, order):
         order = _in_minutes(task, limits, patience, usual)
     places = Places.none(task.lattice.poses.shape[1]) if order is None else order
-    return judged(task, limits, replace(places, approaches=arriving(task, places)), bounded)
+    return judged(task, replace(places, approaches=arriving(task, places)))
 
 
 def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Places:
@@ -314,31 +306,16 @@ def _best_first(tried: Sequence[Scores]) -> list[Scores]:
     return [tried[k] for k in ranked(-np.array([scores.state.value for scores in tried]), ALIKE)]
 
 
-def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> Plan:
-    """Return the plan of readings in their order: what each leaves, and what no plan could beat.
-
-    bounded : whether the lower bound is wanted
-    """
+def judged(task: Task, places: Places) -> Plan:
+    """Return the plan of readings in their order: what each leaves, and what no plan could beat."""
     state = task.state
     before = task.yardstick.measure_factor(state.factor)
     ends = np.cumsum(seconds_each(task, places)).tolist()
     known = zip(after_each(state, task.yardstick, places), ends, strict=True)
     readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)
     value = readings[-1].value if readings else state.value
-    if not bounded:
-        return Plan(places, readings, value, before, None, 0)
-    among = _those_of(places) if limits.timed else chosen_setups(task, limits)
-    lattice = task.lattice.within(np.isin(task.lattice.setups, among))
-    with stage("the bound"):
-        bound = _bound(task, limits, Pool(task.observation, lattice), places)
-    return Plan(places, readings, value, before, bound, len(lattice))
-
-
-def _bound(task: Task, limits: Limits, pool: Pool, places: Places) -> Bound:
-    """Return the bound for as many readings as the plan has, or for its seconds of settling and reading."""
-    of = np.concatenate([pool.lattice.setups, places.setups])
-    costs = np.ones(len(of))
-    if limits.timed:
-        seconds = np.array([s.settle + s.reading_time for s in task.observation.setups])[of]
-        costs = seconds if seconds.min(initial=np.inf) > 0 else costs
-    return lower_bound(pool, task.state, places, costs, float(costs[len(pool) :].sum()))
+    seen = task.yardstick.root.times(state.factor)
+    numbers = len(places) * max(values_of(setup) for setup in task.observation.setups)
+    bound = task.yardstick.rms_of(rank_bound(seen @ seen.T, numbers))
+    rms = readings[-1].accuracy.rms if readings else before.rms
+    return Plan(places, readings, value, before, worth_saying(bound, rms))

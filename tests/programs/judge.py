@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +15,7 @@ from axiscal.machine.motion import Driving
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import Program, dialect, programs
-from tests.certify.gcode_traces import (
+from tests.programs.readers import (
     READERS,
     Event,
     Halt,
@@ -25,10 +23,8 @@ from tests.certify.gcode_traces import (
     Move,
     Wait,
     canonical_calls,
-    interpreter,
     read_canonical,
 )
-from tests.certify.kept import Kept
 
 HOSTILE = (
     "laser along X",
@@ -299,51 +295,3 @@ def judged(text: str, read: Callable[[str], list[Event]], judge: Judge) -> tuple
     except AssertionError as refused:
         return 0, [f"refused: {refused}"]
     return sum(isinstance(event, Move) for event in events), judge.follow(events)
-
-
-CHUNK = 250
-"""Plans after which it is kept what was found; any would do."""
-
-
-def interpreter_verdicts(plans: int, first: int, kept: Kept | None = None) -> Iterator[tuple[str, bool]]:
-    """Yield a sentence on what LinuxCNC's interpreter makes of that many random plans, and whether nothing was wrong.
-
-    kept : what an earlier run has found, which goes on here
-    """
-    if interpreter() is None:
-        yield "rs274 of Debian's linuxcnc-uspace is not installed", False
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        follow: Follow = partial(interpreted, folder=Path(folder))
-        yield _verdict("LinuxCNC's interpreter", range(first, first + plans), "XYZABC", follow, kept)
-
-
-def reader_verdicts(plans: int, first: int, kept: Kept | None = None) -> Iterator[tuple[str, bool]]:
-    """Yield a sentence on what the tests' own reader of each dialect makes of them, and whether nothing was wrong."""
-    for controller in READERS:
-        follow = partial(read_back, controller=controller)
-        yield _verdict(f"reader of {controller}", range(first, first + plans), "XYZABCUVW", follow, kept)
-
-
-Follow = Callable[[Plan], Iterator[tuple[int, list[str]]]]
-
-
-def _verdict(who: str, seeds: range, letters: str, follow: Follow, kept: Kept | None) -> tuple[str, bool]:
-    programs_read, moves, wrong = 0, 0, list[str]()
-    for begin in range(seeds.start, seeds.stop, CHUNK):
-        chunk = range(begin, min(begin + CHUNK, seeds.stop))
-        find = partial(_followed, chunk, letters, follow)
-        found = find() if kept is None else kept.get(f"{who} {chunk.start} {chunk.stop}", find)
-        programs_read, moves, wrong = programs_read + found[0], moves + found[1], [*wrong, *found[2]]
-    text = f"{who}: {programs_read:,} programs, {moves:,} moves, {len(wrong)} faults"
-    return "; ".join([text, *wrong[:3]]), not wrong
-
-
-def _followed(seeds: range, letters: str, follow: Follow) -> tuple[int, int, list[str]]:
-    """Return how many programs and moves there were, and what was wrong."""
-    programs_read, moves, wrong = 0, 0, list[str]()
-    for seed in seeds:
-        for made, faults in follow(random_plan(np.random.default_rng(seed), letters)):
-            programs_read, moves = programs_read + 1, moves + made
-            wrong += [f"seed {seed}: {fault}" for fault in faults]
-    return programs_read, moves, wrong

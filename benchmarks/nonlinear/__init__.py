@@ -1,1 +1,0 @@
-"""Machines and instruments that are not linear: how far, and what that brings. Writes docs/evidence/nonlinear.md."""

@@ -1,1 +1,0 @@
-"""How good any plan could be at the best, with a proof."""
