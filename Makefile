@@ -8,11 +8,8 @@ PEERS := trieste torch others
 # Compiled once, not by every worker and every command that a test gives.
 unexport PYTHONDONTWRITEBYTECODE
 CONTROLS := $(or $(AXISCAL_CONTROLS),../shared/controls)
-COVERING := tests/refusals tests/document tests/description tests/measurement tests/evaluation tests/record tests/tables tests/programs \
-	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py \
-	tests/linuxcnc/test_patched_configuration.py
 
-.PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust controls reliability fuzz coverage mutants requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust controls reliability fuzz requests lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -31,10 +28,7 @@ help:
 	@echo "make controls   the exports in real controls: LinuxCNC, Klipper, RepRapFirmware; a row each (ONLY=klipper)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; DISK=/mnt/stick: on another disk; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run; SECONDS=600 of each kind; KIND=name)"
-	@echo "make coverage   which lines and branches of readers and exporters their own tests run (a quarter of an hour)"
-	@echo "make mutants    the source changed by a word, and whether a test fails then (PLACES=100 of each room; SEED=2: other places; ROOM=numerics; SECONDS=20 of tests for each change; OWN=1: the room's own tests only; AGAIN=1: what survived, where tests were added)"
 	@echo "make requests   right and wrong requests to the page's API, each answer held to its description (EXAMPLES=1000 of each of 20 kinds)"
-	@echo "make audit      a software bill of materials into build/, and whether what is installed is what was pinned; needs no network"
 	@echo "make lock       renew the pinned requirements (UPGRADE=1: to the newest releases)"
 	@echo "make clean      remove caches and outputs; make distclean removes .venv too"
 
@@ -110,33 +104,21 @@ reliability: .venv/dev.stamp
 fuzz: .venv/dev.stamp
 	$(BIN)/python -m tests.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES)) $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))
 
-coverage: .venv-mutants/stamp
-	.venv-mutants/bin/python -m coverage run -m pytest -q $(COVERING)
-	.venv-mutants/bin/python -m coverage report
-
-mutants: .venv-mutants/stamp
-	.venv-mutants/bin/python -m tests.reliability.mutants $(if $(PLACES),--places $(PLACES)) $(if $(SEED),--seed $(SEED)) $(if $(ROOM),--room $(ROOM)) $(if $(SECONDS),--seconds $(SECONDS)) $(if $(OWN),--own) $(if $(AGAIN),--again)
-
 requests: .venv/dev.stamp
 	AXISCAL_REQUESTS=$(or $(EXAMPLES),1000) $(BIN)/pytest -q -s tests/web/test_conformance.py
-
-audit: .venv/dev.stamp
-	$(BIN)/python -m tests.reliability.audit --lock requirements/run.txt --out build/sbom.json
-	$(BIN)/python -m tests.reliability.audit --lock requirements/dev.txt --out build/sbom-dev.json
 
 lock: | .venv/bin/pip-compile
 	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable --extra app -o requirements/run.txt pyproject.toml
 	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable --extra app --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/controls.txt requirements/controls.in
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/docs.txt requirements/docs.in
-	$(LOCK) $(if $(UPGRADE),--upgrade) --constraint requirements/dev.txt -o requirements/mutants.txt requirements/mutants.in
 
 clean:
 	rm -rf build out demo-out demo-linuxcnc-out .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache .benchmarks
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean
-	rm -rf .venv .venv-controls .venv-docs .venv-mutants .venv-peers src/*.egg-info
+	rm -rf .venv .venv-controls .venv-docs .venv-peers src/*.egg-info
 
 .venv/run.stamp: requirements/run.txt pyproject.toml | .venv/bin/pip
 	@echo "axiscal: installing the locked packages into .venv (a minute or two the first time)"
@@ -156,15 +138,6 @@ distclean: clean
 	@$(BIN)/python -m venv .venv-peers/$*
 	@if .venv-peers/$*/bin/python -m pip --disable-pip-version-check --quiet install -r $<; then touch $@; \
 	else echo "axiscal: not everything of $< could be installed; the table says what is missing"; fi
-
-# Tools that try the tests themselves have an environment of their own.
-.venv-mutants/stamp: requirements/mutants.txt requirements/dev.txt | .venv/bin/pip
-	@echo "axiscal: installing the tools of requirements/mutants.txt and the test tools into .venv-mutants"
-	@$(BIN)/python -m venv .venv-mutants
-	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
-	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/mutants.txt
-	@.venv-mutants/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
-	@touch $@
 
 .venv-controls/stamp: requirements/controls.txt | .venv/bin/pip
 	@echo "axiscal: installing what Klipper's host needs into .venv-controls"
