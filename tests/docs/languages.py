@@ -29,7 +29,7 @@ from axiscal.present.guide.question import ACTIONS
 
 SOURCES = Path(__file__).resolve().parents[2] / "src" / "axiscal"
 FOLDER = SOURCES / "language" / "translations"
-WORDS = SOURCES / "language" / "words.toml"
+WORDS = SOURCES / "language" / "words.toml", SOURCES / "document" / "gone.toml"
 Message = str | tuple[str, str]
 REFUSALS = {name for name, each in vars(exceptions).items() if isinstance(each, type) and issubclass(each, InputError)}
 _SAYING = ("said", "counted", "later", "stage", "staged")
@@ -49,7 +49,7 @@ def messages() -> set[Message]:
         for file in _TEMPLATES
         for found in _IN_SCRIPT.finditer(file.read_text(encoding="utf-8"))
     ]
-    words = _in_tables(tomllib.loads(WORDS.read_text(encoding="utf-8")))
+    words = [text for file in WORDS for text in _in_tables(tomllib.loads(file.read_text(encoding="utf-8")))]
     return {*python, *scripts, *words, *_Page.texts(), *ACTIONS, *ENDINGS, *INSTRUMENTS}
 
 

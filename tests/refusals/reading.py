@@ -41,7 +41,7 @@ from axiscal.record.log import in_one, rows_of
 from axiscal.record.store import content_of
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
-from axiscal.tables.registry import export, loaded
+from axiscal.tables.registry import export, exporter, loaded
 from axiscal.tables.rewriting import rewrite
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.units import Dimension, parse_quantity
@@ -49,7 +49,7 @@ from tests.generators.begun import begun
 from tests.generators.requests import REQUEST, SIMULATOR
 
 FOLDER = Path(__file__).parent
-BESIDE = ".toml", ".py", ".ini", ".json"
+BESIDE = ".toml", ".py", ".ini", ".json", ".axiscal"
 """How texts end that are files beside the others, and right."""
 
 
@@ -215,6 +215,21 @@ def _command(_: str, text: str) -> str:
     return " ".join(told.getvalue().split())
 
 
+def _gone(of: str, text: str) -> object:
+    """Use what is gone.  of : its table; keys and files are named in a campaign, as files are that lie beside it"""
+    if of in ("commands", "options"):
+        told = io.StringIO()
+        with redirect_stderr(told):
+            assert run(shlex.split(text)) == 2
+        return " ".join(told.getvalue().split())
+    if of == "sources":
+        return open_source(text, SIMULATOR)
+    if of == "controls":
+        return exporter(text)
+    Path("campaign.toml").write_text(text, encoding="utf-8")
+    return read_campaign(Path("campaign.toml"))
+
+
 _AT = "2026-03-01T08:00:00.000+00:00"
 _BEGUN = (
     ("start", "c.toml", "m.axiscal"),
@@ -241,6 +256,7 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "entry": _entry,
     "chain": lambda _, text: parse_chain(text),
     "files": _file,
+    "gone": _gone,
     "error_name": lambda _, text: parse_error_name(text),
     "ini": _of_file("machine.ini", lambda path: machine_of(read_ini(path))),
     "machine": lambda _, text: machine_from_text(text, "mill.toml"),

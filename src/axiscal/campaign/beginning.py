@@ -6,8 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import CampaignDescription, read_campaign
-from axiscal.document.ports import part
+from axiscal.description.campaign import CampaignDescription
 
 
 def begun_campaign(
@@ -26,20 +25,3 @@ def begun_campaign(
         path.unlink(missing_ok=True)  # on a server it stays: nothing is deleted there
         raise
     return campaign
-
-
-def campaign_with_sisters(path: str | Path, *, target_needed: bool = True, asking: bool = True) -> CampaignDescription:
-    """Return the campaign in a file, with the prior that the records named under [sisters] teach.
-
-    As `read_campaign` for a campaign that names none. Raises InputError.
-    """
-    return with_sisters(read_campaign(path, target_needed=target_needed, asking=asking))
-
-
-def with_sisters(described: CampaignDescription) -> CampaignDescription:
-    """Return a campaign with what its sisters teach as its prior; itself where it names none."""
-    named = described.sisters
-    if named is None or not named.names_some or described.prior_text:
-        return described
-    found: CampaignDescription = part("sisters")(described, named)
-    return found

@@ -22,9 +22,10 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 from axiscal.cli.printing import complain, say
+from axiscal.document.gone import instead_of
 from axiscal.document.ports import culprit
 from axiscal.exceptions import AxiscalError, InputError, PortError
-from axiscal.language.spoken import WORDS, said, speaking
+from axiscal.language.spoken import WORDS, later, said, speaking
 from axiscal.present.whose_language import chosen
 
 _MAIN = {
@@ -73,6 +74,7 @@ _GROUPS = {
     "data": ("Work on readings, records and poses in files.", _DATA),
     "shop": ("Keep many machines: one store, types, when each is due.", _SHOP),
 }
+_GONE = later("{name} is gone. {instead}.")
 _Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
 """The file of each command; of a group what it is for, and the files of its commands."""
 _SECTIONS: Mapping[str, _Places] = {"Commands": _MAIN, "More commands, in groups": {**_GROUPS, "machine": "machine"}}
@@ -97,6 +99,12 @@ class AllCommands(TyperGroup):
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names that help and completion show."""
         return [name for each in self.sections.values() for name in each]
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return a command by the words that follow, or end with what to use instead of one that is gone."""
+        if instead := instead_of("commands", args[0]):
+            ctx.fail(said(_GONE, name=args[0], instead=instead))
+        return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command or group by its name, loaded now; None if there is no such command."""
@@ -263,6 +271,9 @@ def _refused(wrong: Any) -> int:
         wrong.show()
     else:
         path = "axiscal" if wrong.ctx is None else wrong.ctx.command_path
+        option = f"{path.rpartition(' ')[2]} {getattr(wrong, 'option_name', '')}"
+        if instead := instead_of("options", option):
+            text = said(_GONE, name=option, instead=instead)
         asked = _in_words(text).rstrip(".")
         complain(said("{wrong} See `{command} -h`", wrong=asked if asked[-1] == "?" else f"{asked}.", command=path))
     return int(wrong.exit_code)

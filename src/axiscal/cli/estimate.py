@@ -9,13 +9,13 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.prediction import predict_poses
-from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, length_unit
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell
 from axiscal.cli.progress import tell_mind, tell_unasked
 from axiscal.cli.record import placed_log
+from axiscal.description.campaign import read_campaign
 from axiscal.evaluation.standards import Positioning, figures_of
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import WORDS, decimals, said
@@ -94,7 +94,7 @@ def estimate(
       axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
 
-    description = campaign_with_sisters(campaign, target_needed=False, asking=False)
+    description = read_campaign(campaign, target_needed=False, asking=False)
     if readings is None and log is None:
         raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
     placed, extras, told = tuple[Reading, ...](), Extras(), ""

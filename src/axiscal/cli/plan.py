@@ -10,13 +10,13 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.beginning import begun_campaign, campaign_with_sisters
+from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.progress import tell_mind, tell_out_of_reach, tell_unasked
 from axiscal.description.artefacts import unused_artefacts
-from axiscal.description.campaign import CampaignDescription, as_exact
+from axiscal.description.campaign import CampaignDescription, as_exact, read_campaign
 from axiscal.document.durable import write_whole
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
@@ -110,7 +110,7 @@ def plan(
         raise PlanError("--picture draws an SVG file, and {name} is none", remedy, name=picture.name)
     if gcode is not None:
         dialect(gcode)
-    described = campaign_with_sisters(campaign, target_needed=False)
+    described = read_campaign(campaign, target_needed=False)
     if (unused := unused_artefacts(described.text)) is not None:
         tell_mind(unused)
     ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
@@ -196,7 +196,7 @@ def start(
       axiscal step start campaign.toml mill.axiscal
     """
 
-    description = campaign_with_sisters(campaign)
+    description = read_campaign(campaign)
     path = record or Path(f"{campaign.stem}.axiscal")
 
     def tell(begun: Campaign) -> None:

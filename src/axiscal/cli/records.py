@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.beginning import campaign_with_sisters
 from axiscal.campaign.evidence import signed_text
 from axiscal.campaign.possible import beginning_of, described
 from axiscal.campaign.salvaging import salvaged
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import opened_to_write
+from axiscal.description.campaign import read_campaign
 from axiscal.exceptions import NewerError
 from axiscal.language.spoken import counted, said
 from axiscal.record.copies import file_name, is_stored, opened_log, write_copy
@@ -84,7 +84,7 @@ def salvage(
     """
     first = None
     if beginning is not None and beginning.suffix == ".toml":  # what would begin now
-        first = rows_of([beginning_of(campaign_with_sisters(beginning))])[0]
+        first = rows_of([beginning_of(read_campaign(beginning))])[0]
     elif beginning is not None:
         with Record.open(beginning, write=False) as begun:
             first = begun.texts()[0].row

@@ -9,7 +9,6 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.beginning import with_sisters
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, because_text
 from axiscal.campaign.sources import open_source
@@ -71,7 +70,7 @@ def run_loop(
             stack.callback(readings.close)
             if opened is None:  # a source that cannot be opened has left nothing behind
                 out.mkdir(parents=True, exist_ok=True)
-                opened = stack.enter_context(Campaign.create(out / RECORD, with_sisters(description)))
+                opened = stack.enter_context(Campaign.create(out / RECORD, description))
             tell_out_of_reach(opened)
             kept = partial(_kept, opened, again)
             with saying_what_is_kept(kept), shown_progress(description.target) as watch:

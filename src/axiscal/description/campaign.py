@@ -15,7 +15,7 @@ from pathlib import Path
 from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
-from axiscal.description.campaign_schema import CampaignTable, ReportTable, SistersTable
+from axiscal.description.campaign_schema import CampaignTable, ReportTable
 from axiscal.description.fields import CONTROLS, TableContext
 from axiscal.description.screws import BedScrews
 from axiscal.description.setups import each_alone, read_setups
@@ -25,6 +25,7 @@ from axiscal.description.stated_type_b import REFERENCE, Unsourced, refers_to_20
 from axiscal.description.target import Target, read_target
 from axiscal.description.usual import usual_machine
 from axiscal.document import Document, meant, read_model, shown
+from axiscal.document.gone import instead_of, without_gone
 from axiscal.document.ports import names
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
@@ -87,8 +88,7 @@ class CampaignDescription:
     machine_source : the file or the built-in name of the machine, whose text is `machine.text`
     sure : how well stated sizes and lengths of errors are known, where an error does not say it itself
     usual : with what usually goes wrong; else what is stated and nothing besides, the model of the paper
-    prior_text : the campaign whose result is the prior (see `heritage`), or what its type has taught; empty for none
-    sisters : records of machines of its type, to learn from; doubt : that it is no sister, None as the type says
+    prior_text : the campaign whose result is the prior (see `heritage`); empty for none
     kept : share of each error that is as that campaign found it
     compensation_active : whether a compensation is active on the control while measuring, or the files of it; None
         where nobody said
@@ -113,8 +113,6 @@ class CampaignDescription:
     compensation_active: bool | tuple[str, ...] | None = None
     particulars: Particulars = NOTHING_SAID
     usual_doubts: bool = True
-    sisters: SistersTable | None = None
-    doubt: float | None = None
     controls: tuple[str, ...] = ("linuxcnc",)
     unsourced: tuple[Unsourced, ...] = ()
     screws: BedScrews | None = None
@@ -154,7 +152,8 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
     known = names(CONTROLS)  # a record opens without the package that writes its tables
     for control in (each for each in document.data.get("controls", ()) if each not in known):
         what = "{controller} is not a controller that tables can be made for"
-        fault = DescriptionError(what, meant(control, known, quoted="{}"), controller=shown(control))
+        remedy = instead_of("controls", control) or meant(control, known, quoted="{}")
+        fault = DescriptionError(what, remedy, controller=shown(control))
         raise document.fault(fault, "controls")
     for named in found.compensation_active if isinstance(found.compensation_active, tuple) else ():
         if not any((document.path.parent / each).exists() for each in (named, named.partition("=")[2] or named)):
@@ -165,7 +164,7 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
 
 
 def _prior_text(document: Document) -> str:
-    """Return the campaign, or the type, that `prior` names, "" where there is none."""
+    """Return the campaign that `prior` names, "" where there is none."""
     name = document.data.get("prior")
     if not isinstance(name, str) or not name.strip():
         return ""
@@ -192,6 +191,7 @@ def campaign_from_texts(
     fine_knots : as in `Machine`; anew : no record has it yet, and keys of which nothing comes are refused
     """
     document = Document.parse(text, source)
+    document = document if anew else without_gone(document)
     machine = machine_from_text(machine_text, machine_source, fine_knots=fine_knots)
     return _described(document, machine, machine_source, False, prior_text, False, usual_doubts, anew)
 
@@ -203,7 +203,7 @@ def with_offset(described: CampaignDescription, setup: str, beside: tuple[float,
     """
     x, y = (format_quantity(each, "mm", 6) for each in beside)
     said = f'offset = ["{x}", "{y}", "0 mm"]'
-    document = Document.parse(described.text, described.source)
+    document = without_gone(Document.parse(described.text, described.source))
     tables = read_model(document, CampaignTable, context=TableContext(described.machine, document)).setups
     line = document.line("setups", [table.name for table in tables].index(setup), "name") or 1
     lines = document.text.split("\n")
@@ -281,8 +281,6 @@ def _described(
         compensation_active=table.compensation_active,
         particulars=read_particulars(table, machine),
         usual_doubts=usual_doubts,
-        sisters=table.sisters,
-        doubt=None if table.sisters is None else table.sisters.doubt,
         controls=tuple(dict.fromkeys(table.controls)),
         unsourced=tools,
         screws=None if table.screws is None else table.screws.screws(),

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from glob import glob
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
@@ -26,7 +24,6 @@ from axiscal.description.fields import (
     Growth,
     Language,
     Name,
-    Patterns,
     Printable,
     Span,
     Spans,
@@ -58,7 +55,6 @@ from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.instruments.kind import Instrument, Reads
 from axiscal.measurement.instruments.written import PORTS
 from axiscal.measurement.setup import FINEST, Nodes, Vector
-from axiscal.record.log import STORED
 from axiscal.units import dimension_of, format_quantity, within
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -294,32 +290,6 @@ class ProgramsTable(Table):
     dwell: bool = Field(False, examples=["true"])
 
 
-class SistersTable(Table):
-    """[sisters]: machines of the same type whose records teach what this one is like."""
-
-    records: Patterns | None = Field(None, examples=['"records/*.axiscal"'])
-    type: str | None = Field(None, examples=['"VMC-600"'])
-    directions: int = Field(3, ge=0, le=10, examples=["3"])
-    doubt: float | None = Field(None, gt=0, lt=1, examples=["0.1"])
-
-    @property
-    def names_some(self) -> bool:
-        """Whether it says whose records teach."""
-        return self.records is not None or self.type is not None
-
-    def files(self, folder: Path) -> tuple[Path, ...]:
-        """Return the records in the order of their names, "store:" for all of the store.  folder : of campaign.toml"""
-        named = (STORED,) if self.records is None else self.records
-        found = ([each] if each.startswith(STORED) else glob(str(folder / each)) for each in named)
-        return tuple(sorted({Path(name) for names in found for name in names}))
-
-
-def _sisters(named: SistersTable, known: Beside) -> SistersTable:
-    if named.names_some and known.data.get("prior"):
-        raise DescriptionError("[sisters] names records, and `prior` names another prior", "Leave one of them out")
-    return named
-
-
 class CampaignTable(Table):
     """The whole of campaign.toml."""
 
@@ -336,9 +306,6 @@ class CampaignTable(Table):
     tool_certificate: Printable = Field("", examples=['"presetter, 2026-03-02"'])
     artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
-    sisters: Annotated[SistersTable, ReadAs(SistersTable, _sisters, by=True)] | None = Field(
-        None, examples=['{ records = "records/*.axiscal" }']
-    )
     programs: ProgramsTable = Field(default_factory=lambda: ProgramsTable.model_validate({}))
     report: ReportTable = Field(default_factory=lambda: ReportTable.model_validate({}))
     screws: ScrewsTable | None = Field(None, examples=['{ thread = "CW-M4", places = {…} }'])

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Generic, Protocol, TypeVar, get_args, get_origin
 
 from axiscal.document.file import Document
+from axiscal.document.gone import instead_of, key_name
 from axiscal.document.quoting import dotted, meant, quantity_text, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
 from axiscal.language.spoken import WORDS, put, said
@@ -152,6 +153,8 @@ def _wording(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, str]:
         what = said('"{name}" is missing in {table}', name=name, table=table)
         return what, said("Add a line such as {name} = {example}", name=name, example=example)
     if kind == "extra_forbidden":
+        if instead := instead_of("keys", key_name(keys)):
+            return said("{keys} is gone", keys=dotted(keys)), instead
         known = list(_fields(_descend(model, keys[:-1])))
         what = said('unknown key "{key}" in {table}', key=dotted((name,)), table=table)
         return what, meant(str(keys[-1]), known, said("The keys here are {known}", known=", ".join(known)))

@@ -11,14 +11,13 @@ import json
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
-from axiscal.description.type_text import is_type_text, type_prior
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import carried_over, rivals
-from axiscal.exceptions import DescriptionError, RecordError
+from axiscal.estimation.type_prior import carried_over
+from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.record.events import Created, Mounted, Recorded, Warmed
@@ -26,19 +25,10 @@ from axiscal.record.payload import PayloadError, decode
 
 
 def case_of(description: CampaignDescription) -> Case:
-    """Return the case of a campaign, with the prior that an earlier campaign, or its type, leaves it.
-
-    Raises DescriptionError where sisters are named that nobody has learnt from.
-    """
-    if not description.prior_text and description.sisters is not None and description.sisters.names_some:
-        what = "[sisters] names records, and what they teach is not at hand"
-        raise DescriptionError(what, "Read the campaign with `with_sisters`, or name a type with `prior`")
+    """Return the case of a campaign, with the prior that an earlier campaign leaves it."""
     if not description.prior_text:
         return Case(description)
     stated = Case(description)
-    if is_type_text(description.prior_text):
-        beliefs = rivals(type_prior(description.prior_text), stated.errors, description.doubt)
-        return Case(description, beliefs[0].belief, rivals=beliefs)
     found = inherited(description.prior_text, stated.errors)
     return Case(description, drifted(found, stated.errors.prior_covariance(), description.kept))
 

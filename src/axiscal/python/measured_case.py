@@ -11,8 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from axiscal.campaign.beginning import campaign_with_sisters
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts, read_campaign
 from axiscal.document.quoting import toml_value
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.accuracy.yardstick import Root, joint_root
@@ -374,5 +373,5 @@ def estimate(campaign: Case | str | Path, readings: GivenReadings) -> Estimated:
     """
     one("estimate", "campaign", campaign, (Case, OwnCase, str, Path), 'a case, or "campaign.toml"')
     if isinstance(campaign, str | Path):
-        campaign = Case.of(campaign_with_sisters(campaign, target_needed=False))
+        campaign = Case.of(read_campaign(campaign, target_needed=False))
     return campaign.estimate(readings)

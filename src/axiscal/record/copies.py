@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from axiscal.document.durable import write_whole
+from axiscal.document.gone import instead_of
 from axiscal.document.ports import part
 from axiscal.exceptions import RecordError
 from axiscal.record.accepted import Bumped
@@ -121,8 +122,8 @@ def each_opened(shop: Path) -> Iterator[list[tuple[Path, Opened]]]:
         yield [(file, partial(opened_log, file, write=False)) for file in records_of(shop)]
 
 
-_TYPE = '"axiscal-type/'
-"""In the first line of what a type has taught, which is carried as it is."""
+TYPE = "axiscal-type/1"
+"""The schema of what a type has taught."""
 
 
 def write_copy(log: EventLog, path: Path) -> None:
@@ -175,19 +176,11 @@ def _content(row: EventText) -> tuple[str, str, str]:
 def carried_text(path: Path) -> str:
     """Return what a campaign names as its prior as text that a record can carry; raises RecordError.
 
-    path : of a campaign record, or of what `axiscal shop type learn` wrote
+    path : of a campaign record
     """
-    try:
-        with path.open("rb") as file:
-            start = file.read(200)
-        if start[:1] == b"{" and _TYPE in start.decode("utf-8", "replace"):
-            return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise RecordError(
-            "The file of the type is damaged", "Learn it anew with `axiscal shop type learn`", path
-        ) from None
-    except OSError:
-        pass  # the record says what is wrong with it
+    with suppress(OSError), path.open("rb") as file:  # the record says what is wrong with it
+        if TYPE.encode() in file.read(200):
+            raise RecordError("{schema} is gone", instead_of("files", TYPE), path, schema=TYPE)
     with Record.open(path, write=False) as record:
         state = record.state()
     created = state.created

@@ -9,6 +9,7 @@ import numpy as np
 
 from axiscal.description.fields import CONTROLS
 from axiscal.document import meant, shown
+from axiscal.document.gone import instead_of
 from axiscal.document.ports import made_by, names, of_class
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
@@ -120,6 +121,9 @@ def controllers() -> tuple[str, ...]:
 
 def exporter(controller: str) -> Exporter:
     """Return what writes for a control and reads its files; raises TableError for one that is not known."""
+    instead = instead_of("controls", controller)
+    if instead:
+        raise TableError("{controller} is gone", instead, controller=controller)
     brought: Exporter | None = made_by(CONTROLS, controller, Exporter)
     if brought is None:
         remedy = meant(controller, controllers(), quoted="{}")

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from axiscal.campaign.sources.source import Answer, CsvSource, Request, SimulatedSource, Skip, Source
+from axiscal.document.gone import instead_of
 from axiscal.document.ports import made_by, of_class, one_of
 from axiscal.exceptions import SourceError
 from axiscal.record.events import Note
@@ -38,6 +39,9 @@ def open_source(
     Raises SourceError for an unknown kind, InputError for a file that cannot be used.
     """
     kind, _, rest = text.partition(":")
+    instead = instead_of("sources", kind)
+    if instead:
+        raise SourceError("the source {kind} is gone", instead, kind=kind)
     if kind in VIRTUAL:
         return SimulatedSource(*virtual_machine(text, simulator))
     if kind in ("csv", "exec", "moonraker", "duet") and not rest.strip():
