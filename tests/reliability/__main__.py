@@ -60,7 +60,6 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         bounds.token,
         lambda: bounds.unused(12),
         bounds.sizes,
-        forged.surfaces,
         store_clients.mended,
         lambda: store_clients.fleet(1000),
         lambda: bounds.seconds(200),

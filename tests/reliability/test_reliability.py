@@ -54,7 +54,6 @@ LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "statements to a store": (lambda: store_clients.statements(40), 39),
     "what one command mends in a store": (store_clients.mended, 8),
     "a list of a store": (lambda: store_clients.fleet(3), 2),
-    "forged records on each surface": (forged.surfaces, 17),
     "right records that are called stuck": (lambda: stuck_instruments.named(6), 23),
     "readings none of which is used": (lambda: bounds.unused(12), 11),
 }

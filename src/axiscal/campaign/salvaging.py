@@ -18,7 +18,7 @@ from axiscal.exceptions import NewerError, RecordError
 from axiscal.record import events
 from axiscal.record.accepted import Accepted
 from axiscal.record.line_form import FORM, START, EventText, form_of, taken_for_text
-from axiscal.record.log import rows_of
+from axiscal.record.log import chained_texts, rows_of, signed_by
 from axiscal.record.merging import ForeignError, Merged, Strand, merged
 from axiscal.record.payload import PayloadError, decode, encode, hand_of
 from axiscal.record.store import Record, refuse_existing
@@ -191,8 +191,8 @@ def _following(entries: Sequence[tuple[int, _Entry]], description: CampaignDescr
         unmoved = entry.certain and entry.number == len(rows) + 1
         if isinstance(event, Accepted) and not unmoved:
             raise _UnfitError(index, "what it puts right may be missing; accept it anew")
-        if isinstance(event, events.Signed) and not unmoved:
-            raise _UnfitError(index, "it answers for what is missing; sign anew")
+        if isinstance(event, events.Signed) and not (unmoved and signed_by(row, event, chained_texts(rows))[1]):
+            raise _UnfitError(index, "it answers for what is missing, or was changed; sign anew")
         if fault := possible.fault(event):
             raise _UnfitError(index, fault)
         try:

@@ -19,7 +19,6 @@ from axiscal.language.spoken import counted, said
 from axiscal.record.copies import file_name, is_stored, opened_log, write_copy
 from axiscal.record.log import rows_of
 from axiscal.record.signing import key_file, make_key
-from axiscal.record.store import Record
 
 
 def copy_record(
@@ -86,7 +85,7 @@ def salvage(
     if beginning is not None and beginning.suffix == ".toml":  # what would begin now
         first = rows_of([beginning_of(read_campaign(beginning))])[0]
     elif beginning is not None:
-        with Record.open(beginning, write=False) as begun:
+        with opened_log(beginning, write=False) as begun:
             first = begun.texts()[0].row
     found = salvaged(record, new, first)
     document = {"record": str(new), "readings": len(found.state.readings), "events": found.entries}

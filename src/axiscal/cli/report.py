@@ -97,7 +97,7 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
       axiscal step status mill.axiscal
     """
 
-    with Campaign.open(record, write=False) as campaign:
+    with Campaign.open(record, write=False, changed=True) as campaign:
         if json:
             say_document(_document(campaign))
             return
@@ -162,6 +162,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
     target : limits that end the campaign; None for one that does not count
     reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
     planned : what is known after the plan, before the first reading
+    signed : who answers for how much of the record, and whether it was changed since
     newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
     by : readings that others took than who began the campaign, by person
     """
@@ -189,6 +190,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "by": _by_others(campaign),
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "newer": [each.kind for each in state.newer],
+        "signed": signed_text(campaign) or None,
         "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
             for gap in state.skipped

@@ -20,7 +20,7 @@ from axiscal.exceptions import RecordError
 from axiscal.record.accepted import Bumped
 from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.line_form import EventText
-from axiscal.record.log import STORED, EventLog, in_one
+from axiscal.record.log import STORED, EventLog, in_one, refuse_changed
 from axiscal.record.payload import encode
 from axiscal.record.store import Record, content_of, record_errors, refuse_existing
 from axiscal_core import refusals
@@ -48,14 +48,24 @@ def created_log(path: str | Path, created: Created) -> EventLog:
     return log
 
 
-def opened_log(path: str | Path, *, write: bool = True) -> EventLog:
-    """Return the log of an existing record, checked; raises RecordError."""
+def opened_log(path: str | Path, *, write: bool = True, changed: bool = False) -> EventLog:
+    """Return the log of an existing record, checked; raises RecordError.
+
+    changed : also where it was changed since somebody signed it
+    """
     if not isinstance(path, str | Path):
         raise refusals.InputError("Campaign.open", "path", f"= {path!r} is none", 'Give one, such as "mill.axiscal"')
-    if not is_stored(path):
-        return Record.open(path, write=write)
-    name = _name(path)
-    log: EventLog = part("server-log").open(part("database")(), name, write=write)
+    log: EventLog
+    if is_stored(path):
+        log = part("server-log").open(part("database")(), _name(path), write=write)
+    else:
+        log = Record.open(path, write=write)
+    try:
+        if not changed:
+            refuse_changed(log)
+    except BaseException:
+        log.close()
+        raise
     return log
 
 
@@ -181,7 +191,7 @@ def carried_text(path: Path) -> str:
     with suppress(OSError), path.open("rb") as file:  # the record says what is wrong with it
         if TYPE.encode() in file.read(200):
             raise RecordError("{schema} is gone", instead_of("files", TYPE), path, schema=TYPE)
-    with Record.open(path, write=False) as record:
+    with opened_log(path, write=False) as record:
         state = record.state()
     created = state.created
     if created is None or not state.readings:

@@ -130,18 +130,31 @@ class SignedUntil(NamedTuple):
 def signed_until(log: EventLog) -> SignedUntil | None:
     """Return the last signature of a log, or the first that does not hold; None where nobody has signed."""
     events, found = log.events(), None
-    signed = [(each.number, each.event) for each in events if isinstance(each.event, Signed)]
-    texts = log.texts() if signed else ()
-    for number, event in signed:
-        row = texts[number - 1].row
-        by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
-        found = SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by), 0)
-        if not found.holds:
+    texts = log.texts() if any(isinstance(each.event, Signed) for each in events) else ()
+    for number, event in ((each.number, each.event) for each in events if isinstance(each.event, Signed)):
+        by, holds = signed_by(texts[number - 1].row, event, texts[: number - 1])
+        found = SignedUntil(number, by, holds, 0)
+        if not holds:
             break
     if found is None:
         return None
     readings = fold(events[: found.number]).readings
     return found._replace(reading=readings[-1].numbered(len(readings) - 1) if readings else 0)
+
+
+def signed_by(row: EventText, event: Signed, before: Sequence[ChainedText]) -> tuple[Signature, bool]:
+    """Return whose signature one is, and whether it is of the events before it."""
+    by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
+    return by, holds(_signable(row.at, before), by)
+
+
+def refuse_changed(log: EventLog) -> None:
+    """Raise RecordError for a log that was changed since it was signed."""
+    signed = signed_until(log)
+    if signed is not None and not signed.holds:
+        what = "The record was changed since {person} signed it at event {number}"
+        remedy = "Go on with a copy of before; tools/check_record.py says what was changed"
+        raise RecordError(what, remedy, log.path, person=signed.by.person, number=signed.number)
 
 
 def _signable(at: str, texts: Sequence[ChainedText]) -> dict[str, object]:
