@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -14,7 +15,8 @@ from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.description.campaign import read_campaign
-from axiscal.exceptions import NewerError
+from axiscal.document.consent import asking
+from axiscal.exceptions import CodeError, NewerError
 from axiscal.language.spoken import counted, said
 from axiscal.record.copies import file_name, is_stored, opened_log, write_copy
 from axiscal.record.log import rows_of
@@ -43,7 +45,8 @@ def copy_record(
     target = beside if to is None else to / name if to.is_dir() else to
     with opened_log(record, write=False) as log:
         try:
-            described(log)  # checked
+            with suppress(CodeError), asking(None):
+                described(log)  # checked
             readings: int | None = len(log.state().readings)
         except NewerError:  # only a newer version can know
             readings = None

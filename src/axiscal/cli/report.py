@@ -11,13 +11,14 @@ from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.campaign.agreement_words import agreement_document, agreement_words, change_words, membership_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
-from axiscal.campaign.evidence import signed_text
+from axiscal.campaign.evidence import evidence_words, signed_text
 from axiscal.cli.arguments import Anyway, Details, Json, OwnRecord, ReportLanguage, ResultsFolder
 from axiscal.cli.outputs import standing_screen, write_outputs
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import accuracy_text, asked_screen, opened_to_write
 from axiscal.description.type_text import is_type_text
-from axiscal.exceptions import RecordError
+from axiscal.document.consent import asking
+from axiscal.exceptions import CodeError, RecordError
 from axiscal.language.spoken import capital, counted, decimals, listed, said
 from axiscal.present.delivery import write_report
 from axiscal.present.guide.progress import contradictions
@@ -25,6 +26,8 @@ from axiscal.present.guide.question import asked_text
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.result_set import RECORD, write_manifest
 from axiscal.present.summarising import Extras, summarise
+from axiscal.record.copies import opened_log
+from axiscal.record.log import EventLog
 from axiscal.record.signing import key_file
 from axiscal.units import format_quantity, to_unit
 
@@ -90,25 +93,44 @@ def finish(
 def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
     """Say where a campaign stands.
 
-    It shows readings, accuracy, minutes, skipped readings, and the question that is open.
+    It shows readings, accuracy, minutes, skipped readings, and the question that is open. Code of an instrument that
+    came with a record is not run.
 
     \b
     Example:
       axiscal step status mill.axiscal
     """
 
-    with Campaign.open(record, write=False, changed=True) as campaign:
-        if json:
-            say_document(_document(campaign))
-            return
-        if details:
-            say("\n".join(_lines(campaign)))
-        say(standing_screen(campaign))
-        for each in campaign.state.newer:
-            say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
-        for person, numbers in _by_others(campaign).items():
-            readings = listed(", ", [str(number) for number in numbers])
-            say(said("By {person}: readings {readings}.", person=person, readings=readings))
+    try:
+        with asking(None), Campaign.open(record, write=False, changed=True) as campaign:
+            _say_standing(campaign, details, json)
+    except CodeError as unrun:
+        with opened_log(record, write=False, changed=True) as log:
+            _say_unrun(log, unrun, json)
+
+
+def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
+    if as_json:
+        say_document(_document(campaign))
+        return
+    if details:
+        say("\n".join(_lines(campaign)))
+    say(standing_screen(campaign))
+    for each in campaign.state.newer:
+        say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
+    for person, numbers in _by_others(campaign).items():
+        readings = listed(", ", [str(number) for number in numbers])
+        say(said("By {person}: readings {readings}.", person=person, readings=readings))
+
+
+def _say_unrun(log: EventLog, unrun: CodeError, as_json: bool) -> None:
+    """Say what a record says by itself, where only code of somebody's could say more."""
+    state = log.state()
+    readings = counted("{count} reading", "{count} readings", len(state.readings))
+    ended = "" if state.finished is None else said("Finished: {because}", because=because_text(state.finished))
+    lines = [f"{log.path}: {readings}.", evidence_words(log), ended, str(unrun)]
+    document = {"readings": len(state.readings), "finished": state.finished, "signed": signed_text(log) or None}
+    say_either(as_json, "axiscal-status/1", {**document, "unrun": str(unrun)}, filter(None, lines))
 
 
 def _by_others(campaign: Campaign) -> dict[str, list[int]]:

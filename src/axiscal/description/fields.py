@@ -41,10 +41,11 @@ class Table(BaseModel):
 
 
 class TableContext(NamedTuple):
-    """What a campaign is read by: its machine, and the document itself."""
+    """What a campaign is read by: its machine, and the document itself.  own : a person named the file of it"""
 
     machine: Machine
     document: Document
+    own: bool = False
 
 
 def unit_vector(value: str | Sequence[float]) -> Vector:
@@ -250,7 +251,8 @@ def read_instrument(name: str, known: Beside) -> Instrument:
         return INSTRUMENTS[name]
     file = known.context.document
     of = [table.get("instrument") for table in file.data["setups"]]
-    found = named(name, file.path, file.line("setups", of.index(name), "instrument"))
+    line = file.line("setups", of.index(name), "instrument")
+    found = named(name, file.path, line, own=known.context.own)
     if found is None:
         every = [*INSTRUMENTS, *names(PORTS)]
         remedy = meant(name, every, said("Instruments are {known}", known=", ".join(every)))

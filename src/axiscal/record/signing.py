@@ -22,6 +22,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from axiscal.document.consent import user_folder
 from axiscal.exceptions import RecordError
 
 if TYPE_CHECKING:
@@ -96,8 +97,7 @@ def key_file() -> Path:
     """Return where the key of this person is, or would be."""
     if named := os.environ.get(KEY):
         return Path(named)
-    folder = os.environ.get("XDG_CONFIG_HOME") or os.environ.get("APPDATA")
-    return (Path(folder) if folder else Path.home() / ".config") / "axiscal" / "key.pem"
+    return user_folder() / "key.pem"
 
 
 def people_file() -> Path:
