@@ -257,7 +257,6 @@ class Campaign(Closing):
         if self.state.finished is None:
             why = because or self.reached(ended=True) or "ended by the operator"
             self._append(Finished(why, result_of(self._said(ended=True))))
-        self.sign()
         return self.state.finished or ""
 
     def has_done(self, step: str) -> bool:

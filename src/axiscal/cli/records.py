@@ -107,8 +107,7 @@ def salvage(
 def sign(record: OwnRecord, json: Json = False) -> None:
     """Sign a record with your key.
 
-    Your key is made the first time; keep its file to yourself. From then on your records are signed when they end, when
-    a prompt is paused, and before the first entry of another day.
+    Your key is made the first time; keep its file to yourself. The signature stands for all that was recorded before.
 
     \b
     Example:

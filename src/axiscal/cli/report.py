@@ -18,17 +18,17 @@ from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import accuracy_text, asked_screen, opened_to_write
 from axiscal.description.type_text import is_type_text
 from axiscal.document.consent import asking
+from axiscal.document.gone import instead_of
 from axiscal.exceptions import CodeError, RecordError
 from axiscal.language.spoken import capital, counted, decimals, listed, said
 from axiscal.present.delivery import write_report
 from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
 from axiscal.present.plan_answer import coming_answer
-from axiscal.present.result_set import RECORD, write_manifest
+from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras, summarise
 from axiscal.record.copies import opened_log
 from axiscal.record.log import EventLog
-from axiscal.record.signing import key_file
 from axiscal.units import format_quantity, to_unit
 
 
@@ -36,39 +36,33 @@ def report(
     record: OwnRecord,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.html", help="Where to write it, .html, .pdf or .xml; default: beside the record."),
+        typer.Option(metavar="FILE.html", help="Where to write it, .html or .pdf; default: beside the record."),
     ] = None,
     language: ReportLanguage = None,
 ) -> None:
     """Write the report of a campaign, finished or not.
 
-    The report is a page that needs no network, a PDF, or a certificate. FILE.xml is a Digital Calibration Certificate
-    (DCC 3.3.0). Your key, if any, signs it (XAdES).
-
-    The page and the PDF are in the language that --language or AXISCAL_LANGUAGE names, else in that of campaign.toml
-    ([report] language), else in English; the certificate is in English.
+    The report is a page that needs no network, or a PDF. It is in the language that --language or AXISCAL_LANGUAGE
+    names, else in that of campaign.toml ([report] language), else in English.
 
     \b
     Examples:
       axiscal report mill.axiscal --out mill.html
       axiscal report mill.axiscal --out mill.pdf --language de
-      axiscal report mill.axiscal --out mill.xml
     """
 
     target = out or record.with_suffix(".html")
-    if target.suffix.lower() not in (".html", ".htm", ".pdf", ".xml"):
-        what = "the report is an HTML page, a PDF or a certificate, and {out} is the name of none"
-        names = ", ".join(target.with_suffix(suffix).name for suffix in (".html", ".pdf", ".xml"))
-        raise RecordError(what, "Write it to one of {names}", target, out=target.name, names=names)
+    if target.suffix.lower() not in (".html", ".htm", ".pdf"):
+        what = "the report is an HTML page or a PDF, and {out} is the name of neither"
+        names = ", ".join(target.with_suffix(suffix).name for suffix in (".html", ".pdf"))
+        remedy = instead_of("files", f"certificate{target.suffix.lower()}")
+        remedy = remedy or said("Write it to one of {names}", names=names)
+        raise RecordError(what, remedy, target, out=target.name)
     with Campaign.open(record, write=False) as campaign:
         summary = summarise(campaign, campaign.estimate(ended=True), Extras(answer=standing_answer(campaign)))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
-    if summary.record is not None and key_file().exists():
-        write_manifest(target.parent, summary.record, summary.versions, f"manifest-{target.name}.json", target)
     say(said("The report is in {file}.", file=target))
-    if target.suffix.lower() == ".xml":
-        say(said("It is signed with {key}.", key=key_file()) if key_file().exists() else said("It is unsigned."))
 
 
 def finish(

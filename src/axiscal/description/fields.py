@@ -175,12 +175,6 @@ def _printable(text: str) -> str:
     return text
 
 
-def _country(text: str) -> str:
-    if text and not (len(text) == 2 and text.isascii() and text.isalpha()):
-        raise DescriptionError("{text} is no country of two letters", 'Such as country = "DE"', text=shown(text))
-    return text
-
-
 def _language(text: str) -> str:
     if text and text not in LANGUAGES:
         known = ", ".join(f'language = "{short}" ({long})' for short, long in LANGUAGES.items())
@@ -210,7 +204,6 @@ def _patterns(given: str | list[str]) -> tuple[str, ...]:
 
 Name = Annotated[str, ReadAs(str, _name)]
 Printable = Annotated[str, ReadAs(str, _printable)]
-Country = Annotated[str, ReadAs(Printable, _country)]
 Language = Annotated[str, ReadAs(Printable, _language)]
 Patterns = Annotated[tuple[str, ...], ReadAs(str | list[str], _patterns)]
 Active = Annotated[bool | tuple[str, ...], ReadAs(bool | str | list[str], _active)]

@@ -68,19 +68,7 @@ class EventLog(Closing):
         Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
         self._story.refuse_to_add(self.path)
-        rows = rows_of(events)
-        if rows and self._day_is_over(rows[0].at, after) and self.sign():
-            after = None if after is None else after + 1
-        return self.extend(rows, after)
-
-    def _day_is_over(self, at: str, after: int | None) -> bool:
-        """Whether the events of a day before are to be signed, as far as they are known; arguments as of `append`."""
-        known = self._story.events
-        if not known or after not in (None, len(known)) or isinstance(known[-1].event, Signed):
-            return False
-        return (
-            datetime.fromisoformat(known[-1].at).astimezone().date() != datetime.fromisoformat(at).astimezone().date()
-        )
+        return self.extend(rows_of(events), after)
 
     def sign(self) -> bool:
         """Let this person answer for all events so far, and return whether; not without a key, nor twice.
