@@ -90,6 +90,6 @@ def story(seed: int, later: float = 0.0, clock: bool = True, count: int = 30) ->
         now += timedelta(milliseconds=chance.randrange(500, 8000))
         say("asked", **place)
         now += timedelta(milliseconds=chance.randrange(500, 8000))
-        value = {"value": chance.gauss(0, 1e-5), "std": None, "others": [], "accepted": False}
+        value: dict[str, object] = {"value": chance.gauss(0, 1e-5), "std": None, "others": [], "accepted": False}
         say("recorded", **place, **value, time=(now - begun).total_seconds() if clock else None)
     return found

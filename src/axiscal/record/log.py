@@ -18,7 +18,7 @@ from axiscal.exceptions import NewerError, OvertakenError, RecordError
 from axiscal.record.events import Event, EventOrderError, Folding, Newer, Signed, State, Stored, fold
 from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.payload import PayloadError, decode, encode, hand_of
-from axiscal.record.signing import Hand, Signature, hand_now, holds, key_file, signature, step_now, what_is_signed
+from axiscal.record.signing import Hand, Signature, holds, key_file, own_hand, signature, step_now, what_is_signed
 
 EMPTY = 64 * "0"
 """The chain before the first event."""
@@ -243,7 +243,7 @@ def shared_events(one: Sequence[str], other: Sequence[str]) -> int:
 
 def rows_of(events: Sequence[Event]) -> list[EventText]:
     """Return events as they are written now, in one transaction; raises ValueError for one that cannot be kept."""
-    at, hand, step = _now(), hand_now(), step_now()
+    at, hand, step = _now(), own_hand(), step_now()
     return [EventText(at, *encode(event, hand, step), n == len(events)) for n, event in enumerate(events, 1)]
 
 

@@ -144,18 +144,35 @@ def _of_one(proven: Strand | None, strands: Sequence[Strand], zero: Strand | Non
     """Return the strands of the record that one is proven to be of; where nothing tells it, a strand is not.
 
     Campaigns that begin from one file begin with equal events. Their clocks tell them apart, or an event in common that
-    only one can have. What holds no reading comes by its numbers where they leave room.
+    only one can have. What holds no reading comes by its numbers where they leave room. Where a person names the
+    beginning and nothing else is proven, the longest strand is taken to have it.
     """
     ours = dict.fromkeys(each for each in strands if each is proven)
-    begun = median(clocks) if (clocks := [clock for each in ours for clock in _clocks(each)]) else None
-    others = (each for each in strands if each is not proven)
+    others = [each for each in strands if each is not proven]
+    begun = _begun(*ours)
+    if (
+        zero is not None
+        and not zero.first.end
+        and not any(_is_near(each, begun) for each in others if each is not zero)
+    ):
+        begun = begun if any(each.numbers[1:] for each in ours) else _begun(max(strands, key=lambda x: len(x.lines)))
     for strand in sorted(others, key=lambda each: (each.aside, each is not zero)):
-        clocks = _clocks(strand)
-        near = begun is not None and sum(abs(clock - begun) <= _LATE for clock in clocks) > len(clocks) / 2
         fits = strand.certain and not strand.aside and strand.silent and all(map(strand.leaves_room, ours))
-        if strand.parted in ours or near or fits:
+        if strand.parted in ours or _is_near(strand, begun) or fits:
             ours[strand] = None
     return ours
+
+
+def _begun(*strands: Strand) -> float | None:
+    """Return when a campaign began by the clocks of its lines, s since 1970; None where they have none."""
+    clocks = [clock for strand in strands for clock in _clocks(strand)]
+    return median(clocks) if clocks else None
+
+
+def _is_near(strand: Strand, begun: float | None) -> bool:
+    """Return whether most clocks of a strand name this beginning."""
+    clocks = _clocks(strand)
+    return begun is not None and sum(abs(clock - begun) <= _LATE for clock in clocks) > len(clocks) / 2
 
 
 def _begins(line: WholeLine) -> bool:

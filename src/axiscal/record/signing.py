@@ -35,25 +35,17 @@ class Hand(NamedTuple):
     computer: str
 
 
-class Writer(NamedTuple):
-    """Who takes a step, "" for the user of this computer, and the id of that step, "" for none."""
-
-    person: str = ""
-    step: str = ""
-
-
-_NOBODY = Writer()
-_WRITER: ContextVar[Writer] = ContextVar("writer", default=_NOBODY)
+_STEP: ContextVar[str] = ContextVar("step", default="")
 
 
 @contextlib.contextmanager
-def writing(**by: str) -> Iterator[None]:
-    """Let all that is written in the block be by a person, or of a step.  by : fields of `Writer`"""
-    before = _WRITER.set(_WRITER.get()._replace(**by))
+def writing(step: str) -> Iterator[None]:
+    """Let all that is written in the block be of a step.  step : its id"""
+    before = _STEP.set(step)
     try:
         yield
     finally:
-        _WRITER.reset(before)
+        _STEP.reset(before)
 
 
 class Signature(NamedTuple):
@@ -74,15 +66,9 @@ def own_hand() -> Hand:
     return Hand(*(name.encode("utf-8", "replace").decode() for name in (person, platform.node())))
 
 
-def hand_now() -> Hand:
-    """Return who takes a step now: the person of the block that is `writing`, else of this computer."""
-    own = own_hand()
-    return own._replace(person=_WRITER.get().person or own.person)
-
-
 def step_now() -> str:
     """Return the id of the step that is taken now, "" for none."""
-    return _WRITER.get().step
+    return _STEP.get()
 
 
 def key_file() -> Path:
