@@ -52,12 +52,13 @@ def report(
     """
 
     target = out or record.with_suffix(".html")
+    option = f"report --out FILE{target.suffix.lower()}"
+    if instead := instead_of("options", option):
+        raise typer.BadParameter(said("{name} is gone. {instead}.", name=option, instead=instead))
     if target.suffix.lower() not in (".html", ".htm", ".pdf"):
         what = "the report is an HTML page or a PDF, and {out} is the name of neither"
         names = ", ".join(target.with_suffix(suffix).name for suffix in (".html", ".pdf"))
-        remedy = instead_of("files", f"certificate{target.suffix.lower()}")
-        remedy = remedy or said("Write it to one of {names}", names=names)
-        raise RecordError(what, remedy, target, out=target.name)
+        raise RecordError(what, "Write it to one of {names}", target, out=target.name, names=names)
     with Campaign.open(record, write=False) as campaign:
         summary = summarise(campaign, campaign.estimate(ended=True), Extras(answer=standing_answer(campaign)))
     target.parent.mkdir(parents=True, exist_ok=True)
