@@ -99,10 +99,7 @@ class Campaign(Closing):
     def open(
         cls, path: str | Path, planner: Planner = _next_places, *, write: bool = True, changed: bool = False
     ) -> Self:
-        """Return the campaign recorded at `path`; raises RecordError if that is no record.
-
-        changed : also where it was changed since somebody signed it
-        """
+        """Return the campaign recorded at `path`, `changed` since it was signed or not; raises RecordError."""
         record = opened_log(path, write=write, changed=changed)
         try:
             return cls(record, described(record), planner)
