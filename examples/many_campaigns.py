@@ -83,16 +83,16 @@ def missed(known: Estimation, truth: VirtualMachine) -> Array:
 
 def cases(files: Sequence[Path], machines: int) -> list[tuple[CampaignDescription, Row]]:
     """Return the campaign and the key of each case: all machines of the first file, then of the next."""
-    found = []
+    found = list[tuple[CampaignDescription, Row]]()
     for file, campaign in ((file, ac.read_campaign(file)) for file in files):
         described = sha256((campaign.text + campaign.machine.text + campaign.prior_text).encode()).hexdigest()[:12]
-        keys = ({"campaign": file.name, "described": described, "machine": str(n)} for n in range(machines))
+        keys: list[Row] = [{"campaign": file.name, "described": described, "machine": str(n)} for n in range(machines)]
         found += [(campaign, key) for key in keys]
     return found
 
 
 def measured(
-    left: Sequence[tuple[CampaignDescription, Row]], workers: Executor, look: Callable[[], None]
+    left: Sequence[tuple[CampaignDescription, Row]], workers: Executor, look: Callable[[], object]
 ) -> Iterator[Row]:
     """Yield the row of each case that is left, in their order.  look : called while one is waited for"""
     plans = {id(campaign): workers.submit(planned, campaign) for campaign, _ in left}
@@ -102,7 +102,7 @@ def measured(
         yield {**key, **_waited(future, look)}
 
 
-def _waited(future: Future[Any], look: Callable[[], None]) -> Any:
+def _waited(future: Future[Any], look: Callable[[], object]) -> Any:
     """Return what comes of a future."""
     while True:
         try:
@@ -165,7 +165,7 @@ def main(words: Sequence[str]) -> None:
     rows = [done[tuple(key.values())] for _, key in every if tuple(key.values()) in done]
     left = [case for case in every if tuple(case[1].values()) not in done]
     workers: Executor = ProcessPoolExecutor()
-    look: Callable[[], None] = list  # nobody is looked after here
+    look: Callable[[], object] = list  # nobody is looked after here
     if asked.cluster:
         from dask.distributed import Client  # pip install distributed
 

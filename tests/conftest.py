@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 pytest_plugins = ["tests.order"]
 os.environ["AXISCAL_KEY"] = os.devnull + "/none"  # no test signs with the key of who runs it
+os.environ["XDG_CONFIG_HOME"] = os.devnull + "/none"  # nor says yes to code for whoever runs it
 os.environ["AXISCAL_PROGRESS"] = "off"  # what commands say in tests does not hang on how long they take
 shapes.install()  # before anything of the package is loaded
 settings.register_profile("axiscal", deadline=None, derandomize=True, print_blob=True, max_examples=25)

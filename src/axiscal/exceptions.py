@@ -126,6 +126,10 @@ class DescriptionError(InputError):
     """A machine or campaign description that cannot be used."""
 
 
+class CodeError(AxiscalError):
+    """Code that came with a campaign, which nobody on this computer has said yes to."""
+
+
 class ChainError(DescriptionError):
     """A kinematic chain that does not follow ISO 10791-6."""
 

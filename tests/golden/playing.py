@@ -43,7 +43,7 @@ _ALIKE = {
     "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
 }
 """A process with one thread can be forked; sums in the order that every processor can do, so that none breaks a tie."""
-_LATE = ("scipy.linalg.lapack", "scipy.optimize", "scipy.sparse", "scipy.special", "typst", "lxml")
+_LATE = ("scipy.linalg.lapack", "scipy.optimize", "scipy.sparse", "scipy.special", "typst")
 """What the package loads when it is used."""
 _PYTHON = "3.11.0"
 """The version that records name: their chains hold it, and are the same with every other."""

@@ -24,7 +24,7 @@ MASKED = (
 """What differs from one installation to another, hashes of it, and roundings of zero; clock and paths never do."""
 LEFT_AWAY = (
     *("*.axiscal", "*.axiscal-*", "*.answers", "*.sqlite"),
-    *("report.html", "report.pdf", "*.svg", "*.xml", "data/*", "tables/*/README.txt"),
+    *("report.html", "report.pdf", "*.svg", "data/*", "tables/*/README.txt"),
     *("axiscal_vcomp.comp", "axiscal_vcomp_core.h", "job/*.schema.json"),
 )
 """Records and what is kept beside them; the report in its forms; the words beside tables; code that is copied; the

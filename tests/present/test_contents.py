@@ -14,7 +14,7 @@ from axiscal.present.sentences import left_out_words
 from axiscal.present.summarising import iso230_blocks
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
-REPORT = '[report]\noperator = "R. Turner"\ncountry = "DE"\n'
+REPORT = '[report]\noperator = "R. Turner"\nplace = "hall 3"\n'
 
 
 def _described(text: str) -> CampaignDescription:
@@ -24,7 +24,7 @@ def _described(text: str) -> CampaignDescription:
 def test_who_measured_with_what_is_read() -> None:
     text = CAMPAIGN.replace('name = "laser"', 'name = "laser"\nserial = "4711"\ncertificate = "K 8"') + REPORT
     said = _described(text).particulars
-    assert (said.operator, said.country, said.serial, said.customer) == ("R. Turner", "DE", "M-1", "")
+    assert (said.operator, said.place, said.serial, said.customer) == ("R. Turner", "hall 3", "M-1", "")
     assert (said.setups["laser"].serial, said.setups["laser"].certificate) == ("4711", "K 8")
 
 

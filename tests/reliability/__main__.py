@@ -56,7 +56,6 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         bounds.token,
         lambda: bounds.unused(12),
         bounds.sizes,
-        forged.surfaces,
         lambda: bounds.seconds(200),
     )
 

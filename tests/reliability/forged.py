@@ -13,21 +13,15 @@ from pathlib import Path
 from typing import NamedTuple
 from unittest.mock import patch
 
-from axiscal.campaign.campaign import Campaign
-from axiscal.description.campaign import read_campaign
-from axiscal.measurement.reading import Reading
 from axiscal.record import log
 from axiscal.record.events import Noted
 from axiscal.record.line_form import EventText
 from axiscal.record.signing import KEY, PERSON, make_key
 from axiscal.record.store import Record, content_of
-from tests.reliability.bounds import campaign_of
 from tests.reliability.record_faults import CREATED, NAME, chained_texts, recorded
 from tests.reliability.trial import Trial, scratch
-from tests.zoo.running import given
 from tools.check_record import checked
 
-_CHANGED = re.compile("changed since (it was|Anna) signed")
 DAYS, READINGS = 3, 8
 """Of the record, each day of another person; every day has a note, and is signed at its end."""
 
@@ -157,48 +151,6 @@ def set_back() -> Iterator[bool]:
         cut = content_of(log.in_one(first.rows[:number]))[0]
         named = any("set back" in fault for fault in checked(cut, first.keys, [first.heads[-1]]).faults)
         yield named and bool(checked(cut, first.keys).faults) == (text.chain not in first.heads)
-
-
-def _value(rows: list[EventText], place: int, _drawn: random.Random) -> None:
-    rows[place] = rows[place]._replace(payload=rows[place].payload.replace('"value":', '"value":1'))
-
-
-def _shown_by(path: Path, out: Path) -> Iterator[tuple[object, ...]]:
-    """Yield the commands that show what a record is worth, each with a folder of its own."""
-    yield from (("status", path), ("next", path), ("note", path, "warm"))
-    yield from (("report", path, "--out", out / "report" / "mill.html"), ("finish", path, "--out", out / "finish"))
-    yield ("export", path, "--to", "csv", "--out", out / "export")
-
-
-def _named(words: tuple[object, ...], out: Path) -> bool:
-    """Return whether a command says that its record was changed; one that ends a campaign also has to refuse."""
-    folder = out / str(words[0])
-    folder.mkdir(parents=True)
-    told = given(*words)
-    files = [each.read_text() for each in folder.rglob("*") if each.suffix in (".html", ".txt")]
-    said = " ".join(" ".join([told.out, told.err, *files]).split())
-    return bool(_CHANGED.search(said)) and (told.status == 1) is (words[0] == "finish")
-
-
-def surfaces() -> Trial:
-    """Change a reading of a signed campaign, leave it out, or swap two, and give each command that shows the record."""
-    ways, found = (_value, _left_out, _swapped), dict[str, bool]()
-    with scratch() as top, person("Anna", top / "anna.pem"):
-        described = read_campaign(campaign_of(top, 1))
-        for way in ways:
-            path, out = top / f"{way.__name__}.axiscal", top / way.__name__
-            with Campaign.create(path, described) as campaign:
-                campaign.adopt(tuple(Reading("x0", (0.04 * n,), (1,), 1e-6 * n) for n in range(12)))
-            _ = given("sign", path).printed
-            with Record.open(path, write=False) as record:
-                rows = [text.row for text in record.texts()]
-            way(rows, 5, random.Random(5))
-            path.unlink()
-            Record.made(path, rows).close()
-            found |= {f"{words[0]} {way.__name__}": _named(words, out) for words in _shown_by(path, out)}
-    silent = [name for name, named in found.items() if not named]
-    what = "commands given a forged record, each of which names it; `finish` refuses"
-    return Trial(what, len(found), len(silent), ", ".join(silent))
 
 
 def tried(edits: int) -> Trial:

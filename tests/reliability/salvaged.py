@@ -90,15 +90,14 @@ def lines_of(content: bytes) -> tuple[Line, ...]:
 def originals() -> tuple[Original, ...]:
     """Return records of a short and of a long description, of few and of many readings.
 
-    The first has no clock with its readings. The other record is of a day before, of the same hours, of a day after.
+    The other record is of a day before, of the same hours, of a day after.
     """
     found = list[Original]()
     small, large = campaign_from_texts(CAMPAIGN, "", MACHINE, ""), description()
     for n, (campaign, count, later) in enumerate(((small, 12, -86400), (small, 150, 1200), (large, 40, 86400))):
-        clock = n > 0
-        content = _made(_story(campaign, count, n, 0, clock=clock))
-        other = _made(_story(campaign, count, n + 100, later, clock=clock))
-        rival = (row for row in _story(campaign, count, n + 200, 0, clock=clock) if row.kind == "recorded")
+        content = _made(_story(campaign, count, n, 0))
+        other = _made(_story(campaign, count, n + 100, later))
+        rival = (row for row in _story(campaign, count, n + 200, 0) if row.kind == "recorded")
         found.append(Original(content, other, lines_of(content), tuple(rival)))
     return tuple(found)
 
@@ -118,9 +117,7 @@ def _numbered(rows: Iterator[EventText]) -> Iterator[tuple[int, EventText]]:
         turn += row.closes
 
 
-def _story(
-    campaign: CampaignDescription, readings: int, seed: int, later: float, *, clock: bool
-) -> Iterator[EventText]:
+def _story(campaign: CampaignDescription, readings: int, seed: int, later: float) -> Iterator[EventText]:
     """Yield a record with all that a campaign has: plans, questions, skips, undos, notes, a batch, ends.
 
     later : s behind a beginning that is the same for all
@@ -135,7 +132,7 @@ def _story(
 
     def reading(at: Place) -> Recorded:
         value, *others = (chance.gauss(0, 1e-5) for _ in range(values_of(campaign.setups[0])))
-        time = (now - begun).total_seconds() if clock else None
+        time = (now - begun).total_seconds()
         return Recorded(Reading(at.setup, at.pose, at.approach, value, others=tuple(others), time=time))
 
     def said(event: Event, *, closes: bool = True) -> EventText:

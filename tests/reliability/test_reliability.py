@@ -47,7 +47,6 @@ LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "init": (lambda: command_faults.tried("init", 7), 4),
     "export": (lambda: command_faults.tried("export, over earlier tables", 17), 4),
     "lost power": (lambda: power_loss.lost(150), 149),
-    "forged records on each surface": (forged.surfaces, 17),
     "right records that are called stuck": (lambda: stuck_instruments.named(6), 23),
     "readings none of which is used": (lambda: bounds.unused(12), 11),
 }

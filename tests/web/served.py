@@ -7,7 +7,6 @@ import json
 import os
 import re
 import signal
-import ssl
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -41,16 +40,12 @@ class Answer:
 
 @dataclass(frozen=True)
 class Served:
-    """A server that runs: its address with the token, its record or else its folder, its process, what else it printed.
-
-    devices : what devices of the shop come to, and trust; None on the computer itself
-    """
+    """A server that runs: its address with the token, its record or else its folder, its process, what it printed."""
 
     address: str
     record: Path
     process: int
     printed: str = ""
-    devices: ssl.SSLContext | None = None
 
     @property
     def port(self) -> int:
@@ -65,8 +60,6 @@ class Served:
     def ask(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Answer:
         """Return the answer to a request with just these headers beside Host; `_` in a name stands for `-`."""
         line = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
-        if self.devices is not None:
-            line = http.client.HTTPSConnection("127.0.0.1", self.port, timeout=PATIENCE, context=self.devices)
         try:
             line.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
             for name, value in ({"Host": f"127.0.0.1:{self.port}"} | headers).items():
@@ -125,10 +118,7 @@ def serving(record: Path, *options: str, program: str = "") -> Iterator[tuple[Se
     try:
         addresses = [word for word in process.stdout.readline().split() if word.startswith("http://")]
         assert addresses, process.communicate(timeout=PATIENCE)
-        lines = [process.stdout.readline()]
-        while "--shop" in options and "SHA-256" not in lines[-1]:
-            lines.append(process.stdout.readline())
-        yield Served(addresses[0], record, process.pid, "".join(lines)), process
+        yield Served(addresses[0], record, process.pid, process.stdout.readline()), process
     finally:
         process.kill()
         process.communicate()

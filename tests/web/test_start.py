@@ -567,7 +567,7 @@ def test_alone_at_a_screen_the_command_opens_the_start(
     """In a pipe it stays the help: `tests/cli/test_cli.py`."""
     seen = list[object]()
 
-    def serve_page(record: Path | None, port: int, ready: Callable[[str], None], shop: None) -> str:
+    def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
         seen.append(record)
         ready("http://127.0.0.1:1/#x")
         return ""

@@ -21,7 +21,6 @@ from axiscal.campaign.ending import (
     Status,
     count_reached,
     out_of_reach,
-    refuse_changed,
     refuse_endless,
     refuse_finished,
     refuse_implausible,
@@ -60,7 +59,7 @@ from axiscal.record.events import (
     Undone,
 )
 from axiscal.record.log import EventLog, SignedUntil, signed_until
-from axiscal.record.store import Record
+from axiscal.record.store import Record, opened_log
 from axiscal_core.refusals import one
 
 Planner = Callable[
@@ -98,9 +97,11 @@ class Campaign(Closing):
         return cls(Record.create(path, beginning_of(description)), description, planner)
 
     @classmethod
-    def open(cls, path: str | Path, planner: Planner = _next_places, *, write: bool = True) -> Self:
-        """Return the campaign recorded at `path`; raises RecordError if that is no record."""
-        record = Record.open(path, write=write)
+    def open(
+        cls, path: str | Path, planner: Planner = _next_places, *, write: bool = True, changed: bool = False
+    ) -> Self:
+        """Return the campaign recorded at `path`, `changed` since it was signed or not; raises RecordError."""
+        record = opened_log(path, write=write, changed=changed)
         try:
             return cls(record, described(record), planner)
         except BaseException:
@@ -251,11 +252,9 @@ class Campaign(Closing):
 
     def finish(self, because: str | None = None) -> str:
         """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
-        refuse_changed(self.signed(), self.path)
         if self.state.finished is None:
             why = because or self.reached(ended=True) or "ended by the operator"
             self._append(Finished(why, result_of(self._said(ended=True))))
-        self.sign()
         return self.state.finished or ""
 
     def has_done(self, step: str) -> bool:

@@ -22,7 +22,6 @@ from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.record.events import State
-from axiscal.record.log import SignedUntil
 from axiscal.record.result import NOT_SAID, Result
 from axiscal.units import format_quantity
 
@@ -212,14 +211,6 @@ def result_of(known: Estimation) -> Result:
         return Result(None, None, "contradict")
     rms, expanded = (float(f"{size:.4g}") for size in (known.accuracy.rms, expanded_uncertainty(known).space))
     return Result(rms, expanded, "agree")
-
-
-def refuse_changed(signed: SignedUntil | None, record: Path) -> None:
-    """Raise RecordError for a record that was changed since it was signed."""
-    if signed is not None and not signed.holds:
-        what = "The record was changed since {person} signed it at event {number}"
-        remedy = "Go on with a copy of before; tools/check_record.py says what was changed"
-        raise RecordError(what, remedy, record, person=signed.by.person, number=signed.number)
 
 
 def refuse_implausible(known: Estimation) -> None:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.language.spoken import counted, said
+from axiscal.record.log import EventLog, signed_until
 from axiscal.record.signing import is_known, people_file
 
 
-def signed_text(campaign: Campaign) -> str:
+def signed_text(record: Campaign | EventLog) -> str:
     """Return who answers for how much of the record, in words behind "the record is", "" where nobody does."""
-    found = campaign.signed()
+    found, last = (
+        (record.signed(), record.state.last) if isinstance(record, Campaign) else (signed_until(record), record.last())
+    )
     if found is None:
         return ""
     person, computer, key, _ = found.by
@@ -20,14 +23,14 @@ def signed_text(campaign: Campaign) -> str:
         by = said(unknown, by=by, key=key[:16], file=people.name)
     if not found.holds:
         return said("changed since it was signed at event {number} by {by}", number=found.number, by=by)
-    signed, last = said("signed by {by} until reading {reading}", by=by, reading=found.reading), campaign.state.last
+    signed = said("signed by {by} until reading {reading}", by=by, reading=found.reading)
     if found.number == last:
         return signed
     since = counted("{count} event", "{count} events", last - found.number)
     return said("{signed}; unsigned since: {events}", signed=signed, events=since)
 
 
-def evidence_words(campaign: Campaign) -> str:
+def evidence_words(record: Campaign | EventLog) -> str:
     """Return the sentence for screens, pages and reports; "" for a record that nobody has signed."""
-    signed = signed_text(campaign)
+    signed = signed_text(record)
     return said("The record is {signed}.", signed=signed) if signed else ""

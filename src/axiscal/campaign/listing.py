@@ -10,7 +10,7 @@ from axiscal.exceptions import AxiscalError
 from axiscal.machine import machine_from_text
 from axiscal.record.events import Finished
 from axiscal.record.result import NOT_SAID, Result
-from axiscal.record.store import Record
+from axiscal.record.store import opened_log
 
 
 class Standing(NamedTuple):
@@ -45,7 +45,7 @@ def standings(files: Iterable[Path]) -> tuple[list[Standing], list[AxiscalError]
 
 
 def _standing(file: Path) -> Standing:
-    with Record.open(file, write=False) as log:
+    with opened_log(file, write=False) as log:
         state, events = log.state(), log.events()
     assert state.created is not None
     ends = [each.event.result for each in events if isinstance(each.event, Finished)]

@@ -6,19 +6,20 @@ An entry is whole if its own sum is right. Which entries are of the record, and 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
 from axiscal.campaign.possible import Possible, created_description
-from axiscal.description.campaign import CampaignDescription
+from axiscal.document.consent import asking
 from axiscal.document.quoting import shown
-from axiscal.exceptions import NewerError, RecordError
+from axiscal.exceptions import CodeError, NewerError, RecordError
 from axiscal.record import events
 from axiscal.record.accepted import Accepted
 from axiscal.record.line_form import FORM, START, EventText, form_of, taken_for_text
-from axiscal.record.log import rows_of
+from axiscal.record.log import chained_texts, rows_of, signed_by
 from axiscal.record.merging import ForeignError, Merged, Strand, merged
 from axiscal.record.payload import PayloadError, decode, encode, hand_of
 from axiscal.record.store import Record, refuse_existing
@@ -91,7 +92,11 @@ def salvaged(path: Path, new: Path, beginning: EventText | None = None) -> Salva
     if beginning is not None and (entries[0].number, entries[0].certain) != (1, True):
         entries.insert(0, _Entry(-1, 1, beginning, 0, True))
         replaced = True
-    rows, left = _fitting(entries, created_description(_created(entries, path)), path)
+    created = _created(entries, path)
+    possible = None
+    with suppress(CodeError), asking(None):
+        possible = Possible.at_start(created_description(created))
+    rows, left = _fitting(entries, possible, path)
     missing, seams = _missing_words(found, len(content), replaced), tuple(_seam_words(found, content))
     said = [*missing, *left, *seams]
     more = [f"and {len(said) - _MOST} more"] if len(said) > _MOST else []
@@ -159,22 +164,25 @@ def _created(entries: Sequence[_Entry], path: Path) -> events.Created:
 
 
 def _fitting(
-    entries: Sequence[_Entry], description: CampaignDescription, path: Path
+    entries: Sequence[_Entry], possible: Possible | None, path: Path
 ) -> tuple[list[EventText], tuple[str, ...]]:
-    """Return the entries that can follow each other, and why others cannot."""
+    """Return the entries that can follow each other, and why others cannot.
+
+    possible : on its machine, None where only code of somebody's could tell
+    """
     left = dict[int, str]()
     while True:
         try:
-            rows = _following([(n, each) for n, each in enumerate(entries) if n not in left], description, path)
+            rows = _following([(n, each) for n, each in enumerate(entries) if n not in left], possible, path)
         except _UnfitError as unfit:
             left[unfit.index] = f"{entries[unfit.index]}: {unfit.why}"
         else:
             return rows, tuple(left[index] for index in sorted(left))
 
 
-def _following(entries: Sequence[tuple[int, _Entry]], description: CampaignDescription, path: Path) -> list[EventText]:
+def _following(entries: Sequence[tuple[int, _Entry]], possible: Possible | None, path: Path) -> list[EventText]:
     """Return entries with the numbers that they have now; raises _UnfitError."""
-    folding, possible = events.Folding(), Possible.at_start(description)
+    folding = events.Folding()
     rows, places, numbers = list[EventText](), list[int](), dict[tuple[int, int], int]()
     began = {entry.strand: 0 for _, entry in entries if entry.certain}
     for index, entry in entries:
@@ -191,15 +199,15 @@ def _following(entries: Sequence[tuple[int, _Entry]], description: CampaignDescr
         unmoved = entry.certain and entry.number == len(rows) + 1
         if isinstance(event, Accepted) and not unmoved:
             raise _UnfitError(index, "what it puts right may be missing; accept it anew")
-        if isinstance(event, events.Signed) and not unmoved:
-            raise _UnfitError(index, "it answers for what is missing; sign anew")
-        if fault := possible.fault(event):
+        if isinstance(event, events.Signed) and not (unmoved and signed_by(row, event, chained_texts(rows))[1]):
+            raise _UnfitError(index, "it answers for what is missing, or was changed; sign anew")
+        if possible is not None and (fault := possible.fault(event)):
             raise _UnfitError(index, fault)
         try:
             folding.add(events.Stored(len(rows) + 1, row.at, event))
         except events.EventOrderError as fault:
             raise _taken_back(event, folding.state(), places) or _UnfitError(index, fault) from None
-        possible = possible.after(event)
+        possible = None if possible is None else possible.after(event)
         rows.append(row)
         places.append(index)
         numbers[entry.strand, entry.number] = len(rows)

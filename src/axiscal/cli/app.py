@@ -21,7 +21,8 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
-from axiscal.cli.printing import complain, say
+from axiscal.cli.printing import agreed, complain, say
+from axiscal.document.consent import asking, nobody
 from axiscal.document.gone import instead_of
 from axiscal.document.ports import culprit
 from axiscal.exceptions import AxiscalError, InputError, PortError
@@ -198,7 +199,10 @@ def run(arguments: Sequence[str]) -> int:
     if not arguments and _at_a_screen():
         arguments = ["serve", "--start", "--browser"]
     try:
-        with speaking("en" if "--json" in arguments else chosen(None)):
+        with (
+            speaking("en" if "--json" in arguments else chosen(None)),
+            asking(agreed if sys.stdin.isatty() else nobody),
+        ):
             try:
                 ended = app(args=[shielded(word) for word in arguments], prog_name="axiscal", standalone_mode=False)
             except TyperException as wrong:

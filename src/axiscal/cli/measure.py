@@ -303,7 +303,5 @@ def measure(record: OwnRecord, out: ResultsFolder = None, language: Language = N
                 campaign.refuse_other(folder / RECORD)
                 campaign.finish()
                 write_outputs(campaign, folder, as_json=False, extras=Extras(spoken=spoken_now()))
-            else:
-                campaign.sign()
         if not over:
             say(said("Paused; every reading is kept. Go on: axiscal measure {record}", record=record))

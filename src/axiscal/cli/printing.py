@@ -8,6 +8,7 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Iterable, Mapping
+from threading import current_thread, main_thread
 from typing import TextIO
 
 WIDTH = 100
@@ -60,6 +61,14 @@ def say_either(as_json: bool, schema: str, document: Mapping[str, object], lines
 def ask(prompt: str) -> str:
     """Return the line that a person types behind a prompt."""
     return input(visible(prompt))
+
+
+def agreed(question: str) -> bool:
+    """Return whether a person says yes; a page in a browser asks nobody."""
+    if current_thread() is not main_thread():
+        return False
+    tell(question)
+    return ask("[y/N] ").strip().casefold() in ("y", "yes", "j", "ja")
 
 
 def visible(text: str) -> str:

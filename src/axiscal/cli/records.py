@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -14,12 +15,13 @@ from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.description.campaign import read_campaign
-from axiscal.exceptions import NewerError
+from axiscal.document.consent import asking
+from axiscal.exceptions import CodeError, NewerError
 from axiscal.language.spoken import counted, said
 from axiscal.record.copies import write_copy
 from axiscal.record.log import rows_of
 from axiscal.record.signing import key_file, make_key
-from axiscal.record.store import Record
+from axiscal.record.store import opened_log
 
 
 def copy_record(
@@ -41,9 +43,10 @@ def copy_record(
 
     beside = record.with_name(f"{record.name}.copy")
     target = beside if to is None else to / record.name if to.is_dir() else to
-    with Record.open(record, write=False) as log:
+    with opened_log(record, write=False) as log:
         try:
-            described(log)  # checked
+            with suppress(CodeError), asking(None):
+                described(log)  # checked
             readings: int | None = len(log.state().readings)
         except NewerError:  # only a newer version can know
             readings = None
@@ -85,7 +88,7 @@ def salvage(
     if beginning is not None and beginning.suffix == ".toml":  # what would begin now
         first = rows_of([beginning_of(read_campaign(beginning))])[0]
     elif beginning is not None:
-        with Record.open(beginning, write=False) as begun:
+        with opened_log(beginning, write=False) as begun:
             first = begun.texts()[0].row
     found = salvaged(record, new, first)
     document = {"record": str(new), "readings": len(found.state.readings), "events": found.entries}
@@ -104,8 +107,7 @@ def salvage(
 def sign(record: OwnRecord, json: Json = False) -> None:
     """Sign a record with your key.
 
-    Your key is made the first time; keep its file to yourself. From then on your records are signed when they end, when
-    a prompt is paused, and before the first entry of another day.
+    Your key is made the first time; keep its file to yourself. The signature stands for all that was recorded before.
 
     \b
     Example:

@@ -13,51 +13,46 @@ from axiscal.cli.arguments import Anyway, Details, Json, OwnRecord, ReportLangua
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
 from axiscal.cli.texts import opened_to_write
+from axiscal.document.gone import instead_of
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
 from axiscal.present.delivery import write_report
-from axiscal.present.result_set import RECORD, write_manifest
+from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras, summarise
-from axiscal.record.signing import key_file
 
 
 def report(
     record: OwnRecord,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.html", help="Where to write it, .html, .pdf or .xml; default: beside the record."),
+        typer.Option(metavar="FILE.html", help="Where to write it, .html or .pdf; default: beside the record."),
     ] = None,
     language: ReportLanguage = None,
 ) -> None:
     """Write the report of a campaign, finished or not.
 
-    The report is a page that needs no network, a PDF, or a certificate. FILE.xml is a Digital Calibration Certificate
-    (DCC 3.3.0). Your key, if any, signs it (XAdES).
-
-    The page and the PDF are in the language that --language or AXISCAL_LANGUAGE names, else in that of campaign.toml
-    ([report] language), else in English; the certificate is in English.
+    The report is a page that needs no network, or a PDF. It is in the language that --language or AXISCAL_LANGUAGE
+    names, else in that of campaign.toml ([report] language), else in English.
 
     \b
     Examples:
       axiscal report mill.axiscal --out mill.html
       axiscal report mill.axiscal --out mill.pdf --language de
-      axiscal report mill.axiscal --out mill.xml
     """
 
     target = out or record.with_suffix(".html")
-    if target.suffix.lower() not in (".html", ".htm", ".pdf", ".xml"):
-        what = "the report is an HTML page, a PDF or a certificate, and {out} is the name of none"
-        names = ", ".join(target.with_suffix(suffix).name for suffix in (".html", ".pdf", ".xml"))
+    option = f"report --out FILE{target.suffix.lower()}"
+    if instead := instead_of("options", option):
+        raise typer.BadParameter(said("{name} is gone. {instead}.", name=option, instead=instead))
+    if target.suffix.lower() not in (".html", ".htm", ".pdf"):
+        what = "the report is an HTML page or a PDF, and {out} is the name of neither"
+        names = ", ".join(target.with_suffix(suffix).name for suffix in (".html", ".pdf"))
         raise RecordError(what, "Write it to one of {names}", target, out=target.name, names=names)
     with Campaign.open(record, write=False) as campaign:
         summary = summarise(campaign, campaign.estimate(ended=True), Extras(answer=standing_answer(campaign)))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
-    if summary.record is not None and key_file().exists():
-        write_manifest(target.parent, summary.record, summary.versions, f"manifest-{target.name}.json", target)
     say(said("The report is in {file}.", file=target))
-    if target.suffix.lower() == ".xml":
-        say(said("It is signed with {key}.", key=key_file()) if key_file().exists() else said("It is unsigned."))
 
 
 def finish(

@@ -9,17 +9,20 @@ from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.agreement_words import agreement_document, agreement_words, change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
-from axiscal.campaign.evidence import signed_text
+from axiscal.campaign.evidence import evidence_words, signed_text
 from axiscal.campaign.listing import Standing, standings
 from axiscal.cli.arguments import Details, Json, OwnRecord
 from axiscal.cli.outputs import standing_screen
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import accuracy_text, asked_screen
-from axiscal.exceptions import RecordError
+from axiscal.document.consent import asking
+from axiscal.exceptions import CodeError, RecordError
 from axiscal.language.spoken import counted, decimals, listed, said
 from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
 from axiscal.present.plan_answer import coming_answer
+from axiscal.record.log import EventLog
+from axiscal.record.store import opened_log
 from axiscal.units import format_quantity, said_quantity, to_unit
 
 
@@ -27,7 +30,8 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
     """Say where a campaign stands, or what each record of a folder needs next.
 
     Of a record it shows readings, accuracy, minutes, skipped readings, and the question that is open. Of a folder it
-    shows a line for each record, as it stands there: nothing is estimated.
+    shows a line for each record, as it stands there: nothing is estimated. No code of an instrument that came with a
+    record is run.
 
     \b
     Examples:
@@ -38,18 +42,36 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
     if record.is_dir():
         _say_folder(record, json)
         return
-    with Campaign.open(record, write=False) as campaign:
-        if json:
-            say_document(_document(campaign))
-            return
-        if details:
-            say("\n".join(_lines(campaign)))
-        say(standing_screen(campaign))
-        for each in campaign.state.newer:
-            say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
-        for person, numbers in _by_others(campaign).items():
-            readings = listed(", ", [str(number) for number in numbers])
-            say(said("By {person}: readings {readings}.", person=person, readings=readings))
+    try:
+        with asking(None), Campaign.open(record, write=False, changed=True) as campaign:
+            _say_standing(campaign, details, json)
+    except CodeError as unrun:
+        with opened_log(record, write=False, changed=True) as log:
+            _say_unrun(log, unrun, json)
+
+
+def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
+    if as_json:
+        say_document(_document(campaign))
+        return
+    if details:
+        say("\n".join(_lines(campaign)))
+    say(standing_screen(campaign))
+    for each in campaign.state.newer:
+        say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
+    for person, numbers in _by_others(campaign).items():
+        readings = listed(", ", [str(number) for number in numbers])
+        say(said("By {person}: readings {readings}.", person=person, readings=readings))
+
+
+def _say_unrun(log: EventLog, unrun: CodeError, as_json: bool) -> None:
+    """Say what a record says by itself, where only code of somebody's could say more."""
+    state = log.state()
+    readings = counted("{count} reading", "{count} readings", len(state.readings))
+    ended = "" if state.finished is None else said("Finished: {because}", because=because_text(state.finished))
+    lines = [f"{log.path}: {readings}.", evidence_words(log), ended, str(unrun)]
+    document = {"readings": len(state.readings), "finished": state.finished, "signed": signed_text(log) or None}
+    say_either(as_json, "axiscal-status/1", {**document, "unrun": str(unrun)}, filter(None, lines))
 
 
 def _by_others(campaign: Campaign) -> dict[str, list[int]]:
@@ -97,6 +119,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
     reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
     planned : what is known after the plan, before the first reading
     newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
+    signed : who answers for how much of the record, and whether it was changed since
     by : readings that others took than who began the campaign, by person
     """
     status, planned = campaign.status(), coming_answer(campaign)
@@ -122,6 +145,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "by": _by_others(campaign),
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "newer": [each.kind for each in state.newer],
+        "signed": signed_text(campaign) or None,
         "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
             for gap in state.skipped

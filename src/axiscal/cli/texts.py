@@ -12,8 +12,6 @@ from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.campaign.evidence import evidence_words
-from axiscal.cli.printing import tell
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import ending, put, said
@@ -77,9 +75,7 @@ def opened_to_write(record: Path, going_on: str = "next") -> Iterator[Campaign]:
     """
     try:
         with Campaign.open(record) as campaign:
-            before, signed = campaign.state, campaign.signed()
-            if signed is not None and not signed.holds:
-                tell(evidence_words(campaign))
+            before = campaign.state
             try:
                 yield campaign
             except KeyboardInterrupt:

@@ -248,7 +248,7 @@ def _described(
     usual_doubts: bool = True,
     anew: bool = False,
 ) -> CampaignDescription:
-    table = read_model(document, CampaignTable, context=TableContext(machine, document))
+    table = read_model(document, CampaignTable, context=TableContext(machine, document, anew))
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
     tool = _tool(table, machine, usual_doubts)

@@ -15,7 +15,6 @@ from axiscal.description.fields import (
     Bar,
     Base,
     Coordinates,
-    Country,
     Direction,
     Doubt,
     Duration,
@@ -256,7 +255,6 @@ class ReportTable(Table):
     responsible: Printable = Field("", examples=['"M. Scholz"'])
     laboratory: Printable = Field("", examples=['"Calibration laboratory, Example GmbH"'])
     place: Printable = Field("", examples=['"Hall 3, 12345 Sampletown"'])
-    country: Country = Field("", examples=['"DE"'])
     customer: Printable = Field("", examples=['"Sample Gears Ltd"'])
     temperature: Printable = Field("", examples=['"machine 20.4 to 21.1 degC, room 21 degC"'])
     remarks: Printable = Field("", examples=['"after the repair of the Y axis"'])

@@ -41,10 +41,11 @@ class Table(BaseModel):
 
 
 class TableContext(NamedTuple):
-    """What a campaign is read by: its machine, and the document itself."""
+    """What a campaign is read by: its machine, and the document itself.  own : a person named the file of it"""
 
     machine: Machine
     document: Document
+    own: bool = False
 
 
 def unit_vector(value: str | Sequence[float]) -> Vector:
@@ -174,12 +175,6 @@ def _printable(text: str) -> str:
     return text
 
 
-def _country(text: str) -> str:
-    if text and not (len(text) == 2 and text.isascii() and text.isalpha()):
-        raise DescriptionError("{text} is no country of two letters", 'Such as country = "DE"', text=shown(text))
-    return text
-
-
 def _language(text: str) -> str:
     if text and text not in LANGUAGES:
         known = ", ".join(f'language = "{short}" ({long})' for short, long in LANGUAGES.items())
@@ -200,7 +195,6 @@ def _active(given: bool | str | list[str]) -> bool | tuple[str, ...]:
 
 Name = Annotated[str, ReadAs(str, _name)]
 Printable = Annotated[str, ReadAs(str, _printable)]
-Country = Annotated[str, ReadAs(Printable, _country)]
 Language = Annotated[str, ReadAs(Printable, _language)]
 Active = Annotated[bool | tuple[str, ...], ReadAs(bool | str | list[str], _active)]
 Wanted = Annotated[float, QuantityOf("length", FINEST)]
@@ -240,7 +234,8 @@ def read_instrument(name: str, known: Beside) -> Instrument:
         return INSTRUMENTS[name]
     file = known.context.document
     of = [table.get("instrument") for table in file.data["setups"]]
-    found = named(name, file.path, file.line("setups", of.index(name), "instrument"))
+    line = file.line("setups", of.index(name), "instrument")
+    found = named(name, file.path, line, own=known.context.own)
     if found is None:
         every = [*INSTRUMENTS, *names(PORTS)]
         remedy = meant(name, every, said("Instruments are {known}", known=", ".join(every)))

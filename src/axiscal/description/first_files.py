@@ -321,7 +321,7 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
     if "probe" in instruments:
         text += begun.screws
     try:
-        return campaign_from_texts(text, str(begun.folder / "campaign.toml"), machine, "machine.toml")
+        return campaign_from_texts(text, str(begun.folder / "campaign.toml"), machine, "machine.toml", anew=True)
     except InputError as fault:  # it stands in a file that nobody has
         what = "What is usual of {instruments} cannot be read on this machine: {fault}"
         raise DescriptionError(what, fault.remedy, instruments=", ".join(instruments), fault=fault.what) from None

@@ -118,7 +118,6 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
             write_report(summary, folder / "report.html", language)
         with stage("the report on paper", 3, 3):
             write_report(summary, folder / "report.pdf", language)
-        write_report(summary, folder / "certificate.xml")
         (folder / "data").mkdir()
         write_whole(folder / "data" / READINGS, readings_csv(summary))
         write_manifest(folder, record_state(campaign), summary.versions)
@@ -131,17 +130,14 @@ def language_of_report(particulars: Particulars, wanted: str | None, spoken: str
 
 
 def write_report(summary: Summary, path: Path, language: str | None = None) -> None:
-    """Write the report, as certificate, as PDF or as a page, by the name of its file; raises OSError.
+    """Write the report, as PDF or as a page, by the name of its file; raises OSError.
 
-    language : that somebody wants the page or the PDF in; the certificate is in English
+    language : that somebody wants it in
     """
-    kind = path.suffix.lower()
-    with speaking("en" if kind == ".xml" else language_of_report(summary.particulars, language)):
-        from axiscal.present.rendering import certificate, pdf, render  # pictures, which only a report needs
+    with speaking(language_of_report(summary.particulars, language)):
+        from axiscal.present.rendering import pdf, render  # pictures, which only a report needs
 
-        content = (
-            certificate(summary) if kind == ".xml" else pdf(summary) if kind == ".pdf" else render(summary).encode()
-        )
+        content = pdf(summary) if path.suffix.lower() == ".pdf" else render(summary).encode()
     write_whole(path, content)
 
 

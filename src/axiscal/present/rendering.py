@@ -1,6 +1,6 @@
-"""The report: a page and a PDF that carry everything they need, and the Digital Calibration Certificate as signed XML.
+"""The report: a page and a PDF that carry everything they need.
 
-None asks the network for anything, and the PDF for no font of the system.
+Neither asks the network for anything, and the PDF for no font of the system.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from markupsafe import Markup
 
 from axiscal.answers.answer import number, rounded
-from axiscal.estimation.accuracy.expanded import BAND, LEVEL
+from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.exceptions import PrintingError
 from axiscal.language.spoken import joined, resaid, said
 from axiscal.present import sentences
@@ -36,13 +36,12 @@ from axiscal.present.drawn_by_standards import PositioningCurve, circle_picture
 from axiscal.present.found_and_left import found_and_left
 from axiscal.present.result_document import listed
 from axiscal.present.sentences import U_OF_TABLES, UNSAID, axis_unit, environment, figure, inlined, quantity, unit_text
-from axiscal.present.statement import answered, in_space, statement
+from axiscal.present.statement import answered, statement
 from axiscal.present.summary import CurveSummary, HistoryRow, Summary
 from axiscal.present.volume_error import PlaneSummary
-from axiscal.record.signing import signed_xml
 
 if TYPE_CHECKING:
-    from jinja2 import Environment, Template
+    from jinja2 import Template
 
 _CIRCLE = 340.0
 """Pixels of the picture of a ball bar: a third of a page on a screen, and the whole of a telephone's."""
@@ -327,47 +326,3 @@ def _set(file: Path, moment: int) -> bytes:
     what = "report.pdf could not be set: {reason}"
     remedy = "report.html beside it says the same; please report this defect of axiscal"
     raise PrintingError(what, remedy, reason=reason)
-
-
-_UNSAID = "not stated"
-_UNKNOWN_COUNTRY = "ZZ"
-
-
-def certificate(summary: Summary) -> bytes:
-    """Return the certificate as XML; raises SummaryError for a figure that is not finite, RecordError for a bad key."""
-    told = summary.particulars
-    known = "" if summary.record is None else summary.record.hash
-    text = (
-        _certificate_templates()
-        .get_template("certificate.xml")
-        .render(
-            s=summary,
-            told=told,
-            country=told.country.upper() or _UNKNOWN_COUNTRY,
-            identifier=" ".join(part for part in (summary.particulars.number, known) if part) or summary.title,
-            measured=[row for row in summary.answer.rows if row.measured],
-            whole="space" if summary.expanded.along == "xyz" else in_space(summary.expanded),
-            curves=[*summary.curves, *summary.reversals],
-            constants=[each for each in summary.constants if ": " not in each.name],
-        )
-    )
-    document = "".join(f"{line}\n" for line in text.splitlines() if line).encode()
-    return signed_xml(document, "Digital Calibration Certificate")
-
-
-@cache
-def _certificate_templates() -> Environment:
-    made = environment()
-    made.filters |= {
-        "plain": _plain,
-        "figure": lambda value: f"{number(value, 'a figure of the certificate'):.6g}",
-        "half": lambda std: BAND * std,
-    }
-    made.globals |= {"unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}"}
-    return made
-
-
-def _plain(text: str) -> str:
-    """Return text as the schema takes it: words with one space between them, no sign that XML cannot hold."""
-    kept = "".join(each if each.isprintable() else " " for each in text)
-    return " ".join(kept.encode("utf-8", "replace").decode("utf-8").split()) or _UNSAID

@@ -22,7 +22,6 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from axiscal.document.durable import drafts_left, exchanged, sync_folder, write_whole
 from axiscal.present.summary import RecordState
 from axiscal.record.lease import lease_of
-from axiscal.record.signing import signature
 
 RECORD = "campaign.axiscal"
 MANIFEST = "manifest.json"
@@ -74,14 +73,9 @@ def mend(folder: Path) -> None:
             _go_on(path, folder)
 
 
-def write_manifest(
-    folder: Path, record: RecordState, versions: Mapping[str, str], name: str = MANIFEST, only: Path | None = None
-) -> None:
-    """Write what a set consists of: state of the record, programs, the SHA-256 of every file, and who answers for it.
-
-    only : a file that is all there is of it;  raises OSError, RecordError for a key that cannot be used
-    """
-    every = (path for path in (folder.rglob("*") if only is None else [only]) if path.is_file())
+def write_manifest(folder: Path, record: RecordState, versions: Mapping[str, str], name: str = MANIFEST) -> None:
+    """Write what a set consists of: state of the record, programs, and the SHA-256 of every file; raises OSError."""
+    every = (path for path in folder.rglob("*") if path.is_file())
     files = sorted(path for path in every if path.suffix not in (".axiscal", ".writer"))
     document = {
         "schema": _SCHEMA,
@@ -89,8 +83,6 @@ def write_manifest(
         "versions": dict(sorted(versions.items())),
         "files": {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
     }
-    if (by := signature(document)) is not None:
-        document["signed"] = by._asdict()
     write_whole(folder / name, (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode())
 
 

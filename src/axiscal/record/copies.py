@@ -16,7 +16,7 @@ from axiscal.record.events import Event, Recorded
 from axiscal.record.line_form import EventText
 from axiscal.record.log import EventLog, in_one
 from axiscal.record.payload import encode
-from axiscal.record.store import Record, content_of, record_errors
+from axiscal.record.store import Record, content_of, opened_log, record_errors
 
 TYPE = "axiscal-type/1"
 """The schema of what a type has taught."""
@@ -66,7 +66,7 @@ def carried_text(path: Path) -> str:
     with suppress(OSError), path.open("rb") as file:  # the record says what is wrong with it
         if TYPE.encode() in file.read(200):
             raise RecordError("{schema} is gone", instead_of("files", TYPE), path, schema=TYPE)
-    with Record.open(path, write=False) as record:
+    with opened_log(path, write=False) as record:
         state = record.state()
     created = state.created
     if created is None or not state.readings:

@@ -4,16 +4,18 @@
     mark = turn last end chain crc            of the transaction `turn`: its last event, where it ends, its chain
 
 A transaction is written in two steps, each on the disk before the next. Its lines come behind the end; then the older
-of the two marks is written anew. So lines before the newest mark were acknowledged and must be whole; lines behind it
-were not. If one mark cannot be read, whole lines that follow count: a mark is only written behind whole lines. The
-chain is of contents only, not of times of writing: the same events have the same name. The sum `crc` guards all.
+of the two marks is written anew. So lines before the newest mark were acknowledged and must be whole. Whole lines that
+follow it count as well: the marks may be of an older copy. What is cut off there is one transaction nobody finished.
+The chain is of contents only, not of times of writing: the same events have the same name. The sum `crc` guards all.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import re
 import zlib
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple
 
@@ -28,10 +30,14 @@ FORM = 3
 MARK = 160
 """Bytes of a mark: some 130 with the largest numbers there will be."""
 MOST_TORN = 1 << 26
-"""Bytes that are looked at behind marks of which one is torn: of one transaction, the largest of which has a tenth."""
+"""Bytes that are looked at behind the marks: the largest transaction has a tenth."""
 _SUM = 8
 """Hex digits of a CRC-32."""
-_LINE = re.compile(rb"[0-9a-f]{64} [^\n]*\n?")
+_ENDS = re.compile(rb" (?:(?=\d{4}-)(?<=[0-9a-f]{64} )|[.,]([0-9a-f]{8})[ \t]*(?:[\r\n]+|(?=\0|\Z|[0-9a-f]{64} )))")
+"""Behind the chain at the beginning of a line, or with the sum at its end."""
+_CLOSED = re.compile(rb" \.[0-9a-f]{8}\s")
+_BEGUN = 4
+"""Beginnings that an end may belong to: a note may hold what looks like one."""
 _MARK = re.compile(rb"mark \d{1,18} \d{1,18} \d{1,18} [0-9a-f]{64} [0-9a-f]{8}")
 _GUARD = b"\x89\r\n\x1a\n\0\n"
 """Against text mode, as PNG has it: what changes line ends changes this, and a NUL tells editors that it is no text."""
@@ -168,22 +174,43 @@ class WholeLine(NamedTuple):
 
 
 def whole_lines(content: bytes) -> Iterator[WholeLine]:
-    """Yield every line of a file that is as it was written, wherever it stands and whatever blanks and CR end it."""
-    at = 0
-    while found := _LINE.search(content, at):
-        try:
-            row, chain = _row(found[0].rstrip() + b"\n", 0)
-        except DamageError:
-            at = found.start() + 1
-        else:
-            at = found.end()
-            yield WholeLine(found.start(), at, row, chain)
+    """Yield every line of a file that is as it was written, wherever it stands and whatever ends it; linear in bytes.
+
+    Where a line seems to end, its sum decides with which of the last beginnings before it.
+    """
+    begun = list[list[int]]()
+    for found in _ENDS.finditer(content):
+        if found[1] is None:
+            begun = [*begun[1 - _BEGUN :], [found.start() - 64, found.start() - 64, 0]]
+            continue
+        for each in reversed(begun):
+            each[1:] = found.start(1), zlib.crc32(content[each[1] : found.start(1)], each[2])
+            if b"%08x" % each[2] == found[1]:
+                with contextlib.suppress(DamageError):
+                    row, chain = _row(content[each[0] : found.end(1)] + b"\n", 0)
+                    yield WholeLine(each[0], found.end(), row, chain)
+                    begun = []
+                    break
+
+
+def is_torn(mark: Mark, content: bytes) -> bool:
+    """Return whether what follows a mark is no more than one transaction that nobody has finished writing."""
+    closed = _CLOSED.search(content)
+    lines = list(whole_lines(content))
+    follows = not lines or lines[0].begin > 0 or chained(mark.chain, lines[0].row) == lines[0].chain
+    return follows and (closed is None or all(line.begin < closed.end() for line in lines))
 
 
 def marks_in(content: bytes) -> list[Mark]:
-    """Return every mark of a file that is as it was written, wherever it stands, in order."""
-    texts = {found[0].ljust(MARK - 1) + b"\n" for found in _MARK.finditer(content)}
-    return sorted(mark for text in texts if isinstance(mark := read_mark(text), Mark))
+    """Return every mark of a file that is as it was written, wherever it stands; the last ones stand where they are to.
+
+    Each of these two groups is in order.
+    """
+    places = defaultdict[Mark, set[int]](set)
+    for found in _MARK.finditer(content):
+        if isinstance(mark := read_mark(found[0].ljust(MARK - 1) + b"\n"), Mark):
+            places[mark].add(found.start())
+    return sorted(places, key=lambda mark: (not places[mark].isdisjoint(MARKS), mark))
 
 
 def damaged_row(line: bytes) -> EventText | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,9 +14,9 @@ from axiscal.document.durable import Closing
 from axiscal.document.quoting import shown
 from axiscal.exceptions import NewerError, OvertakenError, RecordError
 from axiscal.record.events import Event, EventOrderError, Folding, Newer, Signed, State, Stored, fold
-from axiscal.record.line_form import DamageError, EventText
+from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.payload import PayloadError, decode, encode, hand_of
-from axiscal.record.signing import Hand, Signature, hand_now, holds, key_file, signature, step_now, what_is_signed
+from axiscal.record.signing import Hand, Signature, holds, key_file, own_hand, signature, step_now, what_is_signed
 
 EMPTY = 64 * "0"
 """The chain before the first event."""
@@ -62,19 +62,7 @@ class EventLog(Closing):
         Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
         self._story.refuse_to_add(self.path)
-        rows = rows_of(events)
-        if rows and self._day_is_over(rows[0].at, after) and self.sign():
-            after = None if after is None else after + 1
-        return self.extend(rows, after)
-
-    def _day_is_over(self, at: str, after: int | None) -> bool:
-        """Whether the events of a day before are to be signed, as far as they are known; arguments as of `append`."""
-        known = self._story.events
-        if not known or after not in (None, len(known)) or isinstance(known[-1].event, Signed):
-            return False
-        return (
-            datetime.fromisoformat(known[-1].at).astimezone().date() != datetime.fromisoformat(at).astimezone().date()
-        )
+        return self.extend(rows_of(events), after)
 
     def sign(self) -> bool:
         """Let this person answer for all events so far, and return whether; not without a key, nor twice.
@@ -124,18 +112,31 @@ class SignedUntil(NamedTuple):
 def signed_until(log: EventLog) -> SignedUntil | None:
     """Return the last signature of a log, or the first that does not hold; None where nobody has signed."""
     events, found = log.events(), None
-    signed = [(each.number, each.event) for each in events if isinstance(each.event, Signed)]
-    texts = log.texts() if signed else ()
-    for number, event in signed:
-        row = texts[number - 1].row
-        by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
-        found = SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by), 0)
-        if not found.holds:
+    texts = log.texts() if any(isinstance(each.event, Signed) for each in events) else ()
+    for number, event in ((each.number, each.event) for each in events if isinstance(each.event, Signed)):
+        by, holds = signed_by(texts[number - 1].row, event, texts[: number - 1])
+        found = SignedUntil(number, by, holds, 0)
+        if not holds:
             break
     if found is None:
         return None
     readings = fold(events[: found.number]).readings
     return found._replace(reading=readings[-1].numbered(len(readings) - 1) if readings else 0)
+
+
+def signed_by(row: EventText, event: Signed, before: Sequence[ChainedText]) -> tuple[Signature, bool]:
+    """Return whose signature one is, and whether it is of the events before it."""
+    by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
+    return by, holds(_signable(row.at, before), by)
+
+
+def refuse_changed(log: EventLog) -> None:
+    """Raise RecordError for a log that was changed since it was signed."""
+    signed = signed_until(log)
+    if signed is not None and not signed.holds:
+        what = "The record was changed since {person} signed it at event {number}"
+        remedy = "Go on with a copy of before; tools/check_record.py says what was changed"
+        raise RecordError(what, remedy, log.path, person=signed.by.person, number=signed.number)
 
 
 def _signable(at: str, texts: Sequence[ChainedText]) -> dict[str, object]:
@@ -223,13 +224,22 @@ def _refuse_timeless(stored: Stored) -> None:
 
 def rows_of(events: Sequence[Event]) -> list[EventText]:
     """Return events as they are written now, in one transaction; raises ValueError for one that cannot be kept."""
-    at, hand, step = _now(), hand_now(), step_now()
+    at, hand, step = _now(), own_hand(), step_now()
     return [EventText(at, *encode(event, hand, step), n == len(events)) for n, event in enumerate(events, 1)]
 
 
 def in_one(rows: Sequence[EventText]) -> list[EventText]:
     """Return events of another log as one transaction."""
     return [row._replace(closes=n == len(rows)) for n, row in enumerate(rows, 1)]
+
+
+def chained_texts(rows: Iterable[EventText], chain: str = EMPTY) -> list[ChainedText]:
+    """Return events with the chain behind each."""
+    found = list[ChainedText]()
+    for row in rows:
+        chain = chained(chain, row)
+        found.append(ChainedText(row, chain))
+    return found
 
 
 def refuse_overtaken(last: int, after: int | None, path: Path) -> None:

@@ -1,16 +1,14 @@
 """The whole lines of a damaged file in their order: a merge of all runs, wherever in the file they stand.
 
 Each line names the chain behind it, so that SHA-256 shows which line it follows. Lines that follow one another are a
-strand. The chain from zero proves the strand of the beginning; a mark of the end proves the strand that it names.
-Another strand is of this record where the clock of its readings names the same beginning. Without clocks it has to fit
-by time where lines are missing, or to stand beside whole lines with nothing torn between them. All else may be of
-another file: it is named and left out.
+strand. The newest mark of the end proves the strand that it names, else the chain from zero that of the beginning.
+Another strand is of this record where the clock of its readings names the same beginning, or where it parted from a
+strand of this record. All else may be of another campaign, begun from the same file: it is named and left out.
 """
 
 from __future__ import annotations
 
 import json
-import math
 import re
 from bisect import bisect_right
 from collections import defaultdict
@@ -18,29 +16,20 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
-from itertools import islice, pairwise, product
+from itertools import pairwise
 from statistics import median
 from typing import NamedTuple
 
 from axiscal.record.line_form import EventText, Mark, WholeLine, chained, damaged_row, marks_in, whole_lines
 from axiscal.record.log import EMPTY
 
-_NEAR = 1000
+_NEAR = 100
 """Lines before it in time among which the one that a line follows is looked for: bounds the cost, not the result."""
-_LATE = 10.0
-"""Seconds from the clock of a reading to its line on the disk: twice what a writer waits for another one."""
-SECTOR = 512
-"""Bytes; blocks that are moved begin at a multiple of it."""
-_PAIRS = 20_000
-"""So many pieces are tried; bounds the cost."""
-_HEAD = re.compile(rb"[0-9a-f]{1,64}|[0-9a-f]{64} .*", re.DOTALL)
-_FEW = 3
-"""Clocks that are believed where they agree; any other small number would do."""
-_BROKEN = re.compile("[0-9a-f]{8}")
-"""So begins a line; the rest of one that something else was written over does not."""
+_LATE = 0.05
+"""Seconds from the clock of a reading to the time of its line: both are looked at in one call, and kept to 1 ms."""
+_ALIKE = {"created", "planned", "asked", "continued"}
+"""Kinds of events that another campaign begun from the same file may have had, too."""
 _READING = re.compile(r'"reading":(\d{1,18})\b')
-_WIPED = 16 * " "
-"""No line of text has so many blanks; any number of some would do, for a sector has 512 bytes."""
 
 
 @dataclass(eq=False)
@@ -49,11 +38,13 @@ class Strand:
 
     certain : the numbers are those of events; else they count from the first line
     aside : it went on from an event of another strand, which went on as well
+    parted : that strand, where no other campaign can have had that event
     """
 
     lines: dict[int, WholeLine]
     certain: bool = False
     aside: bool = False
+    parted: Strand | None = None
 
     @property
     def numbers(self) -> list[int]:
@@ -69,6 +60,16 @@ class Strand:
     def last(self) -> WholeLine:
         """The last line."""
         return next(reversed(self.lines.values()))
+
+    @property
+    def silent(self) -> bool:
+        """Whether it holds no reading and does not say when the campaign began."""
+        return all(line.row.kind not in ("created", "recorded") for line in self.lines.values())
+
+    def leaves_room(self, other: Strand) -> bool:
+        """Return whether another one has none of its numbers, nor the next ones, which would be linked."""
+        numbers = self.numbers
+        return not {numbers[0] - 1, *numbers, numbers[-1] + 1} & other.lines.keys()
 
     @property
     def order(self) -> tuple[str, int, int]:
@@ -107,34 +108,30 @@ def merged(content: bytes, beginning: EventText | None = None) -> Merged:
     Raises ForeignError where lines and marks are of two records and nothing decides between them.
     """
     marks, whole = marks_in(content), list(whole_lines(content))
-    lines = list({line.chain: line for line in reversed([*whole, *_put_together(content, whole)])}.values())[::-1]
-    twice = len(whole) - len({line.chain for line in whole})
+    lines = list({line.chain: line for line in reversed(whole)}.values())[::-1]
+    twice = len(whole) - len(lines)
     if beginning is not None and all(line.row.kind != beginning.kind for line in lines):
         lines.insert(0, WholeLine(0, 0, beginning, chained(EMPTY, beginning)))
     strands = [each for tree in _trees(content, lines) for each in _strands(tree, lines, marks)]
     strands.sort(key=lambda strand: strand.order)
-    chains = {line.chain for line in lines}
-    borne = [mark for mark in marks if mark.chain in chains]
+    bearing = {line.chain: strand for strand in strands for line in strand.lines.values()}
+    borne = [mark for mark in marks if mark.chain in bearing]
     zero = next((each for each in strands if _begins(each.first) and not each.aside), None)
     foreign = [mark for mark in marks if zero is not None and not borne and mark.last in zero.lines]
     if zero is not None and foreign and zero.first.row != beginning:
         if beginning is None:
             raise ForeignError(foreign[-1], zero)
         return Merged([], [], strands, None, marks, twice)
-    marked = [each for each in strands if each.certain and not each.aside and each is not zero]
-    named = zero is not None and (not marked or (zero.first.end > 0 and zero.first.row == beginning))
-    proven = [*marked, *(each for each in strands if each is zero and named)]
-    evidence = _Evidence(content, strands, proven)
-    ours = sorted(proven, key=lambda each: (not _begins(each.first), each.order))
-    asides, apart = list[Strand](), list[Strand]()
-    for strand in (each for each in strands if each not in proven):
-        place = evidence.place(strand, ours, not marks or marks[-1] not in borne)
-        if place is None:
-            apart.append(strand)
-        elif strand.aside:
-            asides.append(strand)
-        else:
-            ours.insert(place, strand)
+    named = zero is not None and zero.first.end > 0 and zero.first.row == beginning
+    marked = bearing[borne[-1].chain] if borne else None
+    proven = marked
+    if zero is not None and (
+        marked is None or named or (zero.first.end and marked.silent and marked.leaves_room(zero))
+    ):
+        proven = zero
+    found = _of_one(proven, strands, zero)
+    asides, apart = [each for each in found if each.aside], [each for each in strands if each not in found]
+    ours = sorted((each for each in found if not each.aside), key=lambda each: (not _begins(each.first), each.order))
     numbers = {number for strand in ours if strand.certain for number in strand.lines}
     own = [mark for mark in marks if mark in borne or mark.last not in numbers]
     if any(one.turn + 1 < other.turn for one, other in pairwise(own)):
@@ -143,17 +140,39 @@ def merged(content: bytes, beginning: EventText | None = None) -> Merged:
     return Merged(ours, asides, apart, own[-1] if own else None, unborne, twice)
 
 
-def _put_together(content: bytes, whole: Sequence[WholeLine]) -> Iterator[WholeLine]:
-    """Yield lines of which the two pieces stand apart, since blocks of the file were moved."""
-    ends = [0, *(line.end for line in whole)], [*(line.begin for line in whole), len(content)]
-    torn = [(begin, end) for begin, end in zip(*ends, strict=True) if content[begin:end].strip()]
-    cuts = [(begin, at, end) for begin, end in torn for at in range(begin, end + 1) if at % SECTOR == 0 or at == end]
-    before = ((at, content[begin:at].rpartition(b"\n")[2]) for begin, at, _ in cuts)
-    heads = {(at - len(text), text) for at, text in before if _HEAD.fullmatch(text)}
-    tails = {text for _, at, end in cuts if (text := content[at:end].partition(b"\n")[0])}
-    for (begin, head), tail in islice(product(heads, tails), _PAIRS):
-        for line in whole_lines(head + tail):
-            yield line._replace(begin=begin, end=begin + len(head))
+def _of_one(proven: Strand | None, strands: Sequence[Strand], zero: Strand | None) -> dict[Strand, None]:
+    """Return the strands of the record that one is proven to be of; where nothing tells it, a strand is not.
+
+    Campaigns that begin from one file begin with equal events. Their clocks tell them apart, or an event in common that
+    only one can have. What holds no reading comes by its numbers where they leave room. Where a person names the
+    beginning and nothing else is proven, the longest strand is taken to have it.
+    """
+    ours = dict.fromkeys(each for each in strands if each is proven)
+    others = [each for each in strands if each is not proven]
+    begun = _begun(*ours)
+    if (
+        zero is not None
+        and not zero.first.end
+        and not any(_is_near(each, begun) for each in others if each is not zero)
+    ):
+        begun = begun if any(each.numbers[1:] for each in ours) else _begun(max(strands, key=lambda x: len(x.lines)))
+    for strand in sorted(others, key=lambda each: (each.aside, each is not zero)):
+        fits = strand.certain and not strand.aside and strand.silent and all(map(strand.leaves_room, ours))
+        if strand.parted in ours or _is_near(strand, begun) or fits:
+            ours[strand] = None
+    return ours
+
+
+def _begun(*strands: Strand) -> float | None:
+    """Return when a campaign began by the clocks of its lines, s since 1970; None where they have none."""
+    clocks = [clock for strand in strands for clock in _clocks(strand)]
+    return median(clocks) if clocks else None
+
+
+def _is_near(strand: Strand, begun: float | None) -> bool:
+    """Return whether most clocks of a strand name this beginning."""
+    clocks = _clocks(strand)
+    return begun is not None and sum(abs(clock - begun) <= _LATE for clock in clocks) > len(clocks) / 2
 
 
 def _begins(line: WholeLine) -> bool:
@@ -213,70 +232,26 @@ def _strands(tree: _Tree, lines: Sequence[WholeLine], marks: Sequence[Mark]) -> 
     root, depth = next(iter(tree)), dict.fromkeys(tree, 0)
     for each, steps in tree.items():
         depth |= {child: depth[each] + step for child, step in steps}
-    turns, ends = {mark.chain: mark.turn for mark in marks}, {mark.chain: mark.last for mark in marks}
+    ranks, ends = {mark.chain: n for n, mark in enumerate(marks, 1)}, {mark.chain: mark.last for mark in marks}
     known = (ends[lines[each].chain] - depth[each] for each in tree if lines[each].chain in ends)
     number = 1 if _begins(lines[root]) else next(known, None)
     far = dict[int, tuple[int, int]]()
     for each in reversed(tree):
-        turn = turns.get(lines[each].chain, 0)
-        ways = [(max(turn, far[child][0]), far[child][1]) for child, _ in tree[each]]
-        far[each] = max([(turn, depth[each]), *ways])
-    starts, aside = [root], False
+        rank = ranks.get(lines[each].chain, 0)
+        ways = [(max(rank, far[child][0]), far[child][1]) for child, _ in tree[each]]
+        far[each] = max([(rank, depth[each]), *ways])
+    starts, main = [(root, False)], None
     while starts:
-        following, found = [starts.pop()], dict[int, WholeLine]()
+        start, unlike = starts.pop()
+        following, found, shared = [start], dict[int, WholeLine](), unlike
         while following:
             *others, index = sorted(following, key=far.__getitem__)
-            starts += others
+            starts += [(other, unlike) for other in others]
             found[depth[index] + (number or 1)] = lines[index]
-            following = [child for child, _ in tree[index]]
-        yield Strand(found, number is not None, aside)
-        aside = True
-
-
-class _Evidence:
-    """What it takes for a strand to be of the record that others are proven to be of."""
-
-    def __init__(self, content: bytes, strands: Sequence[Strand], proven: Sequence[Strand]) -> None:
-        linked = {pair for strand in strands for pair in pairwise(strand.lines.values())}
-        lines = sorted((line for strand in strands for line in strand.lines.values()), key=lambda line: line.begin)
-        torn = (pair for pair in pairwise(lines) if pair not in linked and _is_torn(content, *pair))
-        self._torn = {line.chain for pair in torn for line in pair}
-        clocks = [clock for strand in proven for clock in _clocks(strand)]
-        self._begun = median(clocks) if clocks else math.inf
-        self._trusted = len(clocks) >= _FEW and self._agrees(clocks)
-
-    def place(self, strand: Strand, ours: Sequence[Strand], open_end: bool) -> int | None:
-        """Return before which of the strands of the record one belongs, None where it may be of another record.
-
-        open_end : lines may be missing behind all of them
-        """
-        clocks, last = _clocks(strand), len(ours)
-        place = next((n for n in range(last + 1) if _fits(strand, ours[n - 1 : n], ours[n : n + 1], open_end)), None)
-        if self._agrees(clocks):
-            later = (n for n, each in enumerate(ours) if each.order > strand.order)
-            return next(later, last) if place is None else place
-        if clocks and self._trusted:
-            return None
-        between = not strand.aside and place not in (None, 0, last)
-        whole = between or all(line.chain not in self._torn for line in strand.lines.values())
-        return None if not whole else last if strand.aside else place
-
-    def _agrees(self, clocks: Sequence[float]) -> bool:
-        """Return whether most clocks name the beginning of this record."""
-        return sum(abs(clock - self._begun) <= _LATE for clock in clocks) > len(clocks) / 2
-
-
-def _fits(strand: Strand, before: Sequence[Strand], behind: Sequence[Strand], open_end: bool) -> bool:
-    """Return whether lines are missing between two strands, none or one each, and this one fits there by time."""
-    if not behind and not open_end:
-        return False
-    if behind and behind[0].certain:
-        least = 0 if strand.certain else 1 + (before[0].numbers[-1] if before and before[0].certain else 0)
-        if behind[0].numbers[0] <= least + strand.numbers[-1] + 1:  # what follows at once would be linked
-            return False
-    times = [*(each.last.row.at for each in before), strand.first.row.at, strand.last.row.at]
-    times += [each.first.row.at for each in behind]
-    return times == sorted(times) and not (strand.certain and before)
+            following, unlike = [child for child, _ in tree[index]], unlike or lines[index].row.kind not in _ALIKE
+        strand = Strand(found, number is not None, main is not None, main if shared else None)
+        main = main or strand
+        yield strand
 
 
 def _clocks(strand: Strand) -> list[float]:
@@ -290,15 +265,3 @@ def _clocks(strand: Strand) -> list[float]:
             elif line.row.kind == "recorded":
                 found.append(at - float(json.loads(line.row.payload)["time"]))
     return found
-
-
-def _is_torn(content: bytes, before: WholeLine, behind: WholeLine) -> bool:
-    """Return whether a single line of text stands between two, made of two pieces: a foreign one may begin there.
-
-    Were both of one record, the line would link them; so would each of several.
-    """
-    try:
-        text = content[before.end : behind.begin].decode().strip()
-    except UnicodeDecodeError:
-        return False
-    return _BROKEN.match(text) is not None and text.isprintable() and _WIPED not in text

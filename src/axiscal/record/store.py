@@ -42,6 +42,7 @@ from axiscal.record.line_form import (
     Mark,
     form_of,
     head,
+    is_torn,
     mark_bytes,
     read_mark,
     rows_after,
@@ -49,7 +50,7 @@ from axiscal.record.line_form import (
     transaction,
     whole_after,
 )
-from axiscal.record.log import ChainedText, EventLog, in_one, refuse_overtaken, rows_of
+from axiscal.record.log import ChainedText, EventLog, in_one, refuse_changed, refuse_overtaken, rows_of
 
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
@@ -63,7 +64,7 @@ class Record(EventLog):
     def __init__(self, path: Path, handle: int, *, write: bool = True) -> None:
         super().__init__(path)
         self._handle, self._write = handle, write
-        self._mark, self._older = Mark(), MARKS[0]
+        self._mark, self._older, self._turn = Mark(), MARKS[0], 0
         self._leased = False
 
     @classmethod
@@ -137,15 +138,20 @@ class Record(EventLog):
                 story = self._story.then(rows, self.path)
                 other = MARKS[self._older == MARKS[0]]
                 newest = read_at(handle, other, MARK)
-                os.ftruncate(handle, self._mark.end)
-                write_at(handle, self._mark.end, content)
-                sync(handle)
+                try:
+                    os.ftruncate(handle, self._mark.end)
+                    write_at(handle, self._mark.end, content)
+                    sync(handle)
+                except OSError:  # whole lines would count, and these are not acknowledged
+                    with contextlib.suppress(OSError):
+                        os.ftruncate(handle, self._mark.end)
+                    raise
                 write_at(handle, self._older, mark_bytes(mark))
                 sync(handle)
                 stands = {self._mark.end: content, self._older: mark_bytes(mark), other: newest}
                 if any(self._read_back(at, len(text)) != text for at, text in stands.items()):
                     raise self._branched(rows, mark)
-                self._older = other
+                self._older, self._turn = other, mark.turn
                 self._mark, self._story = mark, story
         return self._mark.last
 
@@ -202,10 +208,10 @@ class Record(EventLog):
             raise DamageError("neither of the two marks of its end can be read")
         newest = max(whole, key=lambda at: whole[at].turn)
         self._older = MARKS[newest == MARKS[0]]
-        torn = None in marks.values()
-        if whole[newest].turn < self._mark.turn and not torn:
-            raise DamageError("an older copy has been written over it")
         mark = whole[newest]
+        if mark.turn < self._turn and None not in marks.values():
+            raise DamageError("an older copy has been written over it")
+        self._turn = mark.turn
         if mark.turn == self._mark.turn and mark != self._mark:
             raise DamageError("another record has been written over it")
         if mark.turn > self._mark.turn:
@@ -217,13 +223,32 @@ class Record(EventLog):
                     raise DamageError(f"the mark of its end is not that of event {ends}")
                 raise DamageError(f"it ends at event {ends} and should end at event {mark.last}")
             self._take(rows)
-        if torn:
-            self._take(whole_after(self._mark, read_at(self._handle, self._mark.end, MOST_TORN)))
+        if os.fstat(self._handle).st_size < self._mark.end:
+            raise DamageError(f"it ends before event {self._mark.last}")
+        end, behind = self._mark.end, read_at(self._handle, self._mark.end, MOST_TORN)
+        self._take(whole_after(self._mark, behind))
+        if not is_torn(self._mark, behind[self._mark.end - end :]):
+            raise DamageError(f"whole lines stand behind event {self._mark.last} and do not follow from it")
 
     def _take(self, rows: Iterable[tuple[EventText, Mark]]) -> None:
         for row, mark in rows:
             self._story.happened(mark.last, row)
             self._mark = mark
+
+
+def opened_log(path: str | Path, *, write: bool = True, changed: bool = False) -> Record:
+    """Return the log of an existing record, checked; raises RecordError.
+
+    changed : also where it was changed since somebody signed it
+    """
+    log = Record.open(path, write=write)
+    try:
+        if not changed:
+            refuse_changed(log)
+    except BaseException:
+        log.close()
+        raise
+    return log
 
 
 def refuse_existing(path: Path) -> None:

@@ -1,10 +1,8 @@
-"""The guard before the page: only known doors, only who has a bearer of that door, only our own page, nothing large.
+"""The guard before the page: only its own address, only who has the token, only our own page, nothing large.
 
 A page from elsewhere that is open in the same browser can reach the port. Three things stop it: its Host if it has
-renamed itself (rebinding), its Origin, and the bearer, which each request carries in its head. A browser would send a
+renamed itself (rebinding), its Origin, and the token, which each request carries in its head. A browser would send a
 cookie to every port of this computer; what a page keeps for itself, other ports cannot read.
-
-The door of this computer has one bearer, the token; the door of the shop one for each device that a code let in.
 
 Pictures, downloads and the report are fetched by the browser, which adds no head. Each has an address for one request.
 
@@ -19,7 +17,7 @@ from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 from time import monotonic
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any
 
 from fastapi import Depends, FastAPI, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
@@ -37,15 +35,11 @@ from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import messages, spoken_now
 from axiscal.present.guide.slips import SurprisingError
 from axiscal.present.sentences import spelt
-from axiscal.record.signing import writing
 from axiscal.web.shapes import ProblemShape
 
 ROOT = "/api/1"
-_DEVICES, _CODES = f"{ROOT}/devices", f"{ROOT}/codes"
-"""Where a device comes in with a code, and where the page of this computer asks for one."""
 LARGEST = 64 * 1024
 """Bytes of a request's body; what a person types is far smaller."""
-_What = TypeVar("_What")
 _KINDS = {".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml", ".html": "text/html"}
 _STATIC = Path(str(resources.files("axiscal.web"))) / "static"
 FREE = {"/", "/words.json", *(f"/{file.name}" for file in _STATIC.iterdir() if file.suffix != ".html")}
@@ -138,7 +132,7 @@ async def _defect(request: Request, failure: Exception) -> Response:
     return problem(500, "defect", said)
 
 
-TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses
+_TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses
 _WITHIN = 60.0
 """s in which an address that answers once has to be asked for: a browser does it at once, a busy one within seconds."""
 _POLICY = (
@@ -154,63 +148,37 @@ _HEADERS = {
 }
 
 
-class Tickets(Generic[_What]):
-    """Secrets, each of which stands for something once, within `lasts` s."""
-
-    def __init__(self, lasts: float) -> None:
-        self._lasts, self._kept = lasts, dict[str, tuple[_What, float]]()
-
-    def issue(self, what: _What, form: str = "{}") -> str:
-        """Return a new secret that stands for something.  form : what stands around it"""
-        now, secret = monotonic(), form.format(secrets.token_urlsafe(TOKEN_BYTES))
-        self._kept = {each: kept for each, kept in self._kept.items() if kept[1] > now}
-        self._kept[secret] = what, now + self._lasts
-        return secret
-
-    def redeem(self, secret: str) -> _What | None:
-        """Return what a secret stands for, and forget it; None for one that stands for nothing."""
-        what, until = self._kept.pop(secret, (None, 0.0))
-        return what if until > monotonic() else None
-
-
-class Addresses(Tickets[tuple[str, str]]):
+class Addresses:
     """Addresses that answer one request, for what a browser fetches without the token; path and query of each."""
 
     def __init__(self) -> None:
-        super().__init__(_WITHIN)
+        self._kept = dict[str, tuple[str, str, float]]()
 
     def once(self, path: str) -> str:
         """Return an address that answers one request for `path`, with its query, within a minute."""
         plain, _, query = path.partition("?")
-        return self.issue((plain, query), f"/once/{{}}/{plain.rpartition('/')[2]}")
+        now, secret = monotonic(), f"/once/{secrets.token_urlsafe(_TOKEN_BYTES)}/{plain.rpartition('/')[2]}"
+        self._kept = {each: kept for each, kept in self._kept.items() if kept[2] > now}
+        self._kept[secret] = plain, query, now + _WITHIN
+        return secret
 
-
-class Door(NamedTuple):
-    """One way in.
-
-    scheme, hosts : of the addresses that a page of ours has there
-    bearers : who comes in by each, "" for the user of this computer; remedy : for those who have none
-    """
-
-    scheme: str
-    hosts: tuple[str, ...]
-    bearers: dict[str, str]
-    remedy: str
+    def redeem(self, address: str) -> tuple[str, str] | None:
+        """Return path and query that an address stands for, and forget it; None for one that stands for nothing."""
+        path, query, until = self._kept.pop(address, ("", "", 0.0))
+        return (path, query) if until > monotonic() else None
 
 
 class Guard:
     """Lets a request through to `app`, or refuses it with its reason; sets the headers of every answer.
 
-    port : we listen on; shop : the door for devices; address : to open, with a token that is new at every start
+    port : we listen on; address : to open, with a token that is new at every start
     The token stands behind the #, which a browser sends to nobody.
     """
 
-    def __init__(self, app: ASGIApp, port: int, addresses: Addresses, shop: Door | None = None) -> None:
+    def __init__(self, app: ASGIApp, port: int, addresses: Addresses) -> None:
         self._app, self._addresses = app, addresses
-        token, hosts = secrets.token_urlsafe(TOKEN_BYTES), (f"127.0.0.1:{port}", f"localhost:{port}")
-        own = Door("http", hosts, {token: ""}, "Open the address that axiscal serve has printed: it holds the token")
-        self._doors = {each.scheme: each for each in (own, shop) if each is not None}
-        self.address = f"http://{hosts[0]}/#{token}"
+        self._token, self._hosts = secrets.token_urlsafe(_TOKEN_BYTES), (f"127.0.0.1:{port}", f"localhost:{port}")
+        self.address = f"http://{self._hosts[0]}/#{self._token}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
@@ -226,33 +194,29 @@ class Guard:
                 answer.setdefault("Content-Security-Policy", _POLICY)
             await send(message)
 
-        asks = self._asks(HTTPConnection(scope))
-        if isinstance(asks, Response):
-            await asks(scope, receive, answered)
+        fault = self._fault(HTTPConnection(scope))
+        if fault is not None:
+            await fault(scope, receive, answered)
             return
-        with writing(person=asks):
-            await self._app(scope, _bounded(receive), answered)
+        await self._app(scope, _bounded(receive), answered)
 
-    def _asks(self, asked: HTTPConnection) -> str | Response:
-        """Return who asks, "" for the user of this computer or nobody in particular; else what is wrong."""
-        headers, door = asked.headers, self._doors[asked.scope["scheme"]]
-        if headers.getlist("host") not in ([host] for host in door.hosts):
-            return problem(400, "host", f"This page answers under {door.scheme}://{door.hosts[0]} only")
-        if headers.get("origin") not in (None, *(f"{door.scheme}://{host}" for host in door.hosts)):
+    def _fault(self, asked: HTTPConnection) -> Response | None:
+        """Return what is wrong with a request, None for what may come in."""
+        headers = asked.headers
+        if headers.getlist("host") not in ([host] for host in self._hosts):
+            return problem(400, "host", f"This page answers under http://{self._hosts[0]} only")
+        if headers.get("origin") not in (None, *(f"http://{host}" for host in self._hosts)):
             return problem(403, "forbidden", "This request comes from another page")
-        if (door.scheme, asked.scope["path"]) == ("https", _CODES):
-            return problem(403, "forbidden", "Codes are shown at the computer alone")
         scheme, _, token = headers.get("authorization", "").partition(" ")
-        for bearer, person in door.bearers.items():
-            ours = hmac.compare_digest(token.encode("utf-8", "replace"), bearer.encode())
-            if scheme.lower() == "bearer" and ours:
-                return person
-        return "" if self._is_free(asked.scope) else problem(403, "forbidden", door.remedy)
+        ours = hmac.compare_digest(token.encode("utf-8", "replace"), self._token.encode())
+        if (scheme.lower() == "bearer" and ours) or self._is_free(asked.scope):
+            return None
+        return problem(403, "forbidden", "Open the address that axiscal serve has printed: it holds the token")
 
     def _is_free(self, scope: Scope) -> bool:
         """Return whether a request needs no token; one for an address that answers once is led to what that means."""
         if scope["method"] not in ("GET", "HEAD"):
-            return bool(scope["path"] == _DEVICES)  # a code is asked for there
+            return False
         meant = self._addresses.redeem(scope["path"])
         if meant is not None:
             scope["path"], scope["raw_path"], scope["query_string"] = meant[0], meant[0].encode(), meant[1].encode()

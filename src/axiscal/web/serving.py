@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import io
 import logging
+import os
 import socket
 import zipfile
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
@@ -22,7 +23,6 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from axiscal.answers.answer import AnswerDocument
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.exceptions import InputError, OvertakenError
-from axiscal.language.spoken import said
 from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
 from axiscal.present.sentences import spelt
@@ -31,7 +31,6 @@ from axiscal.web import after_end, draft, shapes
 from axiscal.web.counter import Counter, lost_interruptions
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Addresses, Guard, document, page_application, problem
-from axiscal.web.shop import LOOPBACK, Code, Device, ShopDoor, listening
 
 _STEPS: dict[str, tuple[type[AnswerDocument], Callable[..., str]]] = {
     "readings": (shapes.KeepRequest, Desk.keep),
@@ -47,10 +46,10 @@ _STEPS: dict[str, tuple[type[AnswerDocument], Callable[..., str]]] = {
 """What a page may ask of the desk: address, request, and what takes the fields of the request."""
 
 
-def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None = None) -> Guard:
+def application(counter: Counter, port: int, here: Path) -> Guard:
     """Return the whole page behind its guard.  here : the folder of what begins on it"""
     addresses = Addresses()
-    api = _Api(counter, here, addresses, shop)
+    api = _Api(counter, here, addresses)
 
     @asynccontextmanager
     async def watching(app: FastAPI) -> AsyncIterator[None]:
@@ -71,12 +70,12 @@ def application(counter: Counter, port: int, here: Path, shop: ShopDoor | None =
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
     for name in ("state", "typed", "cost", "texts", "check"):
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
-    for name in ("addresses", "draft", "open", "leave", "codes", "devices"):
+    for name in ("addresses", "draft", "open", "leave"):
         app.post(f"{ROOT}/{name}")(_documented(getattr(api, name)))
     app.post(f"{ROOT}/check")(_documented(api.judge))
     for name, (request, step) in _STEPS.items():
         app.post(f"{ROOT}/{name}")(_documented(api.doing(request, step)))
-    return Guard(app, port, addresses, None if shop is None else shop.door)
+    return Guard(app, port, addresses)
 
 
 _picture = partial(Response, media_type="image/svg+xml")
@@ -90,8 +89,8 @@ _Made = TypeVar("_Made")
 class _Api:
     """What the routes answer; the description of the API says of each what stands here."""
 
-    def __init__(self, counter: Counter, here: Path, addresses: Addresses, shop: ShopDoor | None) -> None:
-        self._counter, self._here, self._addresses, self._shop = counter, here, addresses, shop
+    def __init__(self, counter: Counter, here: Path, addresses: Addresses) -> None:
+        self._counter, self._here, self._addresses = counter, here, addresses
 
     def doing(self, request: type[AnswerDocument], step: Callable[..., str]) -> _Answering:
         """Return what answers requests for a step of the desk with the state after it."""
@@ -110,19 +109,6 @@ class _Api:
     async def addresses(self, asked: shapes.AddressRequest) -> shapes.AddressShape:
         """Return an address that answers one request within a minute, for a picture, a download or the report."""
         return shapes.AddressShape(address=self._addresses.once(asked.path))
-
-    async def codes(self, person: _Sent) -> Code:
-        """Return a code that lets a device of a person in; only the page of this computer may ask."""
-        return self._open_shop().code(person)
-
-    async def devices(self, code: _Sent) -> Device:
-        """Return the bearer of a device that comes with a code, which does so once."""
-        return self._open_shop().let_in(code)
-
-    def _open_shop(self) -> ShopDoor:
-        if self._shop is None:
-            raise InputError(said("No device can come in"), said("End axiscal serve, and start axiscal serve --shop"))
-        return self._shop
 
     async def state(self, seen: shapes.Seen = 0, wait: shapes.Wait = 0.0) -> shapes.StateShape:
         """All that the page shows, at once or when it is newer than what was seen."""
@@ -253,19 +239,19 @@ _ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024
 
 
 @lost_interruptions()
-def serve_page(record: Path | None, port: int, ready: Callable[[str], None], shop: ShopDoor | None = None) -> str:
+def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
     """Serve the page of a record, or the start of one in this folder, until Ctrl-C.
 
     Returns a sentence on what was broken off, "" where nothing was.
 
     Page and answers are in the language that is spoken.
-    port : 0 is any that is free; ready : called with the address once the page answers; shop : lets devices in
+    port : 0 is any that is free; ready : called with the address once the page answers
     Raises RecordError if that is no record, InputError if the port is taken.
     """
     counter = Counter(record)
     try:
-        with listening(LOOPBACK, port) as listener:
-            page = application(counter, int(listener.getsockname()[1]), Path.cwd(), shop)
+        with _listening(port) as listener:
+            page = application(counter, int(listener.getsockname()[1]), Path.cwd())
             config = uvicorn.Config(
                 page,
                 http=_Caller,
@@ -278,13 +264,28 @@ def serve_page(record: Path | None, port: int, ready: Callable[[str], None], sho
                 backlog=_BURST,
                 h11_max_incomplete_event_size=_HEAD,
             )
-            server = _Server(config, counter.end, lambda: ready(page.address), shop)
+            server = _Server(config, counter.end, lambda: ready(page.address))
             server.run(sockets=[listener])
     except KeyboardInterrupt:
         pass  # the way in which a server is ended
     finally:
         left = counter.close()
     return left
+
+
+def _listening(port: int) -> socket.socket:
+    """Return what listens on this computer alone; raises InputError where that cannot be."""
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    if os.name == "posix":  # connections of a server that was killed keep its port from the next one else
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind(("127.0.0.1", port))
+        listener.listen()
+    except OSError as failure:
+        listener.close()
+        what, remedy = "Port {port} cannot be used: {reason}", "Name another one with --port"
+        raise InputError(what, remedy, port=port, reason=failure.strerror) from failure
+    return listener
 
 
 class _Caller(H11Protocol):
@@ -322,29 +323,14 @@ class _Caller(H11Protocol):
 class _Server(uvicorn.Server):
     """The server, which says when it answers, and tells those who wait for news that it is about to end."""
 
-    def __init__(
-        self, config: uvicorn.Config, ending: Callable[[], None], ready: Callable[[], None], shop: ShopDoor | None
-    ) -> None:
+    def __init__(self, config: uvicorn.Config, ending: Callable[[], None], ready: Callable[[], None]) -> None:
         super().__init__(config)
-        self._ending, self._ready, self._shop = ending, ready, shop
+        self._ending, self._ready = ending, ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to answer, and say so: from here on a signal ends it as it should."""
         await super().startup(sockets)
-        if self._shop is not None:
-            self.servers.append(await self._listening_to(self._shop))
         self._ready()
-
-    async def _listening_to(self, shop: ShopDoor) -> asyncio.Server:
-        """Return what takes in the devices of the shop, which has to greet in time, too."""
-        loop = asyncio.get_running_loop()
-        return await loop.create_server(
-            lambda: _Caller(self.config, self.server_state, self.lifespan.state, loop),
-            sock=shop.listener,
-            ssl=shop.context,
-            ssl_handshake_timeout=_PATIENCE,
-            backlog=_BURST,
-        )
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Take a signal to end; who still waits for an answer then is sent away, which is no fault to be told of."""

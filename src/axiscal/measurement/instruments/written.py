@@ -12,16 +12,17 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 from zlib import crc32
 
 import numpy as np
 
+from axiscal.document.consent import refuse_unread
 from axiscal.document.ports import one_of
 from axiscal.document.quoting import shown
-from axiscal.exceptions import AxiscalError, DescriptionError
+from axiscal.exceptions import AxiscalError, CodeError, DescriptionError
 from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.kind import Instrument, Kind, Reads
 from axiscal.measurement.setup import Setup, Unknown
@@ -109,14 +110,14 @@ def name_of(made: type[Seeing]) -> str:
     return name
 
 
-def named(text: str, file: Path, line: int | None) -> Instrument | None:
+def named(text: str, file: Path, line: int | None, *, own: bool) -> Instrument | None:
     """Return the instrument that a campaign calls so, None where nobody brings one; raises DescriptionError, PortError.
 
-    file, line : where it is named
+    file, line : where it is named; own : by who reads it. Raises CodeError for code that nobody has said yes to.
     """
     module, _, name = text.rpartition(":")
     at_hand = _AT_HAND.get(text)
-    found = getattr(_module(file.parent, module), name, None) if module else at_hand or one_of(PORTS, text)
+    found = getattr(_module(file.parent, module, own), name, None) if module else at_hand or one_of(PORTS, text)
     if found is None and not module:
         return None
     if not (isinstance(found, type) and issubclass(found, Seeing)):
@@ -126,19 +127,21 @@ def named(text: str, file: Path, line: int | None) -> Instrument | None:
         return _figures(text, found, (file, line))
 
 
-def _module(folder: Path, file: str) -> Any:
+def _module(folder: Path, file: str, own: bool) -> Any:
     """Return a file of Python, run once for what it says; raises DescriptionError.  folder : may not be there yet"""
     path = Path(os.path.normpath(folder / file))
     try:
-        own = f"axiscal_written_{crc32(str(path.absolute()).encode() + path.read_bytes()):08x}"
-        if own not in sys.modules:
-            spec = spec_from_file_location(own, path)
-            if spec is None or spec.loader is None:
-                raise ImportError("it is no file .py")
-            module = module_from_spec(spec)
-            spec.loader.exec_module(module)
-            sys.modules[own] = module
-        return sys.modules[own]
+        text = path.read_bytes()
+        refuse_unread(path, text, own=own)
+        name = f"axiscal_written_{crc32(str(path.absolute()).encode() + text):08x}"
+        if name not in sys.modules:
+            module = ModuleType(name)
+            module.__file__ = str(path)
+            exec(compile(text, path, "exec"), module.__dict__)  # the text that was read: files beside it are not asked
+            sys.modules[name] = module
+        return sys.modules[name]
+    except CodeError:
+        raise
     except Exception as fault:
         what = "the instrument {module} cannot be loaded ({kind}: {fault})"
         remedy = "Put the file there, or repair it"

@@ -19,7 +19,7 @@ from axiscal.present.check_answer import check_answer, check_plan, check_sentenc
 from axiscal.present.guide.question import measured
 from axiscal.present.guide.slips import display_text
 from axiscal.present.sentences import spelt
-from axiscal.record.signing import hand_now
+from axiscal.record.signing import own_hand
 from axiscal.units import digits, to_unit
 
 
@@ -92,6 +92,6 @@ class CheckJudged(AnswerDocument):
         refuse_implausible(sides[0], check.description, said("without the tables"))
         for name, each in zip(("found.csv", "left.csv"), sides, strict=True):
             write_whole(folder / name, filled_sheet(check.description.machine.axes, each).encode())
-        judged, taken = check.judged((tuple(sides[0]), tuple(sides[1])), tolerance), Taken(hand_now().person, "page")
+        judged, taken = check.judged((tuple(sides[0]), tuple(sides[1])), tolerance), Taken(own_hand().person, "page")
         answer = check_answer(judged, len(places), check.tables.certain, taken)
         return cls(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])

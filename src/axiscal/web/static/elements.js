@@ -40,27 +40,19 @@ export function on(id, kind, act) {
 }
 
 // The printed address hands the token over, which this tab keeps until it is closed. Another tab opens that address too.
-// A device of the shop comes with a code, and keeps the bearer that it gets for it.
-export const device = location.protocol === "https:";
-const keeper = device ? localStorage : sessionStorage, given = location.hash.slice(1), code = given.startsWith("code=") ? given.slice(5) : "";
-if (given && !code) keeper.setItem("token", given);
+const given = location.hash.slice(1);
+if (given) sessionStorage.setItem("token", given);
 history.replaceState(history.state, "", "/");
 addEventListener("hashchange", () => location.reload()); // a new address in a tab that shows the page
 
 // What was sent arrives even where the tab is closed in the same moment.
 // within : ms after which the way there counts as gone
 export async function call(path, body, within = 600000) {
-  const headers = { Authorization: `Bearer ${keeper.getItem("token")}` };
+  const headers = { Authorization: `Bearer ${sessionStorage.getItem("token")}` };
   const posted = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(body), keepalive: true };
   const answer = await fetch(`/api/1${path}`, { ...(body === undefined ? { headers } : posted), signal: AbortSignal.timeout(within) });
   return { ok: answer.ok, status: answer.status, document: await answer.json() };
 }
-
-if (code) {
-  const { ok, document: found } = await call("/devices", { code });
-  if (ok) for (const [name, value] of [["token", found.bearer], ["person", found.person]]) keeper.setItem(name, value);
-}
-export const person = device ? keeper.getItem("person") : null;
 
 // An address for the browser itself, which sends no token; it answers once.
 export async function once(path) {

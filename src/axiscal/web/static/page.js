@@ -2,7 +2,6 @@
 import { button, call, draw, element, find, hear, on, renderWords, show, tell, text, waiting } from "/elements.js";
 import { renderControls } from "/after.js";
 import { deliver, enter, unanswered } from "/outbox.js";
-import "/shop.js";
 import { drawDirection, rounded, shown, strip, unitText } from "/pictures.js";
 import { said, translate } from "/words.js";
 
