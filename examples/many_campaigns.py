@@ -36,6 +36,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 
 Row = dict[str, object]
+Key = dict[str, str]
 KEYS = ("campaign", "described", "machine")
 FIGURES = ("readings", "minutes", "U_um", "true_rms_um", "within_U", "reached", "error")
 LOOK = 2.0
@@ -81,9 +82,9 @@ def missed(known: Estimation, truth: VirtualMachine) -> Array:
     return counted
 
 
-def cases(files: Sequence[Path], machines: int) -> list[tuple[CampaignDescription, Row]]:
+def cases(files: Sequence[Path], machines: int) -> list[tuple[CampaignDescription, Key]]:
     """Return the campaign and the key of each case: all machines of the first file, then of the next."""
-    found = []
+    found = list[tuple[CampaignDescription, Key]]()
     for file, campaign in ((file, ac.read_campaign(file)) for file in files):
         described = sha256((campaign.text + campaign.machine.text + campaign.prior_text).encode()).hexdigest()[:12]
         keys = ({"campaign": file.name, "described": described, "machine": str(n)} for n in range(machines))
@@ -92,17 +93,17 @@ def cases(files: Sequence[Path], machines: int) -> list[tuple[CampaignDescriptio
 
 
 def measured(
-    left: Sequence[tuple[CampaignDescription, Row]], workers: Executor, look: Callable[[], None]
+    left: Sequence[tuple[CampaignDescription, Key]], workers: Executor, look: Callable[[], object]
 ) -> Iterator[Row]:
     """Yield the row of each case that is left, in their order.  look : called while one is waited for"""
     plans = {id(campaign): workers.submit(planned, campaign) for campaign, _ in left}
     places = {campaign: _waited(plan, look) for campaign, plan in plans.items()}
-    each = [workers.submit(outcome, of, places[id(of)], int(str(key["machine"]))) for of, key in left]
+    each = [workers.submit(outcome, of, places[id(of)], int(key["machine"])) for of, key in left]
     for (_, key), future in zip(left, each, strict=True):
         yield {**key, **_waited(future, look)}
 
 
-def _waited(future: Future[Any], look: Callable[[], None]) -> Any:
+def _waited(future: Future[Any], look: Callable[[], object]) -> Any:
     """Return what comes of a future."""
     while True:
         try:
@@ -165,7 +166,7 @@ def main(words: Sequence[str]) -> None:
     rows = [done[tuple(key.values())] for _, key in every if tuple(key.values()) in done]
     left = [case for case in every if tuple(case[1].values()) not in done]
     workers: Executor = ProcessPoolExecutor()
-    look: Callable[[], None] = list  # nobody is looked after here
+    look: Callable[[], object] = list  # nobody is looked after here
     if asked.cluster:
         from dask.distributed import Client  # pip install distributed
 
