@@ -36,6 +36,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 
 Row = dict[str, object]
+Key = dict[str, str]
 KEYS = ("campaign", "described", "machine")
 FIGURES = ("readings", "minutes", "U_um", "true_rms_um", "within_U", "reached", "error")
 LOOK = 2.0
@@ -81,23 +82,23 @@ def missed(known: Estimation, truth: VirtualMachine) -> Array:
     return counted
 
 
-def cases(files: Sequence[Path], machines: int) -> list[tuple[CampaignDescription, Row]]:
+def cases(files: Sequence[Path], machines: int) -> list[tuple[CampaignDescription, Key]]:
     """Return the campaign and the key of each case: all machines of the first file, then of the next."""
-    found = list[tuple[CampaignDescription, Row]]()
+    found = list[tuple[CampaignDescription, Key]]()
     for file, campaign in ((file, ac.read_campaign(file)) for file in files):
         described = sha256((campaign.text + campaign.machine.text + campaign.prior_text).encode()).hexdigest()[:12]
-        keys: list[Row] = [{"campaign": file.name, "described": described, "machine": str(n)} for n in range(machines)]
+        keys = ({"campaign": file.name, "described": described, "machine": str(n)} for n in range(machines))
         found += [(campaign, key) for key in keys]
     return found
 
 
 def measured(
-    left: Sequence[tuple[CampaignDescription, Row]], workers: Executor, look: Callable[[], object]
+    left: Sequence[tuple[CampaignDescription, Key]], workers: Executor, look: Callable[[], object]
 ) -> Iterator[Row]:
     """Yield the row of each case that is left, in their order.  look : called while one is waited for"""
     plans = {id(campaign): workers.submit(planned, campaign) for campaign, _ in left}
     places = {campaign: _waited(plan, look) for campaign, plan in plans.items()}
-    each = [workers.submit(outcome, of, places[id(of)], int(str(key["machine"]))) for of, key in left]
+    each = [workers.submit(outcome, of, places[id(of)], int(key["machine"])) for of, key in left]
     for (_, key), future in zip(left, each, strict=True):
         yield {**key, **_waited(future, look)}
 

@@ -26,7 +26,7 @@ sys.exit(axiscal.cli.main())
 """
 
 
-@pytest.mark.parametrize("module", ["axiscal.cli.app", "typer", "axiscal.cli.report", "axiscal.campaign.campaign"])
+@pytest.mark.parametrize("module", ["axiscal.cli.app", "typer", "axiscal.cli.status", "axiscal.campaign.campaign"])
 def test_ctrl_c_while_the_program_is_loaded_is_as_clean_as_later(module: str) -> None:
     run = subprocess.run([sys.executable, "-c", STOPPED, module], capture_output=True, text=True, check=False)
     assert (run.returncode, run.stdout) == (1, "")

@@ -98,7 +98,6 @@ COMMANDS: Mapping[str, Command] = {
     "estimate": Command(ESTIMATE, out="out", manifest=SET),
     "report": Command(_words(f"report {RECORD} --out out/page.html"), MEASURED, out="out/page.html"),
     "plan, as programs": Command(_words("plan campaign.toml --gcode linuxcnc --out out"), out="out"),
-    "check": Command(_words(f"check {RECORD} --plan out.csv"), MEASURED, out="out.csv"),
     "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
 }
 

@@ -159,6 +159,11 @@ def constant_rows(summary: Summary) -> list[list[str]]:
     ]
 
 
+def approach_words(row: HistoryRow) -> str:
+    """Return from which sides a place was come to: "X+ Y−"."""
+    return _minus(row.approach)
+
+
 def position_text(position: Position | None) -> str:
     """Return {"X": 120.0, "B": 30.0} as "X 120 · B 30"."""
     return "–" if position is None else " · ".join(f"{axis} {coordinate(v)}" for axis, v in position.items())
