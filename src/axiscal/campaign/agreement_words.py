@@ -74,15 +74,16 @@ def mistake_words(each: Explained, known: Estimation) -> str:
     if each.mistake == "direction":
         return said("correct direction of {axes} in the machine's file", axes=listed(", ", [*each.axes]))
     if each.mistake == "place":
-        what = '"{setup}" does not stand where the campaign says. Correct its place there, or put it there and read it again'
-        return said(what, setup=names[0])
-    if each.mistake == "still":
         what = (
-            '"{setup}" shows one value wherever the machine stands. Look whether it touches and follows, read it again'
+            '"{setup}" does not stand where the campaign says. Correct its place there, or put it there and read it '
+            "again"
         )
         return said(what, setup=names[0])
+    if each.mistake == "still":
+        what = '"{setup}" shows one value at all places. Look whether it touches and follows; read it again'
+        return said(what, setup=names[0])
     if each.mistake == "noise":
-        what = '"{setup}" scatters by {share:.1g} of its noise: less than a tenth. Check unit and display, or state its noise'
+        what = '"{setup}" scatters by {share:.1g} of its stated noise. Check unit and display, or state its own noise'
         return said(what, setup=names[0], share=each.factor)
     if each.mistake == "jump":
         if (artefact := setups[each.setups[0]].artefact) is not None:

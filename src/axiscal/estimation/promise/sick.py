@@ -8,7 +8,8 @@ A row says what the machine has to make then, y' of the readings y, and how prob
   covariance s² + w² 11ᵀ, each s as probable. Zeros alone are such readings.
 - shifted: each value belongs to the place behind or before, as if a line was missed. The one that is left is anywhere
   among the others.
-- unit: values are f times too small, p(rest) = f^m. If the noise then is nearer to what was written it is no unit.
+- unit: values, not all alike, are f times too small, p(rest) = f^m. Where the noise is nearer to what was written it is
+  none.
 - noise: P(θ < log 0.1 | y), θ its logarithm over what is stated, against as much before any reading.
 
 Sizes as stated and others tell first whether anything is to be weighed.
@@ -97,7 +98,7 @@ class _Mounted:
     def other_unit(self) -> Iterator[Tried]:
         """Yield that all values are as much too small as another unit makes them."""
         problem, mine, none = self.problem, self.mine, np.zeros((0, len(self.mine)))
-        for factor in _SMALLER:
+        for factor in _SMALLER if np.ptp(problem.values[mine]) else ():
             odds = math.log(PRIOR) + int(mine.sum()) * math.log(factor)
             wrong = Explained("unit", odds, self.setups, factor=1 / factor)
             yield from self._weighed(wrong, np.where(mine, factor * problem.values, problem.values), none)
