@@ -13,7 +13,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from tests.generators.texts import artefact_text, machine_text, setup_text
+from tests.generators.texts import Said, artefact_text, machine_text, setup_text
 
 MILL = machine_text(
     "w-X'-Y'-b-Z-t", {"X": (0, 600), "Y": (0, 400), "Z": (0, 300)},
@@ -38,7 +38,7 @@ class Job:
 
 
 def _dial(name: str, axis: str, direction: str, **more: str) -> str:
-    reach = {axis: ["50 mm", "350 mm"]}
+    reach: Said = {axis: ["50 mm", "350 mm"]}
     return setup_text(name, "straightedge", direction=direction, moves=[axis], approach="both", reach=reach, **more)
 
 
@@ -119,8 +119,8 @@ def _digit(values: Sequence[float]) -> float:
 
 
 def _flickering(values: list[float]) -> list[float]:
-    flicker = np.random.default_rng(len(values)).integers(0, 2, len(values))
-    return (values[0] + _digit(values) * flicker).tolist()
+    flicker = np.random.default_rng(len(values)).integers(0, 2, len(values)).tolist()
+    return [values[0] + _digit(values) * each for each in flicker]
 
 
 SICK: dict[str, Callable[[list[float]], list[float]]] = {

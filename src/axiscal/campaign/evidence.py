@@ -44,5 +44,5 @@ TESTED = re.compile(r'test of sign "(.*)": .* \((.*)\)')
 
 def overruled(notes: Iterable[Note]) -> list[str]:
     """Return the set-ups that were read although the test at their last mounting failed."""
-    found = dict(each.groups() for note in notes if (each := TESTED.fullmatch(note.text)))
+    found = {each[1]: each[2] for note in notes if (each := TESTED.fullmatch(note.text))}
     return [setup for setup, verdict in found.items() if verdict == OVERRULED]

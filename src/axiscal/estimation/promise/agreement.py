@@ -9,7 +9,7 @@ fifth of the readings is left out, and 0 if all are. Below 0.001 the readings co
   two, so these are sought at the sizes as stated.
 - It turns K into that of a machine with an axis that counts the other way.
 - It adds columns: a zero that jumps, as `jumps` finds it.
-- It takes rows away: an instrument that is stuck, as `stuck` finds it.
+- It takes rows away: an instrument that is stuck, as `sick` finds it.
 
     gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|
 

@@ -25,8 +25,7 @@ import numpy as np
 
 from axiscal.estimation.promise.agreement import MOST_BAD, SEVERAL, Agreement, Framed, Tried, Turned, agreement
 from axiscal.estimation.promise.jumps import at_turns, jumped, likelier
-from axiscal.estimation.promise.sick import sick
-from axiscal.estimation.promise.stuck import Repeats, stuck
+from axiscal.estimation.promise.sick import Repeats, sick, stuck
 from axiscal.numerics import Array
 from axiscal_core.draws import Draws, Weighed, sized
 from axiscal_core.left_out import LeftOut, left_out, with_stated

@@ -13,7 +13,7 @@ from axiscal.campaign.evidence import OVERRULED, TESTED
 from axiscal.campaign.sources import virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.estimation.promise.agreement import PRIOR
-from axiscal.estimation.promise.stuck import repeats
+from axiscal.estimation.promise.sick import repeats
 from axiscal.exceptions import AxiscalError, ReadingError
 from axiscal.language.spoken import WORDS, decimals, put, said
 from axiscal.machine.kinematics import frames
