@@ -122,11 +122,11 @@ def test_of_two_dozen_right_records_none_has_a_jump(times: float) -> None:
 
 
 def _out_and_back(setup: str, runs: int, step: float) -> list[Reading]:
-    """Return readings out and back, a step less on every way back, m, without noise."""
+    """Return readings out and back, a step less on every way back, m, as a display of 1 um shows them."""
     case, out = foreign_case(setup), np.linspace(0.05, 0.55, 9)
     park, name = case.description.setups[0].park[1:], case.description.setups[0].name
     places = [(float(x), 1 if run % 2 == 0 else -1) for run in range(runs) for x in out[:: 1 if run % 2 == 0 else -1]]
-    values = [30e-6 * x - (step if side < 0 else 0.0) for x, side in places]
+    values = [round(30e-6 * x - (step if side < 0 else 0.0), 6) for x, side in places]
     return [
         Reading(name, (x, *park), (side, 0), y, number=i + 1)
         for i, ((x, side), y) in enumerate(zip(places, values, strict=True))

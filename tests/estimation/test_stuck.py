@@ -11,7 +11,7 @@ import pytest
 
 from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.promise.stuck import Repeats, _step, repeats, stuck
+from axiscal.estimation.promise.sick import Repeats, _step, repeats, stuck
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import put_right
 from axiscal_core.draws import sized as weighed

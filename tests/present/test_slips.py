@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
+from axiscal.cli.outputs import standing_screen
 from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import (
     SIZES,
@@ -61,12 +63,17 @@ def test_a_display_that_is_wrong_is_named_before_anything_is_written(
     assert (campaign.state.readings, jog(campaign)) == ((), test)
     try_jog(campaign, typed, anyway=True)
     assert jog(campaign) is None
+    campaign.record(0.0)
+    assert standing_answer(campaign).model_dump()["overruled"] == ["laser"]
+    assert 'Taken all the same: the test at mounting "laser" failed.' in standing_screen(campaign)
 
 
 def test_a_display_that_follows_is_tested_once_a_mounting(campaign: Campaign) -> None:
     with pytest.raises(ReadingError, match="is no reading"):
         try_jog(campaign, "skip")
+    try_jog(campaign, "0.1", anyway=True)
     try_jog(campaign, "0,102 mm")
+    assert "overruled" not in standing_answer(campaign).model_dump()
     assert campaign.state.notes[-1].text.endswith("0,102 mm (right)")
     assert jog(campaign) is None
     campaign.record(0.0)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.promise.stuck import repeats
+from axiscal.estimation.promise.sick import repeats
 from axiscal.measurement.reading import Reading
 from axiscal_core.threads import one_thread
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings

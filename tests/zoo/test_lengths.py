@@ -50,6 +50,21 @@ def test_a_printed_square_becomes_a_skew(tmp_path: Path) -> None:
     assert 0.8 * SKEW < factor < SKEW
 
 
+def test_two_diagonals_without_any_unknown_say_the_angle(tmp_path: Path) -> None:
+    """By the cosine rule: the squares of both diagonals differ by 4 a b cos of the angle at A."""
+    lengths = {name: _printed(name) for name in ("AC", "BD")}
+    ends = ", ".join(f"{name} = [{', '.join(_place(*CORNERS[letter]) for letter in name)}]" for name in lengths)
+    (tmp_path / "square.toml").write_text(f"{SQUARE}unknowns = {{}}\nlengths = {{ {ends} }}\n")
+    rows = [f"square {name},{length}" for name, length in lengths.items()]
+    (tmp_path / "lengths.csv").write_text("\n".join(["setup,length_mm", *rows]))
+    out = tmp_path / "out"
+    answer = Answer(out, given("data", "estimate", tmp_path / "square.toml", tmp_path / "lengths.csv", "--out", out))
+    (found,) = answer.result["rows"][0]["signed"]
+    leans = (lengths["AC"] ** 2 - lengths["BD"] ** 2) / (4 * 240**2)
+    assert abs(found["value"] + 1e6 * leans) < 100
+    assert answer.result["readings"] == 2
+
+
 @pytest.mark.long
 def test_a_ruler_shows_how_much_a_scale_is_longer(tmp_path: Path) -> None:
     marks = range(100, 1001, 100)

@@ -259,6 +259,7 @@ class ResultAnswer(AnswerDocument):
     checks : readings drawn at random; as_promised : of these
     half_read : from where to where axes were read, mm or deg, half of the volume or less; left out where none was
     screws : under the bed, all but the first, which stays; left out where nobody states them
+    overruled : set-ups that were read although the test at their mounting failed; left out where none was
     asks : a step may be a zero set anew, and nobody has said so; left out where nothing is asked
     """
 
@@ -281,4 +282,5 @@ class ResultAnswer(AnswerDocument):
     offset: float | None = None
     half_read: Mapping[str, tuple[float, float]] = Field(default_factory=dict, exclude_if=lambda axes: not axes)
     screws: Sequence[ScrewTurn] = Field(default=(), exclude_if=lambda screws: not screws)
+    overruled: Sequence[str] = Field(default=(), exclude_if=lambda names: not names)
     asks: bool = Field(default=False, exclude_if=lambda asks: not asks)

@@ -34,6 +34,7 @@ from axiscal.answers.bed_screws import screw_turns
 from axiscal.answers.row_words import row_name
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
+from axiscal.campaign.evidence import overruled
 from axiscal.estimation.accuracy.expanded import known_to, reach
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
@@ -219,6 +220,7 @@ def answer_of(
         offset=None if offset is None else _digits(to_unit(offset, "um")),
         half_read={axis.name: (to_unit(ends[0], axis.unit), to_unit(ends[1], axis.unit)) for axis, ends in parts},
         screws=[] if withheld else screw_turns(known),
+        overruled=overruled(campaign.state.notes),
         asks=bool(known.agreement.explained) and not known.agreement.contradicts,
     )
 

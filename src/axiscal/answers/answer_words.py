@@ -23,7 +23,7 @@ from axiscal.answers.row_words import (
     signs_sentence,
     warmth_sentence,
 )
-from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, said
+from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, quoted, said
 from axiscal.tables.registry import exporter
 from axiscal.units import digits
 from axiscal_core.theta import MANY
@@ -82,6 +82,7 @@ def answer_text(
     found = [
         *spare,
         _agreement(answer, agreement),
+        _overruled(answer.overruled),
         said(_UNTOLD, many=MANY) if _unchecked(answer) else "",
         _unmeasured(answer, cut),
         _beside(answer),
@@ -219,6 +220,12 @@ def _agreement(answer: ResultAnswer, words: str) -> str:
         return agree
     kept = said("Checks: {kept} of {count} as promised.", kept=answer.as_promised, count=answer.checks)
     return put("{agree} {checks}", agree=agree, checks=kept)
+
+
+def _overruled(setups: Sequence[str]) -> str:
+    """Return which set-ups were read although their test failed, "" for none."""
+    what = "Taken all the same: the test at mounting {setups} failed. Mount it, pass the test and read again."
+    return said(what, setups=listed(", ", [quoted(each) for each in setups])) if setups else ""
 
 
 def _unmeasured(answer: ResultAnswer, cut: bool) -> str:

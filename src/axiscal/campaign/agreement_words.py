@@ -40,15 +40,9 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
         text = said(short, names=joined(names, _UNUSED), **used) if names else count
         return listed("; ", [text, *([checks_words(known.checks)] if known.checks.each else [])])
     chance = put("p = {p:.1g}", p=found.p)
-    if found.described is not None and found.described.axes:
-        what = "The readings contradict each other ({chance}): correct direction of {axes} in the machine's file"
-        return said(what, chance=chance, axes=listed(", ", [*found.described.axes]))
     if found.described is not None:
-        what = (
-            'The readings contradict each other ({chance}): "{setup}" does not stand where the campaign says. Correct '
-            "its place there, or put it there and read it again"
-        )
-        return said(what, chance=chance, setup=known.stated.description.setups[found.described.setups[0]].name)
+        cause = mistake_words(found.described, known)
+        return said("The readings contradict each other ({chance}): {causes}", chance=chance, causes=cause)
     if not found.explained:
         what = "The readings contradict each other ({chance}), and no single mistake explains it: {count}"
         return said(what, chance=chance, count=count)
@@ -72,6 +66,20 @@ def mistake_words(each: Explained, known: Estimation) -> str:
     """Return what went wrong, and what to do about it."""
     setups = known.stated.description.setups
     names = [setups[index].name for index in each.setups]
+    if each.mistake == "direction":
+        return said("correct direction of {axes} in the machine's file", axes=listed(", ", [*each.axes]))
+    if each.mistake == "place":
+        what = (
+            '"{setup}" does not stand where the campaign says. Correct its place there, or put it there and read it '
+            "again"
+        )
+        return said(what, setup=names[0])
+    if each.mistake == "still":
+        what = '"{setup}" shows one value at all places. Look whether it touches and follows; read it again'
+        return said(what, setup=names[0])
+    if each.mistake == "noise":
+        what = '"{setup}" scatters by {share:.1g} of its stated noise. Check unit and display, or state its own noise'
+        return said(what, setup=names[0], share=each.factor)
     if each.mistake == "jump":
         if (artefact := setups[each.setups[0]].artefact) is not None:
             what = (
@@ -131,6 +139,8 @@ def question(known: Estimation, named: Explained) -> str:
     if stretch := _stretch_words(named, known):
         return put("{what}?", what=capital(stretch))
     setup, reading = known.stated.description.setups[named.setups[0]], known.readings[named.reading]
+    if named.mistake == "shifted":
+        return said('Do the values of "{setup}" belong to the place before or after?', setup=setup.name)
     number = reading.numbered(named.reading)
     if named.mistake == "stuck":
         what = 'From reading {number} on "{setup}" shows again what it showed before. Is it stuck?'

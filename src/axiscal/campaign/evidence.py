@@ -1,9 +1,13 @@
-"""Who answers for how much of a record, and whether it was changed since: one sentence for every surface."""
+"""Who answers for how much of a record, whether it was changed since, and which mountings were not as they should."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
+
 from axiscal.campaign.campaign import Campaign
 from axiscal.language.spoken import counted, said
+from axiscal.record.events import Note
 from axiscal.record.log import EventLog, signed_until
 from axiscal.record.signing import is_known, people_file
 
@@ -34,3 +38,14 @@ def evidence_words(record: Campaign | EventLog) -> str:
     """Return the sentence for screens, pages and reports; "" for a record that nobody has signed."""
     signed = signed_text(record)
     return said("The record is {signed}.", signed=signed) if signed else ""
+
+
+OVERRULED = "taken all the same"
+TESTED = re.compile(r'test of sign "(.*)": .* \((.*)\)')
+"""Of a note: the set-up that was tested when it was mounted, and what came of it."""
+
+
+def overruled(notes: Iterable[Note]) -> list[str]:
+    """Return the set-ups that were read although the test at their last mounting failed."""
+    found = {each[1]: each[2] for note in notes if (each := TESTED.fullmatch(note.text))}
+    return [setup for setup, verdict in found.items() if verdict == OVERRULED]

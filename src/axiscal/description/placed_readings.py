@@ -25,7 +25,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.candidates import arrivals_of
 from axiscal.measurement.charts.kinds import Circle, Held
 from axiscal.measurement.charts.room import Chart
-from axiscal.measurement.instrument import instrument_of, values_of
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import RawPose, raw_pose, table_of
 from axiscal.measurement.readers.text_file import read_text
@@ -154,31 +154,25 @@ def placed_readings(
     readings, faults = list[Reading](), Faults()
     for row in raw:
         try:
-            readings += _ends_of(row, campaign) if row.form == "length" else (_placed(row, campaign),)
+            readings.append(_of_length(row, campaign) if row.form == "length" else _placed(row, campaign))
         except InputError as failure:
             faults.found.append(ReadingError(failure.what, failure.remedy, file, row.line))
     faults.refuse()
     return tuple(readings)
 
 
-def _ends_of(row: RawReading, campaign: CampaignDescription) -> tuple[Reading, Reading]:
-    """Return what a length says of its ends, from a zero that nobody knows: half of its deviation each.
+def _of_length(row: RawReading, campaign: CampaignDescription) -> Reading:
+    """Return what a length says: by how much it is longer than it should be.
 
     Raises ReadingError where its set-up has no two places.
     """
     setup = campaign.setup(row.setup)
-    if setup.chart is None or instrument_of(setup).site != "length":
+    if setup.chart is None or setup.start is None:
         what = 'a length lies between two places, and "{setup}" names none'
         raise ReadingError(what, 'Give its deviation as value_um, or write instrument = "gauge"', setup=setup.name)
     long = setup.chart.coordinates[0].high
-    std = None if row.std is None else row.std / math.sqrt(2.0)
-    parts = zip(setup.chart.poses(np.array([[0.0], [long]])).tolist(), (-0.5, 0.5), strict=True)
-    sides = (0,) * len(campaign.machine.axes)
-    first, second = (
-        Reading(setup.name, tuple(pose), sides, part * (row.value - long), std, row.line, time=row.time)
-        for pose, part in parts
-    )
-    return first, second
+    pose, sides = tuple(setup.chart.poses(np.array([[long]]))[0].tolist()), (0,) * len(campaign.machine.axes)
+    return Reading(setup.name, pose, sides, row.value - long, row.std, row.line, time=row.time)
 
 
 def placed_pose(setup: Setup, machine: Machine, position: _ByAxis, rounded: _ByAxis | None = None) -> tuple[float, ...]:

@@ -64,14 +64,11 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
 def each_alone(table: SetupTable) -> list[SetupTable]:
     """Return a set-up at each place from which a plan may choose, called by it, in mm, or for each length; else itself.
 
-    A length is read at its two ends, from a zero of its own: the noise of each is its noise divided by the root of two.
+    A length is one reading, at its second end.
     """
     if table.lengths:
-        noise = table.instrument.noise if table.noise is None else table.noise
-        alike = {"lengths": {}, "noise": noise / math.sqrt(2.0)}
         named = ((f"{table.name} {name}", ends) for name, ends in table.lengths.items())
-        steps = (alike | {"name": name, "along": ends, "raster": {"along": math.dist(*ends)}} for name, ends in named)
-        return [table.model_copy(update=each) for each in steps]
+        return [table.model_copy(update={"lengths": {}, "name": name, "along": ends}) for name, ends in named]
     if table.choose_from is None:
         return [table]
     key, tables = "station" if table.artefact is None else "at", list[SetupTable]()

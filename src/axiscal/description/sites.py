@@ -131,9 +131,7 @@ class SiteReader(Stated[SetupTable]):
 
     def _line(self, ends: tuple[Vector, Vector]) -> Setup:
         step, park = self.table.raster.get("along", 0.0), self._park()
-        # of a length nobody says how its ends are met
-        overrun = 0.0 if self.usual.site == "length" else self._overrun()
-        line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
+        line = Line.between_ends(self._room(None), np.array(ends), park, step, self._overrun())
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
             if not there:
@@ -142,8 +140,15 @@ class SiteReader(Stated[SetupTable]):
                 lacks = lacking(self.around.machine, poses[end])
                 raise self.misstated("along", what, "Let it end within the travels: {lacking}", lacking=lacks)
         x, y, z = line.direction.tolist()
-        given = self.table.direction
-        return replace(self._standing(linear_axes(self.around.machine), park), chart=line, direction=given or (x, y, z))
+        given, start = self.table.direction, None
+        if self.usual.site == "length":  # nobody says how its ends are met
+            line, start = line.at_its_end(), tuple(poses[0].tolist())
+        return replace(
+            self._standing(linear_axes(self.around.machine), park),
+            chart=line,
+            start=start,
+            direction=given or (x, y, z),
+        )
 
     def _bar(self, length: float) -> Setup:
         centre, owned, artefact, balls = self._centre()

@@ -48,8 +48,8 @@ class Read:
 
     @property
     def along(self) -> Array:
-        """How far the tool is from the middle of what was read, along what each number reads, (k, r), m."""
-        along: Array = np.sum(self.ways * (self.at.tcp - self.at.tcp.mean(axis=0)), axis=2)
+        """How far the tool is from where lengths count, along what each number reads, (k, r), m."""
+        along: Array = np.sum(self.ways * (self.at.tcp - self.kind.middle(self.at)), axis=2)
         return along
 
     @property

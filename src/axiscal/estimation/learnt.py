@@ -11,7 +11,7 @@ from axiscal.estimation.promise.causes import at_feed
 from axiscal.estimation.promise.mistaken import with_feed
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import problem
-from axiscal.estimation.promise.stuck import repeats
+from axiscal.estimation.promise.sick import repeats
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.reading import Reading

@@ -181,9 +181,11 @@ def where_read(machine: Machine, setups: Sequence[Setup], readings: Sequence[Rea
 
     An axis that goes round and round is read all around.
     """
-    moves, found = {setup.name: setup.moves for setup in setups}, list[tuple[float, float]]()
+    mounted, found = {setup.name: setup for setup in setups}, list[tuple[float, float]]()
+    read = [(mounted[reading.setup], reading.pose) for reading in readings]
+    read += [(setup, setup.start) for setup, _ in read if setup.start is not None]
     for k, axis in enumerate(machine.axes):
-        at = [reading.pose[k] for reading in readings if k in moves[reading.setup]] or [0.0]
+        at = [pose[k] for setup, pose in read if k in setup.moves] or [0.0]
         found.append(axis.travel if axis.cyclic or max(at) - min(at) <= _SAME else (min(at), max(at)))
     return tuple(found)
 

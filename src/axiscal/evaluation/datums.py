@@ -13,7 +13,7 @@ metre make 200 um. So `upright` solves the readings for turns and deviations tog
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -213,4 +213,7 @@ def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Ar
     seen = kind.slopes(kind.places(poses, approaches))
     pairs = (seen.moved, after.tcp - before.tcp), (seen.turned, turn_between(before.tool, after.tool))
     added: Array = sum(np.einsum("mkc,mc->mk", ways, moved) for ways, moved in pairs)
+    if setup.start is not None:  # what is added at its first end as well is no part of a length
+        there = np.array([setup.start])
+        added = added - added_to_values(machine, replace(setup, start=None), there, approaches[:1], control)
     return added / scales_of(setup)

@@ -16,7 +16,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touching_sides
-from axiscal.measurement.travel import feet_of
+from axiscal.measurement.travel import SHORTEST
 from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
 from axiscal_core.points import even_points
@@ -46,8 +46,9 @@ def _between(observation: Observation, axis: int, setup: int, edges: list[Array]
     """Return the edges as they meet a set-up's feet, sorted, within where it can be read, with the ends of that."""
     mounted = observation.setups[setup]
     low, high = mounted.span(observation.machine.axes[axis], axis)
-    shifts = np.array([foot.shift * (axis in mounted.moves) for foot in feet_of(mounted)])
-    everywhere = np.unique(np.concatenate([np.zeros(0), *edges])[:, None] - shifts)
+    stepped = mounted.base is not None and axis in mounted.moves
+    half = max(mounted.base or 0.0, SHORTEST) / 2 if stepped else 0.0
+    everywhere = np.unique(np.concatenate([np.zeros(0), *edges])[:, None] - np.array([half, -half]))
     shortest = _COINCIDE * (high - low)
     inside = everywhere[(everywhere > low + shortest) & (everywhere < high - shortest)]
     apart = np.diff(inside, prepend=low) > shortest

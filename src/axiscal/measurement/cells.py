@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.travel import feet_of, shifted
+from axiscal.measurement.travel import feet_of
 from axiscal.numerics import Array
 
 Cell = tuple[int, int]
@@ -30,7 +30,7 @@ Cell = tuple[int, int]
 
 
 class RestEffects(NamedTuple):
-    """The effect of the rests of some errors on readings: one row for each error, or for each of its feet.
+    """The effect of the rests of some errors on readings: one row for each error, or for each of its places.
 
     functions : (e,) index of the error; reach : (..., e, m) what a unit of its rest adds to each number
     cells : (e, m) the number of the cell that they are in
@@ -44,19 +44,18 @@ class RestEffects(NamedTuple):
 def rest_effects(
     errors: ErrorModel, mounted: Setup, levers: Array, poses: Array, approaches: Array, among: Sequence[int]
 ) -> RestEffects:
-    """Return what the rests of some errors do to readings of a set-up; of each foot where it has feet.
+    """Return what the rests of some errors do to readings of a set-up; at each place of which they show a sum.
 
     levers : (..., terms, m) what a unit of each error adds; poses, approaches : (m, q); among : indices of terms
     """
     effects = errors.effects(levers, approaches) if len(among) else levers
-    if mounted.base is None:  # as nearly always, and at every look of a plan
+    standing = feet_of(mounted, poses)
+    if len(standing) == 1:  # as nearly always, and at every look of a plan
         functions = np.array(among, dtype=np.intp)
         return RestEffects(functions, effects[..., functions, :], _cells_of(errors, functions, poses))
     # a base without length is refused where its way has a rest
-    felt = np.array([i for i in among if mounted.base and np.any(effects[..., i, :])], dtype=np.intp)
-    standing = feet_of(mounted)
-    at = (shifted(poses, mounted.moves[0], foot.shift) for foot in standing)
-    cells = np.stack([_cells_of(errors, felt, each) for each in at], axis=1)
+    felt = np.array([i for i in among if mounted.base != 0 and np.any(effects[..., i, :])], dtype=np.intp)
+    cells = np.stack([_cells_of(errors, felt, foot.poses) for foot in standing], axis=1)
     reach = effects[..., felt, :][..., None, :] * np.array([foot.weight for foot in standing])[:, None]
     every = len(felt) * len(standing), len(poses)
     return RestEffects(np.repeat(felt, len(standing)), reach.reshape(*reach.shape[:-3], *every), cells.reshape(every))

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.measurement.instruments.displacement import Displacement
+from axiscal.measurement.instruments.displacement import Displacement, Length
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS, ZEROS, Distance, Nest, Tracker
 from axiscal.measurement.instruments.kind import CARRIED, Instrument, Kind, Rotation
 from axiscal.measurement.setup import Setup, Unknown
@@ -28,8 +28,6 @@ _LASER, _GAUGE, _INCLINED = ((5e-6 / 3600, 3e-6 / 3600), (10e-6 / 3600, 3e-6 / 3
 _TRACKED = *_THREE, *_open(TURNS, 1e-3)
 """Open of a station that is set up by eye: three lengths, and turns of a milliradian (an assumption)."""
 _ZERO = Unknown("zero", 1e-3)
-_LOOSE = Unknown("zero", 1e-2)
-"""Of a length: where it lies says nothing, and no printer is off by a centimetre."""
 _SLOPE = Unknown("slope", 1e-3)
 
 LENGTH = "gauge"
@@ -39,7 +37,7 @@ _OURS = (
     Instrument("interferometer", Displacement, 0.3e-6, (_ZERO,), 1800.0, 1.0, 3.0, _LASER, "line", "free", True, True),
     Instrument("indicator", Displacement, 1.0e-6, (_ZERO,), 600.0, 1.0, 5.0, _GAUGE, display=True),
     Instrument("probe", Displacement, 1.0e-6, (_ZERO,), 600.0, 0.5, 6.0, _GAUGE, "reach", "retracted"),
-    Instrument(LENGTH, Displacement, 20e-6, (_LOOSE,), 120.0, 0.0, 20.0, (0.0, 0.0), "length"),
+    Instrument(LENGTH, Length, 20e-6, (), 120.0, 0.0, 20.0, (0.0, 0.0), "length"),
     Instrument("straightedge", Displacement, 1e-6, (_ZERO, _SLOPE), 1200.0, 1.0, 5.0, _GAUGE, "reach", display=True),
     Instrument("level", Rotation, 2.0e-6, (_ZERO,), 300.0, 5.0, 5.0, _INCLINED),
     Instrument("autocollimator", Rotation, 0.5e-6, (_ZERO,), 1800.0, 1.0, 3.0, _INCLINED, "line"),

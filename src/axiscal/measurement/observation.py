@@ -28,7 +28,7 @@ from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, ad
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Kind, levers_of
 from axiscal.measurement.setup import About, Setup, Unknown
-from axiscal.measurement.travel import heights, slope_rows
+from axiscal.measurement.travel import feet_of, heights, slope_rows
 from axiscal.numerics import Array
 from axiscal_core.instrument import At
 
@@ -186,7 +186,7 @@ class Observation:
         mounted, at = self.setups[setup], self._places(setup, poses, approaches)
         levers = self._levers(setup, at)
         rows = np.zeros((len(levers), len(poses), self.size))
-        rows[:, :, : self.errors.size] = self._error_rows(mounted, levers, poses, approaches)
+        rows[:, :, : self.errors.size] = self._error_rows(setup, levers, poses, approaches)
         rows[:, :, self.unknowns_of(setup)] = self._kinds[setup].own_slopes(at).swapaxes(0, 1)
         for number, course in self.drifts_shown(setup):
             rows[number][:, list(course.columns)] = course.rows(times)
@@ -195,10 +195,14 @@ class Observation:
         add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.visited(effects), rows, variances)
         return rows, variances, levers
 
-    def _error_rows(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
-        if mounted.base is None:
-            return self.errors.along(levers, poses, approaches)
-        return slope_rows(self.errors, mounted, poses)[None]
+    def _error_rows(self, setup: int, levers: Array, poses: Array, approaches: Array) -> Array:
+        mounted = self.setups[setup]
+        if mounted.base is not None:
+            return slope_rows(self.errors, mounted, poses)[None]
+        rows: Array = self.errors.along(levers, poses, approaches)
+        for at, weight in feet_of(mounted, poses)[1:]:
+            rows = rows + weight * self.errors.along(self._levers(setup, self._places(setup, at)), at, approaches)
+        return rows
 
     def numbers(self, setup: int, poses: Array, approaches: Array) -> JointRows:
         """Return what readings of a set-up would tell with all their numbers; arguments as for `rows`.
@@ -222,9 +226,9 @@ class Observation:
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return what it adds to the variances that nobody said from which side a moving axis came, (k, m) m² or rad².
 
-        A reversal then enters with +½ or −½ of its value, as likely one as the other.
+        A reversal then enters with +½ or −½ of its value, as likely one as the other, at each place.
         """
-        added = np.zeros((len(levers), len(poses)))
+        added, standing = np.zeros((len(levers), len(poses))), feet_of(mounted, poses)
         if np.all(approaches[:, list(mounted.moves)] != 0):
             return added
         if mounted.lag:
@@ -232,9 +236,11 @@ class Observation:
         for index, function in enumerate(self.errors.functions):
             evened = mounted.mean_sides and not self.errors.machine.axes[function.axis].rotary
             if function.kind == "reversal" and function.axis in mounted.moves and not evened:
-                rows = function.basis.rows(poses[:, function.axis])
-                spread = np.einsum("mi,ij,mj->m", rows, function.covariance, rows) + function.rest**2
-                added += np.where(approaches[:, function.axis] == 0, (levers[:, index] / 2) ** 2 * spread, 0.0)
+                for at, weight in standing:
+                    rows = function.basis.rows(at[:, function.axis])
+                    spread = np.einsum("mi,ij,mj->m", rows, function.covariance, rows) + function.rest**2
+                    shown = (weight * levers[:, index] / 2) ** 2 * spread
+                    added += np.where(approaches[:, function.axis] == 0, shown, 0.0)
         return added
 
     def nonlinear_part(self, setup: int, poses: Array, approaches: Array) -> Array:
@@ -261,16 +267,19 @@ class Observation:
             return
         kind, names = self._kinds[setup], [unknown.name for unknown in self.setups[setup].unknowns]
         at = kind.places(poses, approaches)
-        moved = deviations_of(self.errors, points[:, : self.errors.size], poses, approaches)
-        for point, actual in zip(points, moved, strict=True):
-            there = at._replace(moved=actual.displacement, turned=actual.rotation)
+        standing, machines = feet_of(self.setups[setup], poses), points[:, : self.errors.size]
+        weights = np.array([foot.weight for foot in standing])
+        done = (deviations_of(self.errors, machines, foot.poses, approaches) for foot in standing)
+        for point, *actual in zip(points, *done, strict=True):
+            moved, turned = (np.tensordot(weights, each, axes=1) for each in zip(*actual, strict=True))
+            there = at._replace(moved=moved, turned=turned)
             own = point[self.unknowns_of(setup)].tolist()
             yield kind.shown(there, dict(zip(names, own, strict=True)))
 
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""
         at = self._places(setup, poses, approaches)
-        rows = self._error_rows(self.setups[setup], self._levers(setup, at), poses, approaches)
+        rows = self._error_rows(setup, self._levers(setup, at), poses, approaches)
         own: Array = self._kinds[setup].own_slopes(at) @ point[self.unknowns_of(setup)]
         return own + (rows @ point[: self.errors.size]).T
 

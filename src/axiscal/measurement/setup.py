@@ -131,6 +131,8 @@ class Setup:
         stations one after another; None is nowhere else
     base : how far apart the feet of a level stand that is stepped along the way of the axis that moves, m; its poses
         are those of the middle; None where it rides on what moves
+    start : (n_axes,) m or rad, where the first end of a length is: what is read is how much farther from there the tool
+        goes, and its poses are those of the second end; None where it reads no length
     drift : standard deviation of the rate at which its zero wanders while it stands, m/s or rad/s
     drift_said : who says so
     resolution : the step q of its display, m or rad; 0 where it shows everything
@@ -171,6 +173,7 @@ class Setup:
     at_20: bool = False
     stated: tuple[tuple[str, float], ...] = ()
     base: float | None = None
+    start: tuple[float, ...] | None = None
     drift: float = 0.0
     drift_said: SaidOfDrift = "nothing"
     resolution: float = 0.0

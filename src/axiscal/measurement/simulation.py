@@ -149,7 +149,7 @@ class VirtualMachine:
         """
         at, come = np.array([pose]), np.array([approach], dtype=float)
         stepped = setup.base is not None
-        actual = self._chord(setup, at) if stepped else self.does(at, come)
+        actual = self._chord(setup, at) if stepped else self._done(setup, at, come)
         shown = self.exactly(setup, at, actual, come)
         wander = self.drifts.get(setup.name)
         moved = np.zeros(values_of(setup)) if wander is None else wander(seconds)
@@ -195,6 +195,14 @@ class VirtualMachine:
         at = kind.places(pose, approach, deviation=actual)
         shown: list[float] = (kind.shown(at, self.offsets.get(setup.name, {}))[0] / scales_of(setup)).tolist()
         return shown
+
+    def _done(self, setup: Setup, poses: Array, approaches: Array) -> Deviation:
+        """Return what the tool does at a place: at the second end of a length, against the first."""
+        done = self.does(poses, approaches)
+        if setup.start is None:
+            return done
+        before = self.does(np.array([setup.start]), approaches)
+        return Deviation(done.displacement - before.displacement, done.rotation - before.rotation)
 
     def _chord(self, setup: Setup, poses: Array) -> Deviation:
         """Return by how much the way differs between the two feet of a level, per length between them."""

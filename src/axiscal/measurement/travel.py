@@ -29,18 +29,24 @@ SHORTEST = 1e-4
 
 
 class Foot(NamedTuple):
-    """The place of a foot from the middle of the base, m, and the weight of its height, 1/m."""
+    """One of the places of which readings show a sum: poses (m, q), and its weight, 1/m under a level."""
 
-    shift: float
+    poses: Array
     weight: float
 
 
-def feet_of(setup: Setup) -> tuple[Foot, ...]:
-    """Return where a set-up stands: on two feet, or on one in the middle where it rides on what moves."""
+def feet_of(setup: Setup, poses: Array) -> tuple[Foot, ...]:
+    """Return of which places readings show a sum: of two feet, of both ends of a length, or of their own.
+
+    poses : (m, q)
+    """
+    if setup.start is not None:
+        return Foot(poses, 1.0), Foot(np.tile(setup.start, (len(poses), 1)), -1.0)
     if setup.base is None:
-        return (Foot(0.0, 1.0),)
-    base = max(setup.base, SHORTEST)
-    return Foot(base / 2, 1 / base), Foot(-base / 2, -1 / base)
+        return (Foot(poses, 1.0),)
+    base, (axis,) = max(setup.base, SHORTEST), setup.moves
+    ends = ((poses + sign * base / 2 * (np.arange(poses.shape[1]) == axis), sign / base) for sign in (1.0, -1.0))
+    return tuple(Foot(*end) for end in ends)
 
 
 def across(machine: Machine, setup: Setup, poses: Array) -> Array:
@@ -48,13 +54,6 @@ def across(machine: Machine, setup: Setup, poses: Array) -> Array:
     (axis,) = setup.moves
     along = frames(machine, poses).rotations[axis] @ np.array(machine.axes[axis].direction)
     return np.cross(np.array(setup.direction), along)
-
-
-def shifted(poses: Array, axis: int, shift: float) -> Array:
-    """Return poses (m, q) with one axis further by a shift, m or rad."""
-    further = poses.copy()
-    further[:, axis] += shift
-    return further
 
 
 def belongs(function: Term, axis: int) -> bool:
@@ -75,9 +74,8 @@ def heights(errors: ErrorModel, setup: Setup, poses: Array) -> Array:
 def slope_rows(errors: ErrorModel, setup: Setup, poses: Array) -> Array:
     """Return the rows of what feet show, the slope of their chord, (m, size)."""
     rows = np.zeros((len(poses), errors.size))
-    for foot in feet_of(setup):
-        at = shifted(poses, setup.moves[0], foot.shift)
-        rows += foot.weight * errors.along(heights(errors, setup, at), at, np.zeros_like(at))
+    for at, weight in feet_of(setup, poses):
+        rows += weight * errors.along(heights(errors, setup, at), at, np.zeros_like(at))
     return rows
 
 

@@ -9,7 +9,7 @@ fifth of the readings is left out, and 0 if all are. Below 0.001 the readings co
   two, so these are sought at the sizes as stated.
 - It turns K into that of a machine with an axis that counts the other way.
 - It adds columns: a zero that jumps, as `jumps` finds it.
-- It takes rows away: an instrument that is stuck, as `stuck` finds it.
+- It takes rows away: an instrument that is stuck, as `sick` finds it.
 
     gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|
 
@@ -53,17 +53,29 @@ PRIOR = 0.01
 """Assumption: one campaign in a hundred has such a mistake."""
 _LARGEST = 600.0
 """Logarithm of the largest odds that are said: beyond it floats end."""
-_INCH = 25.4
+INCH = 25.4
 """mm, by definition."""
-_FACTORS = (1000.0, 1 / 1000.0, _INCH, 1 / _INCH)
+_FACTORS = (1000.0, 1 / 1000.0, INCH, 1 / INCH)
 """By definition: mm for um, and inches for mm."""
 
 Mistake = Literal[
-    "jump", "sign", "unit", "swapped", "shifted", "stuck", "frame", "direction", "place", "sides", "mirrored"
+    "jump",
+    "sign",
+    "unit",
+    "swapped",
+    "shifted",
+    "stuck",
+    "frame",
+    "direction",
+    "place",
+    "sides",
+    "mirrored",
+    "still",
+    "noise",
 ]
-ASKED = ("jump", "stuck", "sign", "sides", "mirrored")
+ASKED = ("jump", "stuck", "sign", "sides", "mirrored", "shifted")
 """Mistakes that a person is asked about where the readings agree."""
-_DESCRIBED = ("direction", "place")
+_DESCRIBED = ("direction", "place", "still", "noise")
 """Mistakes of a file, not of readings."""
 
 Turned = tuple[tuple[str, ...], Problem]
@@ -317,10 +329,6 @@ def _other_values(problem: Problem) -> Iterator[tuple[Mistake, tuple[int, ...], 
     for setup in setups:
         mine = problem.setup == setup
         yield "sign", (setup,), np.where(mine, -values, values) / problem.noise, -1.0
-        for step in (1, -1):
-            moved = values.copy()
-            moved[mine] = np.roll(values[mine], step * numbers_of_one(problem.reading[mine]))
-            yield "shifted", (setup,), moved / problem.noise, float(step)
     for first in range(len(setups)):
         for second in range(first + 1, len(setups)):
             one, other = (np.flatnonzero(problem.setup == setups[i]) for i in (first, second))

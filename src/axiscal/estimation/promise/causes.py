@@ -20,6 +20,7 @@ from axiscal.measurement.instrument import instrument_of, model_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
+from axiscal.measurement.travel import feet_of
 from axiscal.numerics import Array
 from axiscal_core import causes
 
@@ -116,7 +117,8 @@ def growing(observation: Observation, index: int, poses: Array) -> list[Array]:
         if term is None or axis.rotary:
             continue
         levers = observation.levers(index, poses) if levers is None else levers
-        along = (poses[:, k] - np.mean(axis.travel)) / axis.length
+        away = ((at[:, k] - np.mean(axis.travel), weight) for at, weight in feet_of(observation.setups[index], poses))
+        along = sum(weight * far for far, weight in away) / axis.length
         found.append(np.array([lever[term] * along for lever in levers]))
     return found
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from axiscal.estimation.promise.agreement import MOST_BAD, SEVERAL, Agreement, Framed, Tried, Turned, agreement
 from axiscal.estimation.promise.jumps import at_turns, jumped, likelier
-from axiscal.estimation.promise.stuck import Repeats, stuck
+from axiscal.estimation.promise.sick import Repeats, sick, stuck
 from axiscal.numerics import Array
 from axiscal_core.draws import Draws, Weighed, sized
 from axiscal_core.left_out import LeftOut, left_out, with_stated
@@ -181,7 +181,7 @@ class Sorted:
         every = (self.problem, sized(space_of(self.problem))) if out >= SEVERAL else None
         others = ((axes, other.only(kept)) for axes, other in turned)
         frames = ((setup, other.only(kept)) for setup, other in framed)
-        told = (*(self.jumps or at_turns(mine, found, self.sure)), *stuck(mine, found, repeated))
+        told = (*(self.jumps or at_turns(mine, found, self.sure)), *stuck(mine, found, repeated), *sick(mine, found))
         agreed = agreement(mine, found, z, out, others, frames, every, told)
         known = dict(zip(self.problem.cells, cells.tolist(), strict=True))
         of_sizes = self.sizes, found.effective

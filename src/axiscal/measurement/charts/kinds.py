@@ -72,6 +72,11 @@ class Line(SmoothChart):
         length = float(np.linalg.norm(ends[1] - ends[0]))
         return cls(room, ends, park, (Coordinate(0.0, length, step, overrun, finest=FINEST_PLACE),))
 
+    def at_its_end(self) -> Line:
+        """Return its second end alone."""
+        far = self.coordinates[0].high
+        return replace(self, coordinates=(Coordinate(far, far, far),))
+
     @property
     def direction(self) -> Array:
         """The unit vector from the first end to the second, (3,)."""

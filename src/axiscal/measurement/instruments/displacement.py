@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import Kind, Reads
 from axiscal.numerics import Array
 from axiscal_core import rigid
@@ -68,3 +69,27 @@ class Displacement(Kind):
             return np.zeros(len(at.poses))
         side: Array = at.sides[:, self.slide] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)
         return side
+
+
+class Length(Displacement):
+    """How much farther the tool is from a first place than it should be, along the line to the second.
+
+    y = dᵀ(δp − δp₁) + zero + growth · L, where at.moved is the difference, L the length. Its zero is that of what
+    measures it; where nothing is said it has none.
+    """
+
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "length", "growth": "angle"})
+
+    def middle(self, at: At) -> Array:
+        """Return its first end."""
+        first: Array = frames(self.machine, np.array([self.setup.start])).tcp
+        return first
+
+    def grown(self, at: At) -> Array:
+        """Return how much farther a machine that is warmer than 20 °C takes the tool from there, (m, 3) m."""
+        return np.asarray(self.setup.growth * (at.tcp - self.middle(at)))
+
+    def _effect(self, unknown: str, at: At) -> Array:
+        """Return what a unit of growth adds, (m,)."""
+        along: Array = (at.tcp - self.middle(at)) @ np.array(self.setup.direction)
+        return along

@@ -124,6 +124,10 @@ class Kind:
         own = [unknown.name for unknown in self.setup.unknowns] if names is None else names
         return own_slopes(self, at, self._found, own)
 
+    def middle(self, at: At) -> Array:
+        """Return from where its lengths count, (1, 3) m: the middle of what is read."""
+        return np.asarray(at.tcp.mean(axis=0, keepdims=True))
+
     def travelled(self, poses: Array) -> Array:
         """Return how far the linear axis that moves is from the middle of its travel, (m,) m; zero where none does."""
         if self.slide is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import Literal, Self
 
@@ -10,10 +9,11 @@ import numpy as np
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.evidence import OVERRULED, TESTED
 from axiscal.campaign.sources import virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.estimation.promise.agreement import PRIOR
-from axiscal.estimation.promise.stuck import repeats
+from axiscal.estimation.promise.sick import repeats
 from axiscal.exceptions import AxiscalError, ReadingError
 from axiscal.language.spoken import WORDS, decimals, put, said
 from axiscal.machine.kinematics import frames
@@ -39,7 +39,6 @@ _STILL = 0.01
 """Of what it should show: a display that moves by less stands still, in whatever unit."""
 _FINEST = 0.2
 """Of the noise of one reading: where no jog has shown the unit, a value below it is likelier one in mm."""
-_PASSED = re.compile(r'test of sign "(.*)": .* \((?:right|taken all the same)\)')
 
 Cause = Literal["sign", "mm", "inch", "anew", "bumped", "really", "keep"]
 CAUSES: dict[Cause, str] = WORDS["slips"]
@@ -219,8 +218,9 @@ def _jog(campaign: Campaign) -> Jog | None:
 def _passed(campaign: Campaign) -> bool:
     asked, readings = campaign.state.pending, campaign.state.readings
     last = readings[-1].numbered(len(readings) - 1) if readings else 0
-    found = [_PASSED.fullmatch(note.text) for note in campaign.state.notes if note.after == last]
-    return any(each is not None and asked is not None and each[1] == asked.place.setup for each in found)
+    found = [TESTED.fullmatch(note.text) for note in campaign.state.notes if note.after == last]
+    passed = [each[1] for each in found if each is not None and each[2] in ("right", OVERRULED)]
+    return asked is not None and asked.place.setup in passed
 
 
 def try_jog(campaign: Campaign, text: str, *, anyway: bool = False) -> str:
@@ -235,7 +235,7 @@ def try_jog(campaign: Campaign, text: str, *, anyway: bool = False) -> str:
     setup = campaign.description.setup(asked.place.setup)
     ratio = float(to_unit(measured(text, setup)[0], test.unit)) / test.shows
     wrong = _wrong(ratio)
-    verdict = "taken all the same" if anyway and wrong else wrong[0] if wrong else "right"
+    verdict = OVERRULED if anyway and wrong else wrong[0] if wrong else "right"
     campaign.note(f'test of sign "{setup.name}": {test.far} shows {text.strip()} ({verdict})')
     if wrong and not anyway:
         raise ReadingError(wrong[1], wrong[2])

@@ -1,0 +1,271 @@
+"""Instruments that show something else than the machine: a catalogue of what is sick, weighed against what is right.
+
+A row says what the machine has to make then, y' of the readings y, and how probable the rest is. So the odds are
+
+    log PRIOR + log p(rest) + log p(y') − log p(y),    p with the sizes integrated out
+
+- still: a set-up shows one value, anywhere, and a flicker s below its noise. The rest are all its readings, normal with
+  covariance s² + w² 11ᵀ, each s as probable. Zeros alone are such readings.
+- shifted: each value belongs to the place behind or before, as if a line was missed. The one that is left is anywhere
+  among the others.
+- unit: values, not all alike, are f times too small, p(rest) = f^m. Where the noise is nearer to what was written it is
+  none.
+- noise: P(θ < log 0.1 | y), θ its logarithm over what is stated, against as much before any reading.
+
+Sizes as stated and others tell first whether anything is to be weighed.
+
+Stuck is what shows again what it showed before, as a probe that repeats its last height.
+Of n readings of a set-up s show the same value as the one before. If the machine made these values, they have the
+density p(yₛ | others), each over a step q of the display; if the instrument is stuck they are certain. So the odds are
+
+    log PRIOR − log places − log p(y) + log p(y without these) − Σ log q,    p with the sizes integrated out
+
+One run of equal values has n²/2 places, equal values anywhere (n + 1) binomial(n, s). Values that are no multiples of
+their smallest difference show the step by their last digits; so does the one of a display that never showed two, at
+most √(2π) σ of its noise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.estimation.promise.agreement import INCH, NAMED, PRIOR, SEVERAL, Explained, Tried, numbers_of_one, tail_of
+from axiscal.estimation.promise.jumps import ways_of
+from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal_core.draws import Weighed, sized
+from axiscal_core.from_scipy import normal_share
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import Given
+from axiscal_core.unknowns import space_of
+
+_FEWEST = 4
+"""Readings of a set-up: three are still, or in another order, by chance."""
+_FLICKERS = 1e-3, 1e-2, 0.1, 0.25, 0.6
+"""Noises: a last digit that flickers moves a display by less than what is stated of all that moves it."""
+_ANYWHERE = 1e3
+"""Noises: where a display may stand, as wide as zeros are as a rule."""
+_SMALLER = 1000.0, INCH
+"""By definition: mm for um, and inches for mm."""
+_QUIET = math.log(0.1)
+"""Of a stated noise, its logarithm: nobody states one ten times too large, and another unit is farther off."""
+
+
+def sick(problem: Problem, found: Weighed[Given]) -> Iterator[Tried]:
+    """Yield what is sick.  found : draws for the readings if nothing is"""
+    each = as_stated_or_not(problem, found.drawn.stated)
+    for setup in np.unique(problem.setup).tolist():
+        mine = problem.setup == setup
+        if len(np.unique(problem.reading[mine])) >= _FEWEST:
+            one = _Mounted(problem, found, each, mine)
+            yield from (*one.still(), *one.shifted(), *one.other_unit(), *one.quiet())
+
+
+@dataclass(frozen=True, eq=False)
+class _Mounted:
+    """A set-up among readings.  each : everything at some sizes; mine : (m,) its numbers"""
+
+    problem: Problem
+    found: Weighed[Given]
+    each: Sequence[Given]
+    mine: NDArray[np.bool_]
+
+    @property
+    def setups(self) -> tuple[int, ...]:
+        return (int(self.problem.setup[self.mine][0]),)
+
+    def still(self) -> Iterator[Tried]:
+        """Yield that it shows the same everywhere."""
+        problem, mine, p = self.problem, self.mine, 1.0
+        gain = flickering(problem.values[mine], ways_of(problem, mine)[:, mine])
+        constant = 0.5 * int(mine.sum()) * math.log(2 * math.pi)
+        if gain - constant < log_density_of(self.found.drawn.stated, mine):
+            return
+        gain -= self.found.log_evidence
+        if len((rest := problem.only(~mine)).values):
+            others = sized(space_of(rest))
+            gain, p = gain + others.log_evidence, tail_of(rest, others)
+        yield Tried(Explained("still", math.log(PRIOR) + gain, self.setups), p)
+
+    def shifted(self) -> Iterator[Tried]:
+        """Yield that each value belongs to the place behind, or to that before."""
+        problem, mine = self.problem, self.mine
+        values, count = problem.values * problem.noise, numbers_of_one(problem.reading[mine])
+        wide = max(1.0, float(np.std(problem.values[mine])))
+        for step, left in ((1, np.flatnonzero(mine)[:count]), (-1, np.flatnonzero(mine)[-count:])):
+            moved = values.copy()
+            moved[mine] = np.roll(values[mine], step * count)
+            free = wide * (left[:, None] == np.arange(len(values)))
+            wrong = Explained("shifted", math.log(PRIOR), self.setups, factor=float(step))
+            yield from self._weighed(wrong, moved / problem.noise, free)
+
+    def other_unit(self) -> Iterator[Tried]:
+        """Yield that all values are as much too small as another unit makes them."""
+        problem, mine, none = self.problem, self.mine, np.zeros((0, len(self.mine)))
+        for factor in _SMALLER if np.ptp(problem.values[mine]) else ():
+            odds = math.log(PRIOR) + int(mine.sum()) * math.log(factor)
+            wrong = Explained("unit", odds, self.setups, factor=1 / factor)
+            yield from self._weighed(wrong, np.where(mine, factor * problem.values, problem.values), none)
+
+    def _weighed(self, wrong: Explained, values: Array, free: Array) -> Iterator[Tried]:
+        """Yield a mistake, what values were without it, and columns of what is left: where sizes as stated allow it."""
+        before = wrong.log_odds
+        gains = [
+            (given.misfit - float(values @ given.judged(values[:, None])[:, 0])) / 2
+            + (gains_of_columns(given, free[None], values, [1.0])[0, 0] if len(free) else 0.0)
+            for given in self.each
+        ]
+        if before + log_odds_of(self.each, np.array(gains)) < -math.log(NAMED):
+            return
+        other = replace(self.problem, values=values)
+        beside = sized(space_of(other.wider(free) if len(free) else other))
+        quieter = math.exp(float(np.max(self._noises(beside), initial=-np.inf)) * 2)
+        if wrong.mistake == "unit" and quieter < wrong.factor:
+            return
+        odds = before + beside.log_evidence - self.found.log_evidence
+        yield Tried(wrong._replace(log_odds=odds), tail_of(other, beside))
+
+    def _noises(self, found: Weighed[Given]) -> Array:
+        """Return the means of the logarithms of its noises over what is stated; none where these stay."""
+        varied = np.unique(self.problem.groups[self.mine])
+        return np.asarray(found.weights @ found.thetas[:, varied[varied >= 0]])
+
+    def quiet(self) -> Iterator[Tried]:
+        """Yield that its noise is below a tenth of what is stated."""
+        found, sizes = self.found, self.problem.sizes
+        for group in np.unique(self.problem.groups[self.mine & (self.problem.groups >= 0)]).tolist():
+            below = float(normal_share(np.array(_QUIET / (sizes.share * sizes.of[group].spread))))
+            share = float(found.weights @ (found.thetas[:, group] < _QUIET))
+            # draws tell no probability that is less than that of half of one
+            odds = share / max(1 - share, 0.5 / len(found.every)) * (1 - below) / below
+            if share > 0:
+                factor = math.exp(float(found.weights @ found.thetas[:, group]))
+                yield Tried(Explained("noise", math.log(PRIOR * odds), self.setups, factor=factor), 1.0)
+
+
+def flickering(values: Array, ways: Array) -> float:
+    """Return log p of values if they are one and a flicker, up to (2π)^(−m/2).
+
+    values : (m,) over the noise; ways : (k, m) what one of each adds
+    """
+    own, pulled, logs = ways @ ways.T, ways @ values, list[float]()
+    for size in _FLICKERS:
+        within = own + (size / _ANYWHERE) ** 2 * np.eye(len(ways))
+        square = (values @ values - pulled @ np.linalg.solve(within, pulled)) / size**2
+        spread = np.linalg.slogdet((_ANYWHERE / size) ** 2 * within)[1] + 2 * len(values) * math.log(size)
+        logs.append(-0.5 * float(square + spread))
+    return float(np.logaddexp.reduce(logs) - math.log(len(logs)))
+
+
+_ALIKE = 1e-5
+"""Steps by which a multiple may be off: beyond the rounding of a float, and seldom met by another value."""
+_OF_NOISE = math.sqrt(2 * math.pi)
+"""Noises: the step at which equal values of a machine without errors would be certain."""
+_FINEST = 0.01
+"""Noises: what differs by less differs by the arithmetic of a program."""
+
+
+class Repeats(NamedTuple):
+    """Readings that show what the one before in their set-up shows.
+
+    setups : whose; readings : (s,) their indices; log_places : logarithm of the number of patterns as likely as theirs
+    steps : of what the instrument of a set-up shows, m or rad
+    """
+
+    setups: tuple[int, ...]
+    readings: NDArray[np.intp]
+    log_places: float
+    steps: Mapping[int, float]
+
+
+def repeats(setups: Sequence[Setup], readings: Sequence[Reading]) -> Iterator[Repeats]:
+    """Yield what may be stuck: the longest run of each set-up, all that each repeats, and all that all repeat."""
+    numbers, mine = {setup.name: number for number, setup in enumerate(setups)}, defaultdict[int, list[int]](list)
+    for index, reading in enumerate(readings):
+        mine[numbers[reading.setup]].append(index)
+    again = dict[int, NDArray[np.intp]]()
+    for number, every in mine.items():
+        same = [i for last, i in pairwise(every) if readings[i].values == readings[last].values]
+        if shown_again := [i for i in same if not readings[i].accepted]:  # what nobody vouches for
+            again[number] = np.array(shown_again)
+    steps = _steps(setups, readings, again) if again else {}
+    for number, each in again.items():
+        count, at = len(mine[number]), np.searchsorted(mine[number], each)
+        run = max(np.split(each, np.flatnonzero(np.diff(at) > 1) + 1), key=len)
+        of_run, of_all = math.log(count**2 / 2), _log_patterns(count - 1, len(each))
+        if len(run) < len(each):
+            yield Repeats((number,), run, of_run, steps)
+        yield Repeats((number,), each, of_all if len(run) < len(each) else min(of_run, of_all), steps)
+    if len(again) > 1:
+        whole, possible = np.concatenate([*again.values()]), sum(len(mine[number]) - 1 for number in again)
+        yield Repeats((*again,), whole, _log_patterns(possible, len(whole)), steps)
+
+
+def _log_patterns(count: int, some: int) -> float:
+    """Return log of (n + 1) binomial(n, s): any share of readings may repeat."""
+    return math.log((count + 1) * math.comb(count, some))
+
+
+def _steps(setups: Sequence[Setup], readings: Sequence[Reading], some: Iterable[int]) -> dict[int, float]:
+    """Return the steps of some set-ups."""
+    shown = defaultdict[str, set[float]](set)
+    instruments = {setup.name: setup.instrument for setup in setups}
+    for reading in readings:
+        shown[instruments[reading.setup]].update(reading.values)
+    values = {number: np.sort([*shown[setups[number].instrument]]) for number in some}
+    return {number: _step(each, _OF_NOISE * setups[number].noise) for number, each in values.items()}
+
+
+def _step(values: NDArray[np.float64], most: float) -> float:
+    """Return the step of a display, by the values (v,) that it showed, ascending.  most : where it showed one value
+
+    The smallest difference, if the others are multiples of it but for their last digits; else that of these digits.
+    """
+    decimals = (digit * 10.0**-place for place in range(3, 12) for digit in (5, 2, 1))
+    digits = next((each for each in decimals if _multiples(values, each, _ALIKE)), 0.0)
+    if len(values) == 1:
+        return min(digits, most)
+    apart = np.diff(values)
+    smallest = float(apart.min())
+    return smallest if _multiples(apart, smallest, 2 * digits / smallest + _ALIKE) else digits
+
+
+def _multiples(values: NDArray[np.float64], step: float, off: float) -> bool:
+    return bool(np.all(np.abs(values / step - np.round(values / step)) < off))
+
+
+def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) -> Iterator[Tried]:
+    """Yield the readings that an instrument was stuck at, where sizes as stated and as learnt both say so."""
+    for each in repeated:
+        again = np.isin(problem.reading, each.readings)
+        if len(each.readings) < SEVERAL - 1 or not again.any() or again.all():
+            continue
+        pairs = zip(problem.setup[again].tolist(), problem.noise[again].tolist(), strict=True)
+        steps = (each.steps[setup] / noise for setup, noise in pairs)
+        prior = math.log(PRIOR) - each.log_places - sum(math.log(max(step, _FINEST)) for step in steps)
+        if prior - log_density_of(found.drawn.stated, again) <= math.log(NAMED):
+            continue
+        rest = problem.only(~again)
+        others = sized(space_of(rest))
+        density = found.log_evidence - others.log_evidence - 0.5 * int(again.sum()) * math.log(2 * math.pi)
+        first = int(each.readings.min())
+        yield Tried(Explained("stuck", prior - density, each.setups, first), tail_of(rest, others))
+
+
+def log_density_of(given: Given, some: NDArray[np.bool_]) -> float:
+    """Return log p(yₛ | others) of some numbers (m,): Λ = (K⁻¹)ₛₛ is their precision, given the others."""
+    alone = np.eye(len(some))[:, some]
+    weighted = given.judged(np.column_stack([alone, given.problem.values]))[some]
+    precision, pulled = weighted[:, :-1], weighted[:, -1]
+    square = float(pulled @ np.linalg.solve(precision, pulled))
+    return 0.5 * float(np.linalg.slogdet(precision / (2 * np.pi))[1] - square)
