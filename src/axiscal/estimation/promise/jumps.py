@@ -34,7 +34,14 @@ from axiscal.estimation.promise.agreement import (
     numbers_of_one,
     tail_of,
 )
-from axiscal.estimation.promise.mistaken import Suspect, as_stated_or_not, gains_of_columns, log_odds_of, stretches
+from axiscal.estimation.promise.mistaken import (
+    Suspect,
+    as_stated_or_not,
+    gains_of_steps,
+    log_odds_of,
+    some_of,
+    stretches,
+)
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed, sized
 from axiscal_core.left_out import BAD_SHARE
@@ -197,15 +204,21 @@ def _suspect(
 ) -> Suspect:
     """Return the likeliest of the jumps before some readings.  stands : the first of them is that of the set-up"""
     ways = ways_of(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
-    columns = (problem.reading >= readings[:, None])[:, None] * ways
-    log_odds = log_odds_of(each, np.array([gains_of_columns(given, columns, problem.values, _JUMPS) for given in each]))
+    tried = some_of(len(readings))
+    for finest in (len(tried) == len(readings), True):
+        starts = np.searchsorted(problem.reading, readings[tried])
+        log_odds = log_odds_of(each, np.array([gains_of_steps(given, ways, starts, _JUMPS) for given in each]))
+        size, place = np.unravel_index(np.argmax(log_odds), log_odds.shape)
+        best = int(tried[place])
+        if finest:
+            break
+        tried = some_of(len(readings), best)
     places = len(_JUMPS) * len(readings)
-    size, best = np.unravel_index(np.argmax(log_odds), log_odds.shape)
     name: Mistake = "place" if stands and best == 0 else "jump"
-    odds = float(log_odds[size, best] + np.log(PRIOR / places))
+    odds = float(log_odds[size, place] + np.log(PRIOR / places))
     setup, first = int(problem.setup[mine][0]), int(readings[best])
     mistake = Explained(name, odds, (setup,), first, backlash=first == turn_of(problem, mine))
-    return Suspect(mistake, problem.wider(_JUMPS[size] * columns[best]), places)
+    return Suspect(mistake, problem.wider(_JUMPS[size] * ways * (problem.reading >= first)), places)
 
 
 def ways_of(problem: Problem, mine: NDArray[np.bool_]) -> Array:
