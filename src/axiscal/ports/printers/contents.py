@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.ports.printers.homing import Place, zero_in
+from axiscal.measurement.readers.homing import Place, zero_in
 from axiscal.tables.exporter import ExportOptions, summed
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.sampling import backlash

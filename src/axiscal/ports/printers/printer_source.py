@@ -31,9 +31,9 @@ from axiscal.language.spoken import later, said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import tip_at
 from axiscal.measurement.instrument import instrument_of
+from axiscal.measurement.readers.homing import Place, homed_at, zero_of
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import FROM_ABOVE, cycle_of, met_from, read_as, stated
-from axiscal.ports.printers.homing import Place, homed_at, zero_of
 from axiscal.ports.printers.klipper import holds_heights, plain_profile
 from axiscal.ports.printers.printer import Duet, Moonraker, Printer, found_at
 from axiscal.units import from_unit, to_unit

@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.numerics import Array
-from axiscal.ports.printers.homing import zero_in
+from axiscal.measurement.readers.homing import zero_in
 from axiscal.ports.printers.printer_source import loader_at
 from tests.campaign.test_printer_loader import Keeping, at
 from tests.campaign.test_printer_source import serving
