@@ -8,16 +8,21 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.numerics import Array
+from axiscal.description.campaign import read_campaign
 from axiscal.measurement.readers.homing import zero_in
+from axiscal.numerics import Array
 from axiscal.ports.printers.printer_source import loader_at
+from axiscal.present.delivery import read_in
 from tests.campaign.test_printer_loader import Keeping, at
 from tests.campaign.test_printer_source import serving
+from tests.controls.fetched import MissingError
+from tests.controls.klipper_mesh import asked, held
 from tests.generators.field import with_field
 from tests.tables.test_bed_round_trips import (
     X,
     Y,
     bed,
+    duet_file,
     estimated,
     exported,
     held_by,
@@ -33,6 +38,7 @@ OVERRIDE = (
 )
 MACRO = "[gcode_macro START]\ngcode:\n  G1 X5 Y5\n  G28\n"
 DUET = "; homez.g\nG91\nG1 H2 Z5\nG90\nG1 X130 Y80 F6000 ; middle\nG30\n"
+AT_60 = "#define Z_SAFE_HOMING_X_POINT 60\n#define Z_SAFE_HOMING_Y_POINT 140\n"
 MARLIN = "#define Z_SAFE_HOMING\n#define Z_SAFE_HOMING_X_POINT {}  // X point\n#define Z_SAFE_HOMING_Y_POINT 70.5\n"
 
 
@@ -40,10 +46,11 @@ MARLIN = "#define Z_SAFE_HOMING\n#define Z_SAFE_HOMING_X_POINT {}  // X point\n#
     ("text", "place"),
     [
         (f"{HOME}[bed_mesh]\nzero_reference_position = 150, 140\n", (150, 140)),
-        (HOME, (110, 90)),
-        (HOME + PROBE, (110, 90)),
+        (HOME, None),
+        (HOME + PROBE + BY_PROBE.replace("probe:z_virtual_endstop", "^PC2"), None),
+        (HOME + BY_PROBE.replace(":z_v", ": z_v"), (110, 90)),
         (HOME + PROBE + BY_PROBE, (90, 95)),
-        (OVERRIDE + MACRO, (100, 60)),
+        (OVERRIDE + MACRO + BY_PROBE, (100, 60)),
         (OVERRIDE + PROBE + BY_PROBE, (80, 65)),
         (OVERRIDE.replace("G1 Y60", "G1 Y{params.Y}"), None),
         (MACRO + BY_PROBE, None),
@@ -51,6 +58,8 @@ MARLIN = "#define Z_SAFE_HOMING\n#define Z_SAFE_HOMING_X_POINT {}  // X point\n#
         (DUET, (130, 80)),
         (f"G31 P500 X-25.5 Y10 Z2\n{DUET}", (104.5, 90)),
         (DUET.replace("G30", "G1 H1 Z-300"), None),
+        (DUET.replace("G30", "G30 P0 X15 Y15 Z-99999"), None),
+        (DUET.replace("G90", ""), None),
         (DUET.replace("X130", "X{global.middle}"), None),
         (MARLIN.format("60"), (60, 70.5)),
         (MARLIN.format("X_CENTER"), None),
@@ -61,6 +70,75 @@ MARLIN = "#define Z_SAFE_HOMING\n#define Z_SAFE_HOMING_X_POINT {}  // X point\n#
 def test_files_of_a_printer_say_where_it_homes(text: str, place: tuple[float, float] | None) -> None:
     found = zero_in(text)
     assert found == (None if place is None else pytest.approx((place[0] * 1e-3, place[1] * 1e-3)))
+
+
+WAYS = {
+    "zero_reference_position": "[bed_mesh]\nzero_reference_position: {x}, {y}\n",
+    "safe_z_home": f"{BY_PROBE}[probe]\nx_offset: 4\ny_offset: -7\n[safe_z_home]\nhome_xy_position: {{hx}}, {{hy}}\n",
+    "homing_override": f"{BY_PROBE}[homing_override]\ngcode:\n    G28 X Y\n    G1 X{{x}} Y{{y}}\n    G28 Z\n",
+    "index": "[bed_mesh]\nmesh_min: 30, 20\nmesh_max: 270, 220\nprobe_count: 7, 6\nrelative_reference_index: {index}\n",
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(20))
+def test_a_mesh_is_zero_where_its_own_file_says_by_the_mesh_of_klipper(seed: int, tmp_path: Path) -> None:
+    """To 1 um; the stated place is drawn, and the way to state it."""
+    rng, (name, way) = np.random.default_rng(seed), [*WAYS.items()][seed % 4]
+    x, y = (round(float(rng.uniform(*ends)), 2) for ends in ((35, 265), (25, 215)))
+    index = int(rng.integers(42))
+    try:
+        if name == "index":
+            x, y = asked(nodes=[((30, 20), (270, 220), (7, 6), None, (0, 0))])[0][index]
+        stated = way.format(x=x, y=y, hx=x - 4, hy=y + 7, index=index)
+        text = stated + klipper_file(X, Y, bed(X, Y) + rng.uniform(-0.3, 0.3))
+        files = exported(estimated(tmp_path, text, "printer.cfg"), "klipper")
+        (height,) = asked([held(files["bed_mesh.cfg"], (x, y))])
+    except MissingError as why:
+        pytest.skip(str(why))
+    assert height == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("radius", [None, 97.3])
+def test_the_nodes_of_a_mesh_are_counted_as_klipper_counts_them(radius: float | None) -> None:
+    counts, low, high, origin = (
+        ((7, 7), (-97.3, -97.3), (97.3, 97.3), (12, 5)) if radius else ((5, 4), (15, 12), (285, 230), (0, 0))
+    )
+    try:
+        (nodes,) = asked(nodes=[(low, high, counts, radius, origin)])
+    except MissingError as why:
+        pytest.skip(str(why))
+    said = f"mesh_radius: {radius}\nmesh_origin: 12, 5\nround_probe_count: 7\n"
+    said = said if radius else "mesh_min: 15, 12\nmesh_max: 285, 230\nprobe_count: 5, 4\n"
+    for index, node in enumerate([*nodes, None]):
+        found = zero_in(f"[bed_mesh]\n{said}relative_reference_index: {index}\n")
+        assert found == (None if node is None else pytest.approx((node[0] * 1e-3, node[1] * 1e-3)))
+
+
+@pytest.mark.parametrize(
+    ("readings", "name", "controller"),
+    [
+        (f"[bed_mesh]\nzero_reference_position: 60, 140\n{klipper_file(X, Y, bed(X, Y))}", "printer.cfg", "klipper"),
+        (duet_file(X, Y, bed(X, Y)), "heightmap.csv", "reprapfirmware"),
+        (klipper_file(X, Y, bed(X, Y)), "printer.cfg", "marlin"),
+    ],
+)
+def test_the_place_stands_on_the_screen_and_in_the_record(
+    readings: str, name: str, controller: str, tmp_path: Path
+) -> None:
+    """By the file itself, by the homez.g of a Duet or the Configuration.h of a Marlin beside it."""
+    others = {"reprapfirmware": ("homez.g", "G90\nG1 X60 Y140\nG30\n"), "marlin": ("Configuration.h", AT_60)}
+    zero = None
+    if controller in others:
+        file, text = others[controller]
+        (tmp_path / file).write_text(text)
+        zero = str(tmp_path / file)
+    record = estimated(tmp_path, readings, name, options=("--zero", zero) if zero else ())
+    described = read_campaign(record.parents[1] / "campaign.toml", asking=False)
+    assert "zero at X60 Y140" in read_in(described, record.parents[1] / name, zero=zero).told
+    assert r"zero_at = [\"60 mm\", \"140 mm\"]" in record.read_text()
+    x, y, mesh = held_by(controller, exported(record, controller))
+    assert height(x, y, mesh, (60.0, 140.0)) == pytest.approx(0.0, abs=2e-4 if controller == "marlin" else 1e-6)
 
 
 @pytest.fixture(scope="module")

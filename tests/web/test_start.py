@@ -63,8 +63,12 @@ HELD = """(() => {
 """Holds the first plan back until it is released."""
 STAGED = """(async () => {
   const ask = window.fetch, { waiting } = await import("/elements.js");
-  const asked = new Promise((reach) => { window.reach = reach; }), held = new Promise((free) => { window.free = free; });
-  window.fetch = async (...words) => { if (words[0].endsWith("/stage")) { reach(); await held; } return ask(...words); };
+  const asked = new Promise((reach) => { window.reach = reach; });
+  const held = new Promise((free) => { window.free = free; });
+  window.fetch = async (...words) => {
+    if (words[0].endsWith("/stage")) { reach(); await held; }
+    return ask(...words);
+  };
   await waiting(asked);
   free();
   await new Promise((done) => setTimeout(done, 300));
