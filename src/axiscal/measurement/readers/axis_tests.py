@@ -37,7 +37,7 @@ _TOWARDS = later("write + for the approach in the positive direction, - for the 
 _SEEN = later("which sign {text!r} has depends on the side that one looks from")
 _TURN = re.compile(r"(?<![a-z])c?cw(?![a-z])", re.IGNORECASE)
 _AXIS = "|".join(word for word, stem in STEMS.items() if stem == "axis")
-_NAMED = re.compile(rf"\s*(?:{_AXIS})\s*[:;,=\t]\s*({AXIS_NAME})(?:[-\s]*(?:{_AXIS}))?[\s;,]*", re.IGNORECASE)
+_NAMED = re.compile(rf"\s*+(?:{_AXIS})[^\S\t]*+[:;,=\t]\s*+({AXIS_NAME})(?:[-\s]*+(?:{_AXIS}))?[\s;,]*+", re.IGNORECASE)
 _STROKE = 5e-3
 """m, further than any ball bar reads."""
 _ALIKE = 0.02

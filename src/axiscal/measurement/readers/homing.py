@@ -18,7 +18,7 @@ Place = Beside
 _WORD = re.compile(r"([XY])(-?[\d.]+|\S*)")
 _HOMES = re.compile(r"G28\b(?!.*[XY])|G28\b.*Z|G30\b(?!.*[PS])")
 """What homes Z: G28 of every axis or of Z, and G30 of RepRapFirmware that neither levels (P) nor reports (S)."""
-_DEFINED = re.compile(r"^\s*#define\s+Z_SAFE_HOMING_([XY])_POINT\s+([^\s/]+)", re.MULTILINE)
+_DEFINED = re.compile(r"^[^\S\n]*+#define\s+Z_SAFE_HOMING_([XY])_POINT\s+([^\s/]+)", re.MULTILINE)
 _BY_PROBE = "probe:z_virtual_endstop"
 _MARKS = str.maketrans("", "", "[]'\" ")
 """Around the numbers of a place in an answer of Moonraker."""
