@@ -59,11 +59,11 @@ def test_the_likeliest_jump_of_a_set_up_is_that_of_the_dense_density(kind: str) 
     assert found.mistake[2:4] == ((0,), best[1])
     assert found.places == places
     assert found.mistake.log_odds == pytest.approx(each[best], rel=1e-6)
-    np.testing.assert_allclose(found.other.rows[:, : len(ways)].T, best[0] * ways * (problem.reading >= best[1]))
+    np.testing.assert_allclose(found.make().rows[:, : len(ways)].T, best[0] * ways * (problem.reading >= best[1]))
     known = jumped(problem)
     assert known is not None
     assert known.jumps == (found.mistake,)
-    alone = _log_odds(problem, found.other.rows[:, : len(ways)].T, places, judged=False)
+    alone = _log_odds(problem, found.make().rows[:, : len(ways)].T, places, judged=False)
     assert known.log_odds == pytest.approx(alone, rel=1e-6)
 
 

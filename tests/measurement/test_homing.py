@@ -134,7 +134,7 @@ def test_the_place_stands_on_the_screen_and_in_the_record(
         (tmp_path / file).write_text(text)
         zero = str(tmp_path / file)
     record = estimated(tmp_path, readings, name, options=("--zero", zero) if zero else ())
-    described = read_campaign(record.parents[1] / "campaign.toml", asking=False)
+    described = read_campaign(record.parents[1] / "campaign.toml", target_needed=False, asking=False)
     assert "zero at X60 Y140" in read_in(described, record.parents[1] / name, zero=zero).told
     assert r"zero_at = [\"60 mm\", \"140 mm\"]" in record.read_text()
     x, y, mesh = held_by(controller, exported(record, controller))

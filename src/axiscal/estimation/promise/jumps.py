@@ -16,6 +16,7 @@ step is weighed likewise, and named unless backlash is 20 times as likely; over 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -130,8 +131,9 @@ def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
     each = list[Jumped]()
     for suspect in sorted(suspected, key=lambda one: -one.mistake.log_odds)[:_WEIGHED]:
         prior = known.log_prior + float(np.log(PRIOR / suspect.places))
-        found = sized(space_of(suspect.other))
-        each.append(Jumped(suspect.other, found, known.without, (*known.jumps, suspect.mistake), prior))
+        other = suspect.make()
+        found = sized(space_of(other))
+        each.append(Jumped(other, found, known.without, (*known.jumps, suspect.mistake), prior))
     best, *others = sorted(each, key=lambda one: -one.log_odds)
     if best.log_odds - known.log_odds <= _NAMED:
         return None
@@ -156,9 +158,10 @@ def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> 
         suspect = _suspect(problem, as_stated_or_not(problem, found.drawn.stated), mine, readings, False)
         if suspect.mistake.log_odds <= -_NAMED:
             continue
-        beside = sized(space_of(suspect.other))
+        other = suspect.make()
+        beside = sized(space_of(other))
         odds = beside.log_evidence - found.log_evidence + float(np.log(PRIOR / suspect.places))
-        yield Tried(suspect.mistake._replace(log_odds=odds, detail=turn < 0), tail_of(suspect.other, beside))
+        yield Tried(suspect.mistake._replace(log_odds=odds, detail=turn < 0), tail_of(other, beside))
 
 
 def turn_of(problem: Problem, mine: NDArray[np.bool_]) -> int:
@@ -218,7 +221,8 @@ def _suspect(
     odds = float(log_odds[size, place] + np.log(PRIOR / places))
     setup, first = int(problem.setup[mine][0]), int(readings[best])
     mistake = Explained(name, odds, (setup,), first, backlash=first == turn_of(problem, mine))
-    return Suspect(mistake, problem.wider(_JUMPS[size] * ways * (problem.reading >= first)), places)
+    columns = _JUMPS[size] * ways * (problem.reading >= first)
+    return Suspect(mistake, partial(problem.wider, columns), places)
 
 
 def ways_of(problem: Problem, mine: NDArray[np.bool_]) -> Array:

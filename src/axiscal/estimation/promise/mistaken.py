@@ -16,8 +16,9 @@ top. Stretches reach to the last reading, or from one turn to another.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -48,10 +49,10 @@ _DIGITS = 6
 
 
 class Suspect(NamedTuple):
-    """A mistake that readings may tell.  other : they as a problem with it; places : it is one of"""
+    """A mistake that readings may tell.  make : returns them as a problem with it; places : it is one of"""
 
     mistake: Explained
-    other: Problem
+    make: Callable[[], Problem]
     places: int
 
 
@@ -130,14 +131,17 @@ def stretches(problem: Problem, each: Sequence[Given], mine: NDArray[np.bool_]) 
         if not count:
             continue
         wrong = mine & (problem.reading >= readings[start]) & (problem.reading <= readings[stop - 1])
-        if parts.std:
-            turned = np.outer(wrong, _of_kinds(problem, "reversal", "way"))
-            other = replace(problem, rows=np.where(turned, -problem.rows, problem.rows))
-        else:
-            other = replace(problem, values=problem.values + np.where(wrong, parts.added[0], 0.0))
+        values = problem.values + np.where(wrong, parts.added[0], 0.0)
+        make = partial(_with_sides, problem, wrong) if parts.std else partial(replace, problem, values=values)
         to, factor = -1 if stop == len(readings) else int(readings[stop - 1]), -1.0 if parts.wrong == "sign" else 1.0
         setups, odds = (int(problem.setup[mine][0]),), odds + float(np.log(PRIOR / count))
-        yield Suspect(Explained(parts.wrong, odds, setups, int(readings[start]), factor, last=to), other, count)
+        yield Suspect(Explained(parts.wrong, odds, setups, int(readings[start]), factor, last=to), make, count)
+
+
+def _with_sides(problem: Problem, wrong: NDArray[np.bool_]) -> Problem:
+    """Return the problem with the other side of some numbers.  wrong : (m,)"""
+    turned = np.outer(wrong, _of_kinds(problem, "reversal", "way"))
+    return replace(problem, rows=np.where(turned, -problem.rows, problem.rows))
 
 
 def _parts(problem: Problem, mine: NDArray[np.bool_], backlash: Array, turns: NDArray[np.intp]) -> Iterator[_Parts]:
