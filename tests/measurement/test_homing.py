@@ -136,7 +136,7 @@ def test_the_place_stands_on_the_screen_and_in_the_record(
     record = estimated(tmp_path, readings, name, options=("--zero", zero) if zero else ())
     described = read_campaign(record.parents[1] / "campaign.toml", target_needed=False, asking=False)
     assert "zero at X60 Y140" in read_in(described, record.parents[1] / name, zero=zero).told
-    assert r"zero_at = [\"60 mm\", \"140 mm\"]" in record.read_text()
+    assert r"zero_at = [\"60 mm\", \"140 mm\"]" in record.read_text(errors="replace")
     x, y, mesh = held_by(controller, exported(record, controller))
     assert height(x, y, mesh, (60.0, 140.0)) == pytest.approx(0.0, abs=2e-4 if controller == "marlin" else 1e-6)
 
