@@ -162,3 +162,10 @@ class InNumbers(Given):
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹B, (m, c).  columns : B (m, c), over the noise"""
         return solution_of_product(self.root, columns)
+
+    def _halves(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array, float]:
+        of = np.searchsorted(starts, np.arange(columns.shape[1]), side="right") - 1
+        alone = np.zeros((len(columns), len(starts), len(self.root)))
+        alone[:, :, part] = columns[:, None] * (of == np.arange(len(starts))[:, None])
+        half = solution(self.root, alone.reshape(-1, len(self.root)).T).T
+        return np.zeros((len(columns), len(columns), len(starts))), half.reshape(alone.shape), 1.0

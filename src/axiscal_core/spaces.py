@@ -66,6 +66,32 @@ class Sources(NamedTuple):
     causes: Array
 
 
+class Sums(NamedTuple):
+    """Of D, the numbers from each start, and from the end, to the end: DᵀK⁻¹D = own + low s lowᵀ.
+
+    own : (k, k, u + 1); low : (k, u + 1, q); signs : s (q,); pulled : DᵀK⁻¹y (k, u + 1)
+    K is that with the causes of type B that judge.
+    """
+
+    own: Array
+    low: Array
+    signs: Array
+    pulled: Array
+
+    def to_the_end(self) -> tuple[Array, Array]:
+        """Return DᵀK⁻¹D (u, k, k) and DᵀK⁻¹y (u, k) from each start on."""
+        low = self.low[:, :-1].transpose(1, 0, 2)
+        fisher = self.own[:, :, :-1].transpose(2, 0, 1) + (low * self.signs) @ low.transpose(0, 2, 1)
+        return fisher, self.pulled[:, :-1].T
+
+    def between(self, begin: NDArray[np.intp], end: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return DᵀK⁻¹D and DᵀK⁻¹y of the only column from some starts to some others, (b, e) both."""
+        low, own, pulled = self.low[0], self.own[0, 0], self.pulled[0]
+        alone, both = low**2 @ self.signs, (low[begin] * self.signs) @ low[end].T
+        square = (alone + own)[begin, None] + (alone - own)[end] - 2 * both
+        return square, pulled[begin, None] - pulled[end]
+
+
 @dataclass(eq=False)
 class Given(ABC):
     """Everything at one set of sizes.
@@ -100,6 +126,25 @@ class Given(ABC):
     @abstractmethod
     def blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return K⁻¹y (r, k), over the noise, and the blocks of K⁻¹ (r, k, k).  part : (r, k) numbers of readings"""
+
+    @abstractmethod
+    def _halves(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array, float]:
+        """Return own (k, k, u), low (k, u, q) and sign, as of `Sums`, of what columns are from start to start, by K⁻¹.
+
+        columns : (k, n) of a part of the numbers
+        """
+
+    def sums(self, columns: Array, starts: NDArray[np.intp]) -> Sums:
+        """Return the sums of columns.  columns : (k, m), over the noise; starts : (u,) numbers, ascending"""
+        stop = int(np.flatnonzero(columns.any(axis=0))[-1]) + 1 if columns.any() else columns.shape[1]
+        part, starts = slice(starts[0], max(stop, starts[-1] + 1)), starts - starts[0]
+        columns = columns[:, part]
+        own, low, sign = self._halves(columns, starts, part)
+        root = np.linalg.cholesky(self._within)
+        shared = np.add.reduceat(columns[:, :, None] * (self._spread[part] @ root), starts, axis=1)
+        pulled = np.add.reduceat(columns * self.judged(self.problem.values[:, None])[part, 0], starts, axis=1)
+        signs = np.append(np.full(low.shape[2], sign), np.full(len(root), -1.0))
+        return Sums(_from_each(own, 2), _from_each(np.dstack([low, shared]), 1), signs, _from_each(pulled, 1))
 
     def gain(self, columns: Array) -> Array:
         """Return G X, (answered, n) m and rad: by what the mean m = G y moves.  columns : X (m, n), over the noise"""
@@ -173,6 +218,12 @@ class Given(ABC):
         mine = self._spread[part]
         shared = mine @ self._within
         return weighted - shared @ self.type_b.pulled[judging], blocks - shared @ mine.transpose(0, 2, 1)
+
+
+def _from_each(parts: Array, axis: int) -> Array:
+    """Return the sums from each part to the last one, and behind it nought, along an axis."""
+    grown = np.flip(np.cumsum(np.flip(parts, axis), axis=axis), axis)
+    return np.insert(grown, parts.shape[axis], 0.0, axis)
 
 
 def parts_of(reading: NDArray[np.intp]) -> list[NDArray[np.intp]]:

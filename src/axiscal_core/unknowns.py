@@ -207,6 +207,15 @@ class InUnknowns(Given):
         half = solution(self.root, turned(problem, (weights * columns).T @ problem.rows, *sizes).T)
         return np.asarray(weights * (columns - problem.rows @ raised(problem, back_solution(self.root, half), *sizes)))
 
+    def _halves(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array, float]:
+        problem, weights = self.problem, 1 / variances_of(self.problem, self.theta)[part]
+        own = np.add.reduceat(weights * columns[:, None] * columns, starts, axis=2)
+        seen = np.concatenate(
+            [np.add.reduceat((weights * one)[:, None] * problem.rows[part], starts, axis=0) for one in columns]
+        )
+        half = solution(self.root, turned(problem, seen, self.theta, self.roots).T).T
+        return own, half.reshape(*own.shape[1:], -1), -1.0
+
     def _rows(self, which: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return rows of unknowns of variance one over the noise, (n, p), and one over the noise, (n,)."""
         problem = self.problem

@@ -309,6 +309,16 @@ def test_a_column_a_run_is_a_test(tmp_path: Path, header: str, unit: float, note
     assert values == pytest.approx(left | {(-7, -1, 2): 8})
 
 
+@pytest.mark.parametrize("header", ["Pos;1+;1-", "Pos_mm;1+;1-"])
+def test_deviations_that_may_be_in_mm_need_a_unit(tmp_path: Path, header: str) -> None:
+    """They were taken for micrometres, and an accuracy of 39 um for one of 0.039 um."""
+    rows = "".join(f"{at};{1e-4 * at:.4f};{1e-4 * at - 0.004:.4f}\n" for at in range(0, 400, 50))
+    with pytest.raises(ReadingError, match=r"may be in mm as well as in um. Write Pos_mm and 1\+_um"):
+        read(tmp_path, f"{header}\n{rows}")
+    named = read(tmp_path, f"Pos_mm;1+_mm;1-_mm\n{rows}").found.readings
+    assert max(each.value for each in named) == pytest.approx(35e-6)
+
+
 def test_a_column_a_run_may_be_of_angles(tmp_path: Path) -> None:
     turned, pitch = (read(tmp_path, f"{at};1+_arcsec\n90;2\n").found.readings[0] for at in ("Pos_deg", "Pos_mm"))
     assert (turned.test, pitch.test) == ("positioning", "angular")

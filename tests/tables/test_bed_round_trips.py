@@ -88,7 +88,15 @@ def marlin_words(text: str, command: str) -> list[dict[str, float]]:
     return [{word[0]: float(word[1:]) for word in words} for words in lines]
 
 
-def estimated(folder: Path, readings: str, name: str, axes: str = "XYZ", more: str = "", planes: str = "") -> Path:
+def estimated(
+    folder: Path,
+    readings: str,
+    name: str,
+    axes: str = "XYZ",
+    more: str = "",
+    planes: str = "",
+    options: tuple[str, ...] = (),
+) -> Path:
     travel = "".join(f'[axes.{a}]\ntravel = ["0 mm", "{AXES[a]:g} mm"]\n' for a in axes)
     chain = "w-Y'-b-X-t" if axes == "XY" else "w-Y'-b-Z-X-t"
     errors = PRIORS + planes + (SQUARES if axes == "XYZ" else "")
@@ -97,7 +105,7 @@ def estimated(folder: Path, readings: str, name: str, axes: str = "XYZ", more: s
         "campaign.toml": f'machine = "machine.toml"\nusual = "off"\nsure = "exactly"\n{PROBE}{more}',
         name: readings,
     }
-    begun(folder, files, ("estimate", "campaign.toml", name, "--out", "out"))
+    begun(folder, files, ("estimate", "campaign.toml", name, "--out", "out", *options))
     return folder / "out" / "campaign.axiscal"
 
 

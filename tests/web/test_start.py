@@ -61,6 +61,19 @@ HELD = """(() => {
   };
 })()"""
 """Holds the first plan back until it is released."""
+STAGED = """(async () => {
+  const ask = window.fetch, { waiting } = await import("/elements.js");
+  const asked = new Promise((reach) => { window.reach = reach; });
+  const held = new Promise((free) => { window.free = free; });
+  window.fetch = async (...words) => {
+    if (words[0].endsWith("/stage")) { reach(); await held; }
+    return ask(...words);
+  };
+  await waiting(asked);
+  free();
+  await new Promise((done) => setTimeout(done, 300));
+})()"""
+"""Ends a work while it is being asked what is computed, then lets the answer come."""
 PAINTED_IN = 300
 """ms in which the page shows its first words."""
 MOVED_IN = 0.3
@@ -380,6 +393,35 @@ def test_a_plan_that_comes_too_late_is_not_shown(browser: Browser, start: Served
     person.sees("CANNOT BE REACHED")
     person.page.value("release(); new Promise(done => setTimeout(done, 300))")
     assert "CANNOT BE REACHED" in person.page.value("document.getElementById('first').textContent")
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_a_file_from_a_spreadsheet_arrives_letter_by_letter(browser: Browser, start: Served) -> None:
+    """In a page of Windows it was spoilt; the command reads it in each of these."""
+    person = arrived(browser, start)
+    table = "setup;X_mm;approach;value_µm\nPrüftisch – außen;100;+;1,5\n"
+    long = table.ljust(4 * shapes.LETTERS - 5) + "ä" * 9  # whose beginning ends within a letter of two bytes
+    for number, (letters, code) in enumerate(
+        [(table, "cp1252"), (table, "utf-8-sig"), (table, "utf-16"), (long, "utf-8")]
+    ):
+        file = start.record / f"table{number}.csv"
+        file.write_bytes(letters.encode(code))
+        person.drop(file)
+        person.page.until(
+            f"fetch('/api/1/start', {{ headers: {{ Authorization: 'Bearer {start.token}' }} }})"
+            f".then((answer) => answer.json()).then((found) => found.draft.file === '{file.name}')"
+        )
+        assert start.call("start").document["draft"]["text"] == letters[: shapes.LETTERS], code
+
+
+@pytest.mark.chromium
+@pytest.mark.long
+def test_what_is_being_computed_is_said_no_longer_than_it_is(browser: Browser, start: Served) -> None:
+    """An answer that was under way when the work ended stood there for ever."""
+    person = arrived(browser, start)
+    person.page.value(STAGED)
+    assert person.page.value("document.getElementById('doing').textContent") == ""
 
 
 def test_requests_of_a_campaign_are_refused_until_there_is_one(start: Served) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from axiscal.answers.prediction import predict_poses
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, length_unit
+from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, Zero, length_unit
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell
 from axiscal.cli.progress import tell_mind, tell_unasked
@@ -66,6 +66,7 @@ def estimate(
     axis: Annotated[
         str, typer.Option(metavar="NAME", help="Along which a test was read whose file does not say it.")
     ] = "",
+    zero: Zero = None,
     log: Log = None,
     programs: Programs = Path("programs"),
     details: Details = False,
@@ -90,6 +91,7 @@ def estimate(
     Examples:
       axiscal data estimate campaign.toml readings.csv --out results
       axiscal data estimate campaign.toml printer.cfg#hot --out results
+      axiscal data estimate campaign.toml heightmap.csv --zero homez.g --out results
       axiscal data estimate campaign.toml laser.rtl --axis Y --out results
       axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
@@ -99,7 +101,7 @@ def estimate(
         raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
     placed, extras, told = tuple[Reading, ...](), Extras(), ""
     if readings is not None:
-        description, placed, extras, told = read_in(description, readings, length_unit(unit), axis)
+        description, placed, extras, told = read_in(description, readings, length_unit(unit), axis, zero)
     if log is not None:
         placed = (*placed, *placed_log(log, programs, description))
     mend(out)

@@ -14,13 +14,14 @@ from axiscal.answers.answer_words import wrapped
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
-from axiscal.cli.arguments import Anyway, Json, RecordFile, Template
+from axiscal.cli.arguments import Anyway, Json, RecordFile, Template, Zero
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.rewriting import PROGRAM, Rewriting
 from axiscal.document.ports import part
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
+from axiscal.measurement.readers.homing import zero_by
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.present.delivery import introduced, write_files
 from axiscal.present.findings import findings
@@ -63,10 +64,7 @@ def export(
     mesh: Annotated[
         int | None, typer.Option(metavar="N", help="Points of a height map along each side; default: as the map read.")
     ] = None,
-    zero: Annotated[
-        str | None,
-        typer.Option(metavar="PLACE", help='Where the printer homes Z, as in "150 mm, 150 mm"; default: the middle.'),
-    ] = None,
+    zero: Zero = None,
     flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
     probe_sign: Annotated[
         bool, typer.Option("--probe-sign", help="Only a bump of 10 um, whose two readings tell the sign of the tables.")
@@ -138,7 +136,7 @@ def export(
         template_name=str(template or "the template"),
         name=name,
         mesh=mesh,
-        zero=None if zero is None else _zero(zero),
+        zero=None if zero is None else zero_by(zero),
         flip=flip,
         pivots=pivots,
         encoder=measuring_system,
@@ -155,6 +153,8 @@ def export(
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
         described = estimation.case.description
+        if zero is not None:
+            options = replace(options, zero=zero_by(zero, described.aside))
         options = informed(options, replace(described, bumps=()) if probe_sign else described, to)
         missing = [axis.name for axis in described.machine.axes if axis.name not in options.numbers]
         if coordinates is not None and missing:
@@ -211,12 +211,6 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
     if "" in found and len(found) > 1:
         raise TableError("a spacing is given for all linear axes and for some", 'Give it for each: --spacing "X=25 mm"')
     return found.get("", found or None)
-
-
-def _zero(text: str) -> tuple[float, float]:
-    """Return the place where a printer homes Z, m; raises UnitError."""
-    x, _, y = text.partition(",")
-    return parse_quantity(x.strip(), "length"), parse_quantity(y.strip(), "length")
 
 
 def _numbers(texts: list[str], coordinates: str | None) -> dict[str, tuple[int, ...]]:

@@ -99,6 +99,7 @@ class CampaignDescription:
     controls : those whose files a finished campaign gets, the first one first
     unsourced : what is stated of the tool without a source, and does not count
     screws : under the bed of a printer; None where nobody states them
+    zero_at : X and Y where a printer has the zero of Z, m; None where nobody states it
     bumps : what the record says of the signs of controls
     """
 
@@ -119,6 +120,7 @@ class CampaignDescription:
     controls: tuple[str, ...] = ("linuxcnc",)
     unsourced: tuple[Unsourced, ...] = ()
     screws: BedScrews | None = None
+    zero_at: tuple[float, float] | None = None
     bumps: tuple[Bumped, ...] = ()
 
     @property
@@ -126,6 +128,11 @@ class CampaignDescription:
         """The set-ups of a printer's probe of which nobody says how far it stands beside the nozzle."""
         probes = (each for each in self.setups if each.instrument == "probe" and each.chart is None)
         return [each.name for each in probes if each.offset is None and set(self.controls) <= _PRINTERS]
+
+    @property
+    def aside(self) -> tuple[float, float]:
+        """How far the probe of a printer stands beside its nozzle along x and y, m; nought where nobody said."""
+        return next((each.offset[:2] for each in self.setups if each.instrument == "probe" and each.offset), (0.0, 0.0))
 
     def bump_of(self, controller: str) -> Bumped | None:
         """Return the latest bump in the tables of a control, None where nobody has read one."""
@@ -212,10 +219,21 @@ def with_offset(described: CampaignDescription, setup: str, beside: tuple[float,
     document = without_gone(Document.parse(described.text, described.source))
     tables = read_model(document, CampaignTable, context=TableContext(described.machine, document)).setups
     line = document.line("setups", [table.name for table in tables].index(setup), "name") or 1
-    lines = document.text.split("\n")
-    if not lines[line - 1].lstrip().startswith("name"):
+    if not document.text.split("\n")[line - 1].lstrip().startswith("name"):
         what, remedy = "the probe stands beside the nozzle, and this set-up does not say so", "Write {said}"
         raise DescriptionError(what, remedy, described.source, line, said=said)
+    return _with_line(described, line, said)
+
+
+def with_zero(described: CampaignDescription, zero: tuple[float, float]) -> CampaignDescription:
+    """Return a campaign whose text also says where its printer has the zero of Z.  zero : x and y, m"""
+    x, y = (format_quantity(each, "mm", 6) for each in zero)
+    return _with_line(described, 0, f'zero_at = ["{x}", "{y}"]')
+
+
+def _with_line(described: CampaignDescription, line: int, said: str) -> CampaignDescription:
+    """Return a campaign with a further line of text behind a line."""
+    lines = described.text.split("\n")
     text = "\n".join([*lines[:line], said, *lines[line:]])
     machine, prior = described.machine, described.prior_text
     kept = {"usual_doubts": described.usual_doubts, "fine_knots": machine.fine_knots}
@@ -290,6 +308,7 @@ def _described(
         controls=tuple(dict.fromkeys(table.controls)),
         unsourced=tools,
         screws=None if table.screws is None else table.screws.screws(),
+        zero_at=table.zero_at,
     )
 
 

@@ -38,7 +38,7 @@ from axiscal.description.fields import (
     plane_ways,
     read_instrument,
 )
-from axiscal.description.screws import ScrewsTable
+from axiscal.description.screws import Ground, ScrewsTable
 from axiscal.description.target import TargetTable
 from axiscal.description.type_b import type_b_names
 from axiscal.document import Length, QuantityText, meant, shown
@@ -297,6 +297,7 @@ class CampaignTable(Table):
     scales: Literal["stated", "estimate"] | None = Field(None, examples=['"estimate"'])
     prior: str | None = Field(None, examples=['"last.axiscal"'])
     compensation_active: Active | None = Field(None, examples=["false", '"old/X.comp"'])
+    zero_at: Ground | None = Field(None, examples=['["150 mm", "150 mm"]'])
     controls: list[str] = Field(default=["linuxcnc"], examples=['["sinumerik"]'])
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])
     tool_length: Doubt | None = Field(None, examples=['"5 um"'])

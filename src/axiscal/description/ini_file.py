@@ -17,7 +17,7 @@ _KEY = re.compile(r"([^=\s]+)\s*=\s*(.*)")
 _HEEDED = re.compile(r"|EMC|EMCMOT|TRAJ|KINS|HAL|(?:AXIS|JOINT)_\w+")
 """Sections that say something of the machine: LinuxCNC itself passes over lines of the others that mean nothing."""
 _REMARK = re.compile(r"\s[#;].*")
-_INCLUDE = re.compile(r"^[ \t]*#INCLUDE[ \t]+(\S.*?)[ \t]*$", re.MULTILINE)
+_INCLUDE = re.compile(r"#INCLUDE[ \t]+(\S.*)")
 """In capitals, and in the file itself: what an included file includes LinuxCNC takes for a remark."""
 
 

@@ -2,7 +2,7 @@
 
 Readings of the log that a measuring program has written, by the lists that stand beside the program.
 
-A file may say where the probe of a printer stands beside the nozzle.
+A file may say where the probe of a printer stands beside the nozzle, and where the printer has the zero of Z.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription, with_offset
+from axiscal.description.campaign import CampaignDescription, with_offset, with_zero
 from axiscal.description.setup_of_reading import refuse_other_base, setup_of
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.language.spoken import joined, said
@@ -335,21 +335,34 @@ _SAME = 1e-4
 def file_readings(
     raw: tuple[RawReading, ...], campaign: CampaignDescription, file: str | Path
 ) -> tuple[CampaignDescription, tuple[Reading, ...]]:
-    """Return a campaign that says where its probe stood, and its readings as of `placed_readings`.
+    """Return a campaign that says where its probe and its zero stand, and its readings as of `placed_readings`.
 
     Raises ReadingError at the line that does not fit.
     """
-    told = next((row for row in raw if row.beside is not None), None)  # all readings of a file are by one probe
-    if told is not None and told.beside is not None:
-        try:
+    told = raw[0]  # all readings of a file are by one probe of one printer
+    try:
+        if told.beside is not None:
             setup = setup_of(told, campaign)[0]
+            what = 'the probe stands {said} beside the nozzle along x and y by this file, and {stated} by "{setup}"'
             if setup.offset is None:
                 campaign = with_offset(campaign, setup.name, told.beside)
-            elif math.dist(told.beside, setup.offset[:2]) > _SAME:
-                pairs = told.beside, setup.offset[:2]
-                said, stated = (" ".join(format_quantity(each, "mm", 6) for each in pair) for pair in pairs)
-                what = 'the probe stands {said} beside the nozzle along x and y by this file, and {stated} by "{setup}"'
-                raise ReadingError(what, "Correct offset in campaign.toml", said=said, setup=setup.name, stated=stated)
-        except InputError as failure:
-            raise ReadingError(failure.what, failure.remedy, file, told.line) from None
+            else:
+                _refuse_other(told.beside, setup.offset[:2], what, "Correct offset in campaign.toml", setup.name)
+        if told.zero is not None:
+            what = "the printer has the zero of Z at {said} by this file, and at {stated} by campaign.toml"
+            if campaign.zero_at is None:
+                campaign = with_zero(campaign, told.zero)
+            else:
+                _refuse_other(told.zero, campaign.zero_at, what, "Correct zero_at in campaign.toml")
+    except InputError as failure:
+        raise ReadingError(failure.what, failure.remedy, file, told.line) from None
     return campaign, placed_readings(raw, campaign, file)
+
+
+def _refuse_other(
+    by_file: Sequence[float], by_campaign: Sequence[float], what: str, remedy: str, name: str = ""
+) -> None:
+    """Raise ReadingError for a place that a file states other than campaign.toml."""
+    if math.dist(by_file, by_campaign) > _SAME:
+        said, stated = (" ".join(format_quantity(each, "mm", 6) for each in pair) for pair in (by_file, by_campaign))
+        raise ReadingError(what, remedy, said=said, setup=name, stated=stated)

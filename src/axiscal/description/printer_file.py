@@ -15,8 +15,8 @@ from axiscal.measurement.readers.probe_offset import Beside, offset_in, offset_o
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import from_unit
 
-_SECTION = re.compile(r"\[\s*([^\]]+?)\s*\].*")
-_INCLUDED = re.compile(r"\[include\s+(.+?)\s*\].*")
+_SECTION = re.compile(r"\[\s*+([^\]\s]++(?:\s++[^\]\s]++)*+)\s*+\].*")
+_INCLUDED = re.compile(r"\[include\s++([^\]\s]++(?:\s++[^\]\s]++)*+)\s*+\].*")
 _KEY = re.compile(r"(\w+)\s*[:=]\s*(.*)")
 _REMARK = re.compile(r"\s[#;].*")
 _GANTRY, _SLIDING = "w-Z'-b-Y-X-t", "w-Y'-b-Z-X-t"

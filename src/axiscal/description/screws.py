@@ -11,7 +11,7 @@ from pydantic import Field
 
 from axiscal.description.fields import Table
 from axiscal.document import QuantityText, shown
-from axiscal.document.validation import Beside, EachAs, ReadAs
+from axiscal.document.validation import ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.units import format_quantity, parse_quantity
 
@@ -41,11 +41,15 @@ def _thread(text: str) -> tuple[float, int]:
     return PITCHES[thread], 1 if turn == "CW" else -1
 
 
-def _place(_: str, given: list[str], __: Beside) -> tuple[float, float]:
+def _on_bed(given: list[str]) -> tuple[float, float]:
     if len(given) != 2:
         raise DescriptionError("{text} is no place on the bed", 'Write ["30 mm", "30 mm"]', text=shown(given))
     x, y = (parse_quantity(text, "length") for text in given)
     return x, y
+
+
+Ground = Annotated[tuple[float, float], ReadAs(list[QuantityText], _on_bed)]
+"""X and Y of a place on a bed, m."""
 
 
 def _plane(places: Mapping[str, tuple[float, float]]) -> Mapping[str, tuple[float, float]]:
@@ -63,7 +67,7 @@ class ScrewsTable(Table):
     thread: Annotated[tuple[float, int], ReadAs(str, _thread)] = Field(examples=['"CW-M4"'])
     places: Annotated[
         Mapping[str, tuple[float, float]],
-        ReadAs(Annotated[dict[str, tuple[float, float]], EachAs(dict[str, list[QuantityText]], _place)], _plane),
+        ReadAs(dict[str, Ground], _plane),
     ] = Field(examples=['{ "front left" = ["30 mm", "30 mm"], "front right" = […], back = […] }'])
 
     def screws(self) -> BedScrews:

@@ -23,6 +23,7 @@ from axiscal.language.spoken import capital, put, said, speaking
 from axiscal.language.stages import stage
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
+from axiscal.measurement.readers.homing import zero_by
 from axiscal.measurement.reading import Reading
 from axiscal.present.result_document import EFFECT, READINGS, readings_csv, result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
@@ -48,13 +49,20 @@ class ReadIn(NamedTuple):
     told: str
 
 
-def read_in(described: CampaignDescription, file: Path, unit: str = "", along: str = "") -> ReadIn:
+def read_in(
+    described: CampaignDescription, file: Path, unit: str = "", along: str = "", zero: str | None = None
+) -> ReadIn:
     """Return the readings of a file of any kind; raises ReadingError.
 
     unit : of lengths, where it names none; along : name of the axis of a test that names none, "" where nobody said
+    zero : where a printer homes Z, a place or a file, None where nobody said
     Raises DescriptionError for an axis that the machine does not have.
     """
     read, extras = recognised(file, Around(described.machine.axes, described.setups), unit), Extras()
+    if zero is not None:
+        stated = zero_by(zero, described.aside)
+        told = tuple(replace(row, zero=stated) for row in read.found.readings)
+        read = read._replace(found=replace(read.found, readings=told))
     rows = read.found.readings
     if along:
         described.machine.axis(along)

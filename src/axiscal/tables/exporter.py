@@ -52,9 +52,11 @@ def informed(options: ExportOptions, description: CampaignDescription, controlle
     """Return options that know what the campaign says of the control's sign, and of a compensation that was active.
 
     Files that campaign.toml names lie beside it; others go before them. What is only read is not put on top of them.
+    Where the printer has its zero the campaign says, unless the options do.
     Raises ReadingError, and TableError for `flip` where the control takes its values as supposed.
     """
     options, said = _with_sign(options, description, controller), description.compensation_active
+    options = replace(options, zero=options.zero or description.zero_at)
     if said is None or isinstance(said, bool):
         return replace(options, active=said)
     if options.old_files or controller in REPORTS:

@@ -274,16 +274,15 @@ def _units(problem: Problem, found: Weighed[Given]) -> Iterator[Tried]:
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
         readings = np.unique(problem.reading[mine])
-        since = mine & (problem.reading >= readings[:, None])
-        values = np.where(since, problem.values, 0.0)
-        weighted = given.judged(values.T).T
-        pulled, fisher = weighted @ problem.values, np.sum(values * weighted, axis=1)
+        starts = np.searchsorted(problem.reading, readings)
+        since = np.count_nonzero(mine) - np.searchsorted(np.flatnonzero(mine), starts)
+        fisher, pulled = (each.ravel() for each in given.sums((mine * problem.values)[None], starts).to_the_end())
         # All of them may be in another unit as well as those from any later reading on.
         places = np.where(readings == readings[0], 1, max(len(readings) - 1, 1))
         for factor in _FACTORS:
             over = 1 - 1 / factor
             squares = given.misfit - 2 * over * pulled + over**2 * fisher
-            gains = (given.misfit - squares) / 2 - since.sum(axis=1) * np.log(factor) - np.log(places)
+            gains = (given.misfit - squares) / 2 - since * np.log(factor) - np.log(places)
             best = int(np.argmax(gains))
             odds = float(np.log(PRIOR) + found.log_stated + gains[best])
             tail = chi_square_tail(len(problem.values), float(squares[best]))

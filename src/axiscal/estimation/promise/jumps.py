@@ -16,6 +16,7 @@ step is weighed likewise, and named unless backlash is 20 times as likely; over 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +35,14 @@ from axiscal.estimation.promise.agreement import (
     numbers_of_one,
     tail_of,
 )
-from axiscal.estimation.promise.mistaken import Suspect, as_stated_or_not, gains_of_columns, log_odds_of, stretches
+from axiscal.estimation.promise.mistaken import (
+    Suspect,
+    as_stated_or_not,
+    gains_of_steps,
+    log_odds_of,
+    some_of,
+    stretches,
+)
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed, sized
 from axiscal_core.left_out import BAD_SHARE
@@ -123,8 +131,9 @@ def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
     each = list[Jumped]()
     for suspect in sorted(suspected, key=lambda one: -one.mistake.log_odds)[:_WEIGHED]:
         prior = known.log_prior + float(np.log(PRIOR / suspect.places))
-        found = sized(space_of(suspect.other))
-        each.append(Jumped(suspect.other, found, known.without, (*known.jumps, suspect.mistake), prior))
+        other = suspect.make()
+        found = sized(space_of(other))
+        each.append(Jumped(other, found, known.without, (*known.jumps, suspect.mistake), prior))
     best, *others = sorted(each, key=lambda one: -one.log_odds)
     if best.log_odds - known.log_odds <= _NAMED:
         return None
@@ -149,9 +158,10 @@ def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> 
         suspect = _suspect(problem, as_stated_or_not(problem, found.drawn.stated), mine, readings, False)
         if suspect.mistake.log_odds <= -_NAMED:
             continue
-        beside = sized(space_of(suspect.other))
+        other = suspect.make()
+        beside = sized(space_of(other))
         odds = beside.log_evidence - found.log_evidence + float(np.log(PRIOR / suspect.places))
-        yield Tried(suspect.mistake._replace(log_odds=odds, detail=turn < 0), tail_of(suspect.other, beside))
+        yield Tried(suspect.mistake._replace(log_odds=odds, detail=turn < 0), tail_of(other, beside))
 
 
 def turn_of(problem: Problem, mine: NDArray[np.bool_]) -> int:
@@ -197,15 +207,22 @@ def _suspect(
 ) -> Suspect:
     """Return the likeliest of the jumps before some readings.  stands : the first of them is that of the set-up"""
     ways = ways_of(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
-    columns = (problem.reading >= readings[:, None])[:, None] * ways
-    log_odds = log_odds_of(each, np.array([gains_of_columns(given, columns, problem.values, _JUMPS) for given in each]))
+    tried = some_of(len(readings))
+    for finest in (len(tried) == len(readings), True):
+        starts = np.searchsorted(problem.reading, readings[tried])
+        log_odds = log_odds_of(each, np.array([gains_of_steps(given, ways, starts, _JUMPS) for given in each]))
+        size, place = np.unravel_index(np.argmax(log_odds), log_odds.shape)
+        best = int(tried[place])
+        if finest:
+            break
+        tried = some_of(len(readings), best)
     places = len(_JUMPS) * len(readings)
-    size, best = np.unravel_index(np.argmax(log_odds), log_odds.shape)
     name: Mistake = "place" if stands and best == 0 else "jump"
-    odds = float(log_odds[size, best] + np.log(PRIOR / places))
+    odds = float(log_odds[size, place] + np.log(PRIOR / places))
     setup, first = int(problem.setup[mine][0]), int(readings[best])
     mistake = Explained(name, odds, (setup,), first, backlash=first == turn_of(problem, mine))
-    return Suspect(mistake, problem.wider(_JUMPS[size] * columns[best]), places)
+    columns = _JUMPS[size] * ways * (problem.reading >= first)
+    return Suspect(mistake, partial(problem.wider, columns), places)
 
 
 def ways_of(problem: Problem, mine: NDArray[np.bool_]) -> Array:

@@ -197,12 +197,10 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
     """
     apart, accepted, count = [*never], frozenset(sure), len(np.unique(problem.reading))
     first = _judged(problem, apart)
-    bad, stages = _taken_out(first, accepted)
-    mine = stages[frozenset(bad)]
+    bad, mine = _taken_out(first, accepted)
     for among, found in dict.fromkeys([(problem, None if apart else first.found), (mine.problem, mine.found)]):
         if (moved := jumped(among, found, accepted)) is not None:
-            slips, beside_slips = _taken_out(_Judged(moved.problem, moved.found), accepted)
-            beside = beside_slips[frozenset(slips)]
+            _, beside = _taken_out(_Judged(moved.problem, moved.found), accepted)
             if jumps := likelier(moved, (beside.problem, beside.found), (mine.problem, mine.found)):
                 sizes, bad = _sizes(among, moved.without), {i: bad[i] for i in bad if i not in among.reading}
                 return Sorted(problem, _Judged(among, moved.without), None, sizes, bad, count, accepted, jumps)
@@ -211,27 +209,26 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
     sizes = _sizes(mine.problem, mine.found)
     if not details:
         return Sorted(problem, mine, None, sizes, bad, count, accepted)
-    others = frozenset(bad) - frozenset(details)
-    with_details = stages.get(others) or _judged(problem, [*apart, *others])
+    others = [i for i in bad if i not in details]
+    with_details = _judged(problem, [*apart, *others]) if others else first
     sizes = _half_and_half(sizes, _sizes(with_details.problem, with_details.found))
     return Sorted(problem, mine, with_details, sizes, bad, count, accepted)
 
 
-def _taken_out(first: _Judged, accepted: Collection[int]) -> tuple[dict[int, LeftOut], dict[frozenset[int], _Judged]]:
-    """Return bad readings, the worst first, and what was judged on the way: with so many of them out.
+def _taken_out(first: _Judged, accepted: Collection[int]) -> tuple[dict[int, LeftOut], _Judged]:
+    """Return bad readings, the worst first, and the others.
 
     first : with all; accepted : are not taken out
     """
     bad, mine, count = dict[int, LeftOut](), first, len(np.unique(first.problem.reading))
-    stages = {frozenset[int](): first}
     while True:
         doubtful = {i: each.log_odds for i, each in mine.left.items() if i not in accepted}
         highest = max(doubtful.values(), default=0.0)
         worst = [i for i, odds in doubtful.items() if odds >= highest - _ALIKE]
         if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
-            return bad, stages
+            return bad, mine
         bad |= {i: mine.left[i] for i in worst}
-        mine = stages[frozenset(bad)] = _judged(first.problem, [*bad])
+        mine = _judged(first.problem, [*bad])
 
 
 def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:

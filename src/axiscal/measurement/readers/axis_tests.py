@@ -2,8 +2,8 @@
 
 Deviations in arcsec over targets in mm are an angular test. `actual_mm` is where the axis stood, in place of the
 deviation; `axis` names the axis of each line. A table with a column a run has headers such as `Pos;1+;1-;2+;2-`; it is
-in mm and um where it names no unit. A direction is + or -, forward or reverse, CCW (+) or CW. Where no column says it,
-targets are come to in the order of their lines.
+in mm and um where it names no unit and its values can be no mm. A direction is + or -, forward or reverse, CCW (+) or
+CW. Where no column says it, targets are come to in the order of their lines.
 """
 
 from __future__ import annotations
@@ -30,13 +30,14 @@ _READ = ("deviation", "actual")
 """Of a reading: how far off the axis stood, or where."""
 _BESIDE = {"direction": TEXT, "run": TEXT, **dict.fromkeys(_READ, _BOTH), "setup": TEXT, "axis": TEXT, "time": TEXT}
 _RADII = later("these are radii, and no deviations"), later("take the radius off them")
+_UNITS = later("write Pos_mm and 1+_um in the header, or such")
 _NUMBERED = later("number the runs 1, 2, 3, ...")
 _UNKNOWN = later("direction {text!r} is not known")
 _TOWARDS = later("write + for the approach in the positive direction, - for the negative one")
 _SEEN = later("which sign {text!r} has depends on the side that one looks from")
 _TURN = re.compile(r"(?<![a-z])c?cw(?![a-z])", re.IGNORECASE)
 _AXIS = "|".join(word for word, stem in STEMS.items() if stem == "axis")
-_NAMED = re.compile(rf"\s*(?:{_AXIS})\s*[:;,=\t]\s*({AXIS_NAME})(?:[-\s]*(?:{_AXIS}))?[\s;,]*", re.IGNORECASE)
+_NAMED = re.compile(rf"\s*+(?:{_AXIS})[^\S\t]*+[:;,=\t]\s*+({AXIS_NAME})(?:[-\s]*+(?:{_AXIS}))?[\s;,]*+", re.IGNORECASE)
 _STROKE = 5e-3
 """m, further than any ball bar reads."""
 _ALIKE = 0.02
@@ -164,7 +165,7 @@ def _in_columns(file: TextFile, table: CsvTable) -> Found:
         table.allow(dict.fromkeys((column.stem for column in table.columns), _BOTH))
     silent = not (file.unit or any(column.unit or column.stem == "angle" for column in table.columns))
     if silent and any(map(_UNIT_IN_WORDS.search, file.lines[: table.line - 1])):
-        raise table.fail("a title names a unit, and no column does", "write Pos_mm and 1+_um in the header, or such")
+        raise table.fail("a title names a unit, and no column does", _UNITS)
     of_length = table.columns[0].stem == "target"
     usual = ["mm" if of_length else "", "um" if of_length and table.columns[0].unit in (None, "mm") else ""]
     table = table.with_columns(replace(c, stated=c.stated or usual[k > 0]) for k, c in enumerate(table.columns))
@@ -182,6 +183,9 @@ def _in_columns(file: TextFile, table: CsvTable) -> Found:
         found += [_read(place, way, run, cell, kind) for place, cell in cells if not unread(cell.text)]
     unsaid = not file.unit and any(column.unit is None for column in others)
     _refuse_positions(table, found, 1e3 if unsaid else 1.0)
+    targets, values = [each.position[""] for each in found], [1e3 * each.value for each in found]
+    if unsaid and found and max(values) - min(values) <= _ALIKE * (max(targets) - min(targets)):
+        raise table.fail("the deviations name no unit, and may be in mm as well as in um", _UNITS)
     note = said("in mm and um (it names no unit)") if silent else said("deviations in um (it names no unit)")
     return _with_gaps(distinct(file, found), len(table.rows) * len(others), note if unsaid else "")
 

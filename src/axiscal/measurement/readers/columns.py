@@ -27,6 +27,8 @@ _WITH_UNIT = re.compile(
     rf"(.+?)(?:\s*[\[(]\s*|_|(?<![\d\s])(?:\s*[,/]\s*|\s+(?:in\s+)?))({_ENDS})\s*[\])]?", re.IGNORECASE
 )
 """A header: what it holds, and its unit, in brackets or behind `_`, a comma, a stroke, a blank, or "in"."""
+_LONGEST = 200
+"""Characters of a header: none with a unit is longer, and a run of blanks is gone through once for each of them."""
 STEMS = {word: stem for stem, words in _WORDS["columns"].items() for word in words}
 """Of tests, by the words of their headers."""
 OF_READINGS = {word: word for word in ("setup", "approach", "reading", "check", "time", "value")}
@@ -70,7 +72,7 @@ def column_of(name: str, stated: str = "", words: Mapping[str, str] = OF_READING
 
     words : stems by what they may be called
     """
-    found = _WITH_UNIT.fullmatch(_plain(name))
+    found = _WITH_UNIT.fullmatch(_plain(name)) if len(name) <= _LONGEST else None
     stem, unit = (found[1], unit_of(found[2])) if found else (name, None)
     return Column(name, words.get(stem.lower(), stem), unit, stated)
 

@@ -85,6 +85,7 @@ class RawReading:
     base : how far apart the feet of a level stood, m
     rounding : of the digits of each coordinate, half of the last one, m or rad, by axis; absent where not known
     beside : how far the probe of a printer stands beside its nozzle along x and y, m
+    zero : X and Y where that printer has the zero of Z, m
     """
 
     setup: str
@@ -99,6 +100,7 @@ class RawReading:
     time: float | None = None
     base: float | None = None
     beside: tuple[float, float] | None = None
+    zero: tuple[float, float] | None = None
     number: int | None = None
     form: Literal["", "stations", "found", "length"] = ""
     test: Test | None = None

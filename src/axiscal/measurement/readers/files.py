@@ -15,11 +15,13 @@ from axiscal.machine.axis import Axis
 from axiscal.measurement.readers import bed_map, marlin_map, point_lists
 from axiscal.measurement.readers.axis_tests import axis_named, axis_test, test_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
+from axiscal.measurement.readers.homing import zero_of
 from axiscal.measurement.readers.level_survey import TITLE, survey_readings
-from axiscal.measurement.readers.probe_offset import offset_in
+from axiscal.measurement.readers.probe_offset import offset_in, sections_in
 from axiscal.measurement.readers.renishaw import file_type, laser_test
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.measurement.setup import Setup
+from axiscal.units import to_unit
 
 PORTS = "axiscal.readers"
 """Group of the entry points by which packages bring readers."""
@@ -88,6 +90,9 @@ class Recognised(NamedTuple):
         cells, count = self.found.cells, len(self.found.readings)
         held = said("{count} of {cells} cells", count=count, cells=cells) if cells else ""
         parts = [said(self.title), held or counted("{count} reading", "{count} readings", count), self.found.note]
+        if (zero := self.found.readings[0].zero) is not None:
+            x, y = (float(to_unit(at, "mm")) for at in zero)
+            parts.append(said("zero at X{x:g} Y{y:g}", x=x, y=y))
         if setups:
             parts.append(said("for set-up {names}", names=joined(list(dict.fromkeys(setups)))))
         return put("{file}: {parts}.", file=Path(self.file).name, parts=", ".join(filter(None, parts)))
@@ -111,8 +116,9 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
         raise file.fail(what, remedy, title=said(kind.title))
     found = kind.read(file, around)
     if any(each.error == "z" for each in found.readings):  # heights, by a probe that may stand beside the tool point
-        beside = offset_in("\n".join(file.lines))
-        found = replace(found, readings=tuple(replace(each, beside=beside) for each in found.readings))
+        text = "\n".join(file.lines)
+        beside, zero = offset_in(text), zero_of(sections_in(text) or {})
+        found = replace(found, readings=tuple(replace(each, beside=beside, zero=zero) for each in found.readings))
     if axis := axis_named(file):
         told = (replace(each, axis=each.axis or axis) if each.test else each for each in found.readings)
         found = replace(found, readings=tuple(told))

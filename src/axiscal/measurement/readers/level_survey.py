@@ -22,7 +22,7 @@ from axiscal.units import within
 _KEYS = ("setup", "base", "division")
 _LEAST = 1e-9
 """m or rad: no base and no division is as small."""
-_KEY = re.compile(r"#\s*([A-Za-z]+)\s*([=:]?)\s*(.*?)\s*")
+_KEY = re.compile(r"#\s*([A-Za-z]+)\s*([=:]?)\s*(.*)")
 _PASSES = ("forward", "back")
 _WORDS = OF_READINGS | {word: _PASSES[sign < 0] for word, sign in SIGNS.items()}
 """Passes by what they may be called."""
@@ -68,7 +68,7 @@ def _head(file: TextFile) -> _Head:
             break
         if (found := _KEY.fullmatch(text)) is None or (found[2] != "=" and found[1].lower() not in _KEYS):
             continue
-        key, value = found[1].lower(), found[3]
+        key, value = found[1].lower(), found[3].rstrip()
         if key not in _KEYS or key in said:
             what = "{key!r} is said twice" if key in said else "{key!r} is not known"
             raise file.fail(what, "known are {known}; a remark goes without =", number, key=key, known=", ".join(_KEYS))

@@ -36,9 +36,9 @@ _WORDS |= {f"{delta}{axis}".lower(): axis for axis in _AXES + _NORMAL[3:] for de
 _OF_XML = {"MinX": "min_x", "MaxX": "max_x", "MinY": "min_y", "MaxY": "max_y", "SizeX": "x_count", "SizeY": "y_count"}
 _WHOLE = "copy the whole file"
 
-_NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_SIDE = re.compile(rf"({_NUMBER})\s({_NUMBER})\s+(\d{{1,4}})\s*")
-_CANDLE = [re.compile(rf"{_NUMBER}\s*(?:;{_NUMBER}\s*){{{more}}}") for more in (3, 3, 2)]
+_NUMBER = r"\s*+[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
+_SIDE = re.compile(rf"({_NUMBER})\s({_NUMBER})\s++(\d{{1,4}})\s*+")
+_CANDLE = [re.compile(rf"{_NUMBER}\s*+(?:;{_NUMBER}\s*+){{{more}}}") for more in (3, 3, 2)]
 """Its first lines: four, four and three numbers."""
 is_xml = telling(_LINES["height_map"])
 """Whether there is an element `heightmap`."""

@@ -26,8 +26,8 @@ _KINDS: dict[str, tuple[Test, str]] = {
     "rts": ("straightness", ""),
 }
 """By `File type`: which test, and the unit of its deviations, "" where the file says it."""
-_UNITS = re.compile(r"(deviation )?units?\s*:\s*(.*?)\s*", re.IGNORECASE)
-_TYPE = re.compile(r"file type\s*:\s*(.*?)\s*", re.IGNORECASE)
+_UNITS = re.compile(r"(deviation )?units?\s*:\s*(.*)", re.IGNORECASE)
+_TYPE = re.compile(r"file type\s*:\s*(.*)", re.IGNORECASE)
 _NEEDED = ("TARGET DATA", "DEVIATIONS")
 _OF_TARGETS = ("filetype", "target-count", "targets", "flags")
 _DEVIATION = re.compile(r"([0-9]{1,6})\s+([0-9]{1,6})\s+(\S+)")

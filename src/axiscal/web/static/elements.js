@@ -72,13 +72,15 @@ export async function draw(place, path, words) {
 const PATIENCE = 1000; // ms after which it is said what is being computed
 
 export async function waiting(work) {
+  let over = false; // what is being computed may be said after it is done
   const look = setInterval(async () => {
     const now = await call("/stage", undefined, PATIENCE).catch(() => null);
-    if (now?.ok) text("doing", [said("one moment"), now.document.sentence].filter((words) => words).join(": "));
+    if (now?.ok && !over) text("doing", [said("one moment"), now.document.sentence].filter((words) => words).join(": "));
   }, PATIENCE);
   try {
     return await work;
   } finally {
+    over = true;
     clearInterval(look);
     text("doing", "");
   }

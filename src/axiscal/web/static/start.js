@@ -335,11 +335,22 @@ function mounted({ setup, instrument, moves, readings, minutes }, n, setups) {
   return part;
 }
 
+// The first letters of a file as spreadsheets write it: UTF-16 with its mark, UTF-8, or else a page of Windows.
+async function lettersOf(file) {
+  const bytes = new Uint8Array(await file.slice(0, 4 * LONGEST).arrayBuffer());
+  const marked = { "255,254": "utf-16le", "254,255": "utf-16be" }[bytes.slice(0, 2)];
+  try {
+    return new TextDecoder(marked ?? "utf-8", { fatal: !marked }).decode(bytes, { stream: true }); // the last letter may be cut
+  } catch {
+    return new TextDecoder("windows-1252").decode(bytes);
+  }
+}
+
 // A file of the control, or of a campaign that is here already.
 async function take(file) {
   const known = start.begun.find((each) => each.record.split("/").at(-1) === file.name);
   if (known) return openRecord(known.record);
-  const letters = (await file.slice(0, 4 * LONGEST).text()).replaceAll("\0", "\x01").slice(0, LONGEST);
+  const letters = (await lettersOf(file)).replaceAll("\0", "\x01").slice(0, LONGEST);
   const name = file.name.slice(-60).replace(/^\.+/, "");
   const usual = /^\s*\[stepper_/m.test(letters) ? ["probe"] : [];
   draft = { ...draft, ...OF_MACHINE, file: name, text: letters, machine: "", instruments: usual, virtual: false };
