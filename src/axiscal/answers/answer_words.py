@@ -36,7 +36,12 @@ _LEFT = 2
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
 _ENDS: dict[str, str] = WORDS["verdicts"]
-VERDICTS = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
+VERDICTS = {
+    "promised": later("AS PROMISED"),
+    "worse": later("WORSE THAN PROMISED"),
+    "faulty": later("TABLES DO NOT WORK"),
+    "undecided": later("UNDECIDED"),
+}
 _UNTOLD = later(
     "No check was read: finer detail, or backlash that differs from place to place, would not show. "
     "{many} readings, or checks = 3, test that."
@@ -217,7 +222,7 @@ def _agreement(answer: ResultAnswer, words: str) -> str:
     agree = said("Readings agree: {agreeing} of {count}.", agreeing=answer.agreeing, count=answer.compared)
     if not answer.checks:
         return agree
-    kept = said("Checks: {kept} of {count} as promised.", kept=answer.as_promised, count=answer.checks)
+    kept = said("Random places: {kept} of {count} as predicted.", kept=answer.as_promised, count=answer.checks)
     return put("{agree} {checks}", agree=agree, checks=kept)
 
 
@@ -251,13 +256,26 @@ def _checked(checked: TablesChecked | None) -> str:
     """Return what a check of the tables found; "" where there was none."""
     if checked is None:
         return ""
+    verdict, farthest = said(VERDICTS[checked.verdict]), farthest_words(checked)
+    return put("{sizes}: {verdict}. {farthest}", sizes=sizes_words(checked), verdict=verdict, farthest=farthest)
+
+
+def sizes_words(checked: TablesChecked) -> str:
+    """Return what a check found, and left beside what is to be expected."""
+    found, left, expected = (digits(size) for size in (checked.found, checked.left, checked.expected))
     return said(
-        "Checked at {places} new places: {found} um as found, {left} um left, {verdict}.",
+        "{places} places checked: {found} um found, {left} left ({expected} expected)",
         places=checked.places,
-        found=digits(checked.found),
-        left=digits(checked.left, checked.tolerance),
-        verdict=said(VERDICTS[checked.verdict]),
+        found=found,
+        left=left,
+        expected=expected,
     )
+
+
+def farthest_words(checked: TablesChecked) -> str:
+    """Return where a check leaves most."""
+    at = listed(", ", [put("{axis} {value:.9g}", axis=axis, value=value) for axis, value in checked.at.items()])
+    return said("Farthest: {size} um, {place}.", size=digits(checked.farthest), place=at)
 
 
 def commands_of(steps: Sequence[NextStep], file: str, results: str = "", readings: int = 0) -> Iterator[str]:
