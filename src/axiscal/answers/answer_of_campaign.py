@@ -195,6 +195,8 @@ def answer_of(
     coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, aims, rows)
     more, minutes = missing_readings(known, aims, rows) if verdict == "more" and not coming else (0, 0.0)
+    if verdict == "more" and not coming and not more:
+        verdict = "unreachable"
     if coming and verdict in ("measured", "unmeasured", "more"):
         verdict, more, minutes = "more", len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
@@ -307,7 +309,7 @@ def _verdict(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> Verdict
 
 
 def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow]) -> tuple[int, float]:
-    """Return about how many readings are missing, one at least, and their minutes."""
+    """Return about how many readings are missing, one at least, and their minutes; noughts where no number helps."""
     count = len(known.readings)
     then = {row.row.name: to_unit(row.then, row.unit) for row in rows if row.then is not None}
     left = [aim.missing for aim in aims.volume if aim.floor < aim.limit]
@@ -319,6 +321,8 @@ def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow])
         from axiscal.planning.enough import evenly_until_reached  # whoever is nearly there need not load it
 
         readings = evenly_until_reached(known.case, known.readings, readings)
+    if not readings:
+        return 0, 0.0
     described, ends = known.stated.description, known.timed.ends
     mounted = described.setup(known.readings[0].setup).setup_time
     each = float(np.median(np.diff([min(mounted, ends[0]), *ends])))

@@ -92,6 +92,7 @@ def answer_text(
         _beside(answer),
         half_read_sentence(answer.half_read),
         screws_sentence(answer.screws),
+        _best(answer),
         _checked(answer.checked),
         evidence,
     ]
@@ -252,6 +253,15 @@ def _beside(answer: ResultAnswer) -> str:
     )
 
 
+def _best(answer: ResultAnswer) -> str:
+    """Return what endless readings would leave of each limit that is missed, where no number reaches it; else ""."""
+    missed = [aim for aim in answer.aims if not aim.reached] if answer.verdict == "unreachable" else []
+    if not missed:
+        return ""
+    left = (aim_text(aim.model_copy(update={"now": aim.floor}), answer.rows) for aim in missed)
+    return said("Endless readings leave {missed}: axiscal plan names what helps.", missed=listed(", ", [*left]))
+
+
 def _checked(checked: TablesChecked | None) -> str:
     """Return what a check of the tables found; "" where there was none."""
     if checked is None:
@@ -316,15 +326,25 @@ def limit_text(value: float) -> str:
 
 
 def screen(
-    answer: ResultAnswer, agreement: str, record: str, results: str, report: str = "", evidence: str = ""
+    answer: ResultAnswer,
+    agreement: str,
+    record: str,
+    results: str,
+    report: str = "",
+    evidence: str = "",
+    untabled: str = "",
 ) -> str:
     """Return the screen in the language that is spoken.
 
     agreement : said of readings that contradict or are not used; record, results : their paths
     report : path of the report, "" for none; evidence : who answers for the record
+    untabled : why there is no table, "" where there is one
     """
     text = answer_text(answer, agreement, record, results, evidence, cut=True)
-    first, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence)]
+    first, below = (
+        first_lines(text.first),
+        [line for sentence in [*text.sentences, untabled] for line in wrapped(sentence)],
+    )
     last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
     groups = measured_rows(answer, room)
