@@ -266,7 +266,7 @@ def _judged(answer: CheckAnswer) -> list[str]:
     ]
     if answer.working:
         shown = sum(each.checked for each in answer.tables)
-        lines.append(counted("The tables work: the {count} shown.", "The tables work: all {count} shown.", shown))
+        lines.append(counted("The table that they show works.", "All {count} tables that they show work.", shown))
     if answer.tolerance_um is not None and answer.decision is not None:
         proved = "Tolerance of {tolerance:.3g} um (ISO 14253-1, guard band {guard:.3g} um): {decision}."
         sizes = {"tolerance": answer.tolerance_um, "guard": answer.guard_band_um}
