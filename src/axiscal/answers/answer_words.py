@@ -254,12 +254,13 @@ def _beside(answer: ResultAnswer) -> str:
 
 
 def _best(answer: ResultAnswer) -> str:
-    """Return what endless readings would leave of each limit that is missed, where no number reaches it; else ""."""
+    """Return what endless readings would leave of the limit that is missed most, where no number reaches it; else ""."""
     missed = [aim for aim in answer.aims if not aim.reached] if answer.verdict == "unreachable" else []
     if not missed:
         return ""
-    left = (aim_text(aim.model_copy(update={"now": aim.floor}), answer.rows) for aim in missed)
-    return said("Endless readings leave {missed}: axiscal plan names what helps.", missed=listed(", ", [*left]))
+    worst = max(missed, key=lambda aim: aim.floor / aim.limit)
+    left = put("{size} {unit}", size=digits(worst.floor, worst.limit), unit=worst.unit)
+    return said("Best possible: {size} (see axiscal plan).", size=left)
 
 
 def _checked(checked: TablesChecked | None) -> str:
