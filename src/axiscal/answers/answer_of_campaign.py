@@ -321,13 +321,11 @@ def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow])
         from axiscal.planning.enough import evenly_until_reached  # whoever is nearly there need not load it
 
         readings = evenly_until_reached(known.case, known.readings, readings)
-    if not readings:
-        return 0, 0.0
     described, ends = known.stated.description, known.timed.ends
     mounted = described.setup(known.readings[0].setup).setup_time
     each = float(np.median(np.diff([min(mounted, ends[0]), *ends])))
     mounting = np.mean([setup.setup_time for setup in described.setups])
-    return readings, to_unit(readings * each + float(mounting) * new, "min")
+    return readings, to_unit(readings * each + float(mounting) * new, "min") if readings else 0.0
 
 
 def _digits(value: float) -> float:

@@ -254,13 +254,14 @@ def _beside(answer: ResultAnswer) -> str:
 
 
 def _best(answer: ResultAnswer) -> str:
-    """Return what endless readings would leave of the limit that is missed most, where no number reaches it; else ""."""
+    """Return what endless readings leave of the limit that is missed most, where no number reaches it; else ""."""
     missed = [aim for aim in answer.aims if not aim.reached] if answer.verdict == "unreachable" else []
     if not missed:
         return ""
     worst = max(missed, key=lambda aim: aim.floor / aim.limit)
-    left = put("{size} {unit}", size=digits(worst.floor, worst.limit), unit=worst.unit)
-    return said("Best possible: {size} (see axiscal plan).", size=left)
+    return said(
+        "Best possible: {size} {unit} (see axiscal plan).", size=digits(worst.floor, worst.limit), unit=worst.unit
+    )
 
 
 def _checked(checked: TablesChecked | None) -> str:
@@ -274,12 +275,9 @@ def _checked(checked: TablesChecked | None) -> str:
 def sizes_words(checked: TablesChecked) -> str:
     """Return what a check found, and left beside what is to be expected."""
     found, left, expected = (digits(size) for size in (checked.found, checked.left, checked.expected))
+    sizes = {"found": found, "left": left, "expected": expected}
     return said(
-        "{places} places checked: {found} um found, {left} left ({expected} expected)",
-        places=checked.places,
-        found=found,
-        left=left,
-        expected=expected,
+        "{places} places checked: {found} um found, {left} left ({expected} expected)", places=checked.places, **sizes
     )
 
 
