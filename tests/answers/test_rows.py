@@ -80,6 +80,15 @@ def test_the_first_readings_do_not_tell_of_hundreds_more(taken: int) -> None:
     assert planned - taken <= more <= 3 * planned
 
 
+def test_no_count_is_told_of_a_target_that_lies_on_its_floor() -> None:
+    target = replace(CASE.description.target, readings=None, rms=1.0001 * CASE.yardstick.rms_floor, wants=())
+    known = concluded(Case(replace(CASE.description, target=target, sure="exactly")), _readings(BOTH))
+    aims = Aims.from_case(known.case, known.printed.belief, known.case.yardstick_as_sized, [])
+    assert aims.volume[0].reachable
+    assert len(BOTH) * aims.volume[0].missing > 1000
+    assert missing_readings(known, aims, []) == (0, 0.0)
+
+
 def test_backlash_read_from_both_sides_is_measured_over_the_places_read_from_both() -> None:
     known = _known(True)
     row = _rows(known)["backlash X"]

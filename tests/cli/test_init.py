@@ -103,7 +103,11 @@ def test_a_board_that_is_turned_is_offered_where_no_axis_does(tmp_path: Path) ->
     assert written(tmp_path, "three-axis-mill", "sphere") == 0
     campaign = read_campaign(tmp_path / "campaign.toml")
     assert campaign.target.budget == 1800.0
-    assert len({setup.artefact.standing for setup in campaign.setups if setup.artefact}) == len(campaign.setups) == 5
+    boards = [setup.artefact for setup in campaign.setups if setup.artefact]
+    assert len({board.standing for board in boards}) == len(campaign.setups) == 5
+    heights = np.array([[ball.place[2] for ball in board.balls] for board in boards])
+    assert np.ptp(heights) > 0.85 * campaign.machine.axis("Z").length - 50e-3  # of 400 mm, with room over and below
+    assert np.ptp(heights[0]) == pytest.approx(campaign.machine.tool - 18e-3, abs=1e-3)
     with pytest.raises(DescriptionError, match="Nothing of sphere can be offered"):
         first_files(with_travels(of_builtin("three-axis-mill"), {"X": 80.0}), ["sphere"], Purpose("20 um"))
 

@@ -109,7 +109,7 @@ def test_a_check_is_read_in_two_commands_and_goes_on_where_it_was_cut(
     assert machine.asked == [(False, n) for n in (1, 2, 3, 4, 4, 5, 6, 7, 8)]
     judged = command(*asked, "--json").document
     assert machine.asked[9:] == [(True, n) for n in range(1, 9)]
-    assert judged["verdict"] == "pass"
+    assert judged["verdict"] == "promised"
     assert judged["tables_loaded"]
     assert (judged["decision"], judged["person"], judged["source"]) == ("conform", "Anna", "linuxcnc-live:mill.local")
     assert judged["in_force"] == {}  # the command named no folder that LinuxCNC was to hold
@@ -183,9 +183,9 @@ def test_balls_that_are_placed_by_hand_are_judged_against_themselves(check: Chec
     """The places of the balls, 50 um each, would hide 20 um otherwise; a missing file is seen all the same."""
     places = check.planned(12)
     right = check.asked(f"sim:{SEED}", places)
-    assert check.judged(right, "20 um").verdict == "pass"
+    assert check.judged(right, "20 um").decision == "conform"
     found, _ = right
-    assert check.judged((found, found), "20 um").verdict == "fail"
+    assert check.judged((found, found), "20 um").verdict == "faulty"
 
 
 def test_what_is_to_be_in_force_is_what_was_exported(check: Check, tmp_path: Path) -> None:

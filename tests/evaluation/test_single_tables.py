@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.evaluation.check import Check, Taken
+from axiscal.evaluation.check import Check
 from axiscal.evaluation.table_checks import Judgement, parts_of, shares
 from axiscal.measurement.reading import Places
 from axiscal.measurement.simulation import Simulator, VirtualMachine
-from axiscal.present.check_answer import check_answer
 from axiscal.tables.loaded import table_control
 from axiscal.tables.surface import Control
-from tests.evaluation.said import idle, measured, readings_of, said_of
+from tests.evaluation.said import answer_of, idle, measured, readings_of, said_of
 from tests.generators.campaigns import on
 from tests.generators.reaches import reach_of
 from tests.generators.texts import Said, machine_text, setup_text
@@ -78,7 +77,7 @@ def test_every_table_is_read_at_its_ends_and_where_it_corrects_most(folder: Path
 def test_all_tables_loaded_pass_and_are_all_checked(folder: Path) -> None:
     check, truth = checked(folder)
     judgement = judged(check, truth, check.planned(), check.tables.control)
-    assert judgement.verdict == "pass"
+    assert judgement.verdict == "promised"
     assert {share.name for share in judgement.shares if share.checked} >= {"X", "Y", "Z", "Y over X", "reversal of X"}
     assert judgement.idle == ()
     assert "Not checked: positioning" not in said_of(judgement)
@@ -93,8 +92,8 @@ def test_a_single_table_that_is_wrong_or_missing_fails_whatever_the_tolerance(
 ) -> None:
     check, truth = checked(folder)
     judgement = judged(check, truth, check.planned(), with_share(check, name, share))
-    assert judgement.verdict == "fail"
-    faulty = [each.table for each in check_answer(judgement, 1, 1e-6, Taken()).faulty]
+    assert (judgement.verdict, judgement.decision) == ("faulty", "conform")
+    faulty = [each.table for each in answer_of(judgement).faulty]
     assert name in faulty
     assert set(faulty) <= {name, f"reversal of {name}"}
     text = said_of(judgement)
@@ -106,8 +105,8 @@ def test_a_reversal_that_is_missing_fails(folder: Path) -> None:
     check, truth = checked(folder)
     means = [table.averaged() for table in check.tables.tables]
     judgement = judged(check, truth, check.planned(), table_control(check.estimate.machine, means))
-    assert [each.table for each in check_answer(judgement, 1, 1e-6, Taken()).faulty] == ["reversal of X"]
-    assert judgement.verdict == "fail"
+    assert [each.table for each in answer_of(judgement).faulty] == ["reversal of X"]
+    assert judgement.verdict == "faulty"
 
 
 def test_tables_that_were_not_looked_at_are_named_beside_the_verdict(folder: Path) -> None:
@@ -115,16 +114,16 @@ def test_tables_that_were_not_looked_at_are_named_beside_the_verdict(folder: Pat
     places = check.planned()
     along_x = places.within(np.array([check.description.setups[s].name == "x" for s in places.setups]))
     judgement = judged(check, truth, along_x, check.tables.control)
-    assert judgement.verdict == "pass"
+    assert judgement.verdict == "promised"
     assert {"Y", "Z", "Y over X"} <= set(judgement.unchecked)
     assert judgement.idle == ("Y", "Z")
     assert "X" not in judgement.unchecked
     text = said_of(judgement)
     assert "Not checked: positioning Y Z" in text
-    assert text.index("PASS") < text.index("Not checked")
-    assert list(check_answer(judgement, 1, 1e-6, Taken()).not_checked) == list(judgement.unchecked)
+    assert text.index("AS PROMISED") < text.index("Not checked")
+    assert list(answer_of(judgement).not_checked) == list(judgement.unchecked)
     missing = judged(check, truth, along_x, with_share(check, "Z", 0.0))
-    assert missing.verdict == "pass"
+    assert missing.verdict == "promised"
     assert "Z" in missing.unchecked
 
 

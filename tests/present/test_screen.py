@@ -33,7 +33,8 @@ CONTRADICTING = f"The readings contradict each other (p = 1e-09): {MISTAKE}; or 
 UNUSED = '14 of 15 readings agree; not used: 7 ("laser")'
 
 
-CHECKED = TablesChecked(places=12, found=27.1, left=4.93, tolerance=10.0, verdict="pass")
+AT = {"C": 180.0, "B": -75.5}
+CHECKED = TablesChecked(places=12, found=27.1, left=4.93, expected=4.42, farthest=9.2, at=AT, verdict="promised")
 
 
 def _screen(found: ResultAnswer) -> str:
@@ -60,9 +61,7 @@ def test_the_screen_keeps_its_budgets(language: str, verdict: Verdict, name: str
     controls = ("linuxcnc", "linuxcnc-volumetric", "heidenhain")
     rows = [answer_row(row, built, row.kind not in silent, controls) for row in rows_of(built)]
     aims = [aim("rms", 4.9, 5.0, 1.0), aim("positioning X", 12.0, 5.0, 6.0, measured=False, unread=1)]
-    checked = (
-        TablesChecked(places=12, found=27.1, left=4.9, tolerance=10.0, verdict="pass") if verdict == "reached" else None
-    )
+    checked = CHECKED if verdict == "reached" else None
     with speaking(language):
         _within_budgets(_screen(answer(verdict=verdict, rows=rows, aims=aims, checked=checked)))
 
@@ -169,7 +168,8 @@ def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, command: C
 
 def test_a_check_of_the_tables_says_found_left_and_its_verdict() -> None:
     text = _screen(answer(verdict="reached", rows=[POSITIONING], checked=CHECKED))
-    assert "Checked at 12 new places: 27 um as found, 4.9 um left, PASS." in text
+    assert "12 places checked: 27 um found, 4.9 left (4.4 expected): AS PROMISED." in text
+    assert "Farthest: 9.2 um, C 180, B -75.5." in " ".join(text.split())
 
 
 def test_no_figure_stands_where_uncertainty_is_withheld() -> None:

@@ -18,6 +18,7 @@ from axiscal.description.first_files import (
     with_carriers,
     with_errors_times,
 )
+from axiscal.description.target import rows_of
 from axiscal.exceptions import ReadingError
 from axiscal.machine import machine_from_text
 from axiscal.planning.helping import rows_shown
@@ -146,7 +147,8 @@ def test_a_cause_that_explains_nothing_is_refused(campaign: Campaign) -> None:
 def test_an_instrument_shows_the_rows_that_endless_readings_would_measure(
     instrument: str, shown: str, hidden: str
 ) -> None:
-    rows = {row.name for row in rows_shown(first_described(of_builtin("router"), [instrument], Purpose()))}
+    described = first_described(of_builtin("router"), [instrument], Purpose())
+    rows = {row.name for row in rows_shown(described, rows_of(described.machine))}
     assert {shown, "volume"} <= rows
     assert hidden not in rows
 

@@ -334,7 +334,7 @@ def test_a_lathe_with_a_laser_to_the_loaded_table(browser: Browser, start: Serve
     looked_at(page)
     person.press("Let the virtual machine read")
     person.press("Judge")
-    person.sees("PASS at")
+    person.sees("AS PROMISED")
     looked_at(page)
     person.press("Undo")
     page.until("document.activeElement.id === 'stands' || document.activeElement.id === 'field'")

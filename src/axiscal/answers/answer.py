@@ -230,13 +230,20 @@ class PlannedAnswer(AnswerDocument):
 
 
 class TablesChecked(AnswerDocument):
-    """A check of the tables on the machine: so many places, RMS as found and as left there, and what they decide."""
+    """A check of the tables on the machine; um.
+
+    places : how many were read; found, left : RMS there, without the tables and with them
+    expected : RMS with them that is to be expected, with the noise of the readings
+    farthest : largest deviation left, at a place (mm and deg by axis)
+    """
 
     places: int
     found: float
     left: float
-    tolerance: float
-    verdict: Literal["pass", "fail", "undecided"]
+    expected: float
+    farthest: float
+    at: Mapping[str, float]
+    verdict: Literal["promised", "worse", "faulty", "undecided"]
 
 
 class ScrewTurn(AnswerDocument):

@@ -195,6 +195,8 @@ def answer_of(
     coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, aims, rows)
     more, minutes = missing_readings(known, aims, rows) if verdict == "more" and not coming else (0, 0.0)
+    if verdict == "more" and not coming and not more:
+        verdict = "unreachable"
     if coming and verdict in ("measured", "unmeasured", "more"):
         verdict, more, minutes = "more", len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
@@ -308,7 +310,7 @@ def _verdict(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> Verdict
 
 
 def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow]) -> tuple[int, float]:
-    """Return about how many readings are missing, one at least, and their minutes."""
+    """Return about how many readings are missing, one at least, and their minutes; noughts where no number helps."""
     count = len(known.readings)
     then = {row.row.name: to_unit(row.then, row.unit) for row in rows if row.then is not None}
     left = [aim.missing for aim in aims.volume if aim.floor < aim.limit]
@@ -324,7 +326,7 @@ def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow])
     mounted = described.setup(known.readings[0].setup).setup_time
     each = float(np.median(np.diff([min(mounted, ends[0]), *ends])))
     mounting = np.mean([setup.setup_time for setup in described.setups])
-    return readings, to_unit(readings * each + float(mounting) * new, "min")
+    return readings, to_unit(readings * each + float(mounting) * new, "min") if readings else 0.0
 
 
 def _digits(value: float) -> float:

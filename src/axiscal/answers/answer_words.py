@@ -36,7 +36,12 @@ _LEFT = 2
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
 _ENDS: dict[str, str] = WORDS["verdicts"]
-VERDICTS = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
+VERDICTS = {
+    "promised": later("AS PROMISED"),
+    "worse": later("WORSE THAN PROMISED"),
+    "faulty": later("TABLES DO NOT WORK"),
+    "undecided": later("UNDECIDED"),
+}
 _UNTOLD = later(
     "No check was read: finer detail, or backlash that differs from place to place, would not show. "
     "{many} readings, or checks = 3, test that."
@@ -88,6 +93,7 @@ def answer_text(
         _beside(answer),
         half_read_sentence(answer.half_read),
         screws_sentence(answer.screws),
+        _best(answer),
         _checked(answer.checked),
         evidence,
     ]
@@ -218,7 +224,7 @@ def _agreement(answer: ResultAnswer, words: str) -> str:
     agree = said("Readings agree: {agreeing} of {count}.", agreeing=answer.agreeing, count=answer.compared)
     if not answer.checks:
         return agree
-    kept = said("Checks: {kept} of {count} as promised.", kept=answer.as_promised, count=answer.checks)
+    kept = said("Random places: {kept} of {count} as predicted.", kept=answer.as_promised, count=answer.checks)
     return put("{agree} {checks}", agree=agree, checks=kept)
 
 
@@ -254,17 +260,38 @@ def _beside(answer: ResultAnswer) -> str:
     )
 
 
+def _best(answer: ResultAnswer) -> str:
+    """Return what endless readings leave of the limit that is missed most, where no number reaches it; else ""."""
+    missed = [aim for aim in answer.aims if not aim.reached] if answer.verdict == "unreachable" else []
+    if not missed:
+        return ""
+    worst = max(missed, key=lambda aim: aim.floor / aim.limit)
+    return said(
+        "Best possible: {size} {unit} (see axiscal plan).", size=digits(worst.floor, worst.limit), unit=worst.unit
+    )
+
+
 def _checked(checked: TablesChecked | None) -> str:
     """Return what a check of the tables found; "" where there was none."""
     if checked is None:
         return ""
+    verdict, farthest = said(VERDICTS[checked.verdict]), farthest_words(checked)
+    return put("{sizes}: {verdict}. {farthest}", sizes=sizes_words(checked), verdict=verdict, farthest=farthest)
+
+
+def sizes_words(checked: TablesChecked) -> str:
+    """Return what a check found, and left beside what is to be expected."""
+    found, left, expected = (digits(size) for size in (checked.found, checked.left, checked.expected))
+    sizes = {"found": found, "left": left, "expected": expected}
     return said(
-        "Checked at {places} new places: {found} um as found, {left} um left, {verdict}.",
-        places=checked.places,
-        found=digits(checked.found),
-        left=digits(checked.left, checked.tolerance),
-        verdict=said(VERDICTS[checked.verdict]),
+        "{places} places checked: {found} um found, {left} left ({expected} expected)", places=checked.places, **sizes
     )
+
+
+def farthest_words(checked: TablesChecked) -> str:
+    """Return where a check leaves most."""
+    at = listed(", ", [put("{axis} {value:.9g}", axis=axis, value=value) for axis, value in checked.at.items()])
+    return said("Farthest: {size} um, {place}.", size=digits(checked.farthest), place=at)
 
 
 def commands_of(steps: Sequence[NextStep], file: str, results: str = "", readings: int = 0) -> Iterator[str]:
@@ -305,15 +332,25 @@ def limit_text(value: float) -> str:
 
 
 def screen(
-    answer: ResultAnswer, agreement: str, record: str, results: str, report: str = "", evidence: str = ""
+    answer: ResultAnswer,
+    agreement: str,
+    record: str,
+    results: str,
+    report: str = "",
+    evidence: str = "",
+    untabled: str = "",
 ) -> str:
     """Return the screen in the language that is spoken.
 
     agreement : said of readings that contradict or are not used; record, results : their paths
     report : path of the report, "" for none; evidence : who answers for the record
+    untabled : why there is no table, "" where there is one
     """
     text = answer_text(answer, agreement, record, results, evidence, cut=True)
-    first, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence)]
+    first, below = (
+        first_lines(text.first),
+        [line for sentence in [*text.sentences, untabled] for line in wrapped(sentence)],
+    )
     last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
     groups = measured_rows(answer, room)

@@ -14,8 +14,10 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from axiscal.answers.answer_words import WIDTH
+from axiscal.answers.answer_words import WIDTH, wrapped
+from axiscal.answers.row_words import row_name
 from axiscal.cli.printing import ask, complain, say, say_document
+from axiscal.description.campaign import CampaignDescription
 from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import (
@@ -36,7 +38,7 @@ from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.description.printer_file import is_printer_file
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError, InputError
-from axiscal.language.spoken import counted, ending, joined, said
+from axiscal.language.spoken import counted, ending, joined, listed, said
 from axiscal.machine import builtin_names
 from axiscal.measurement.readers.probe_offset import pair_of
 
@@ -117,7 +119,21 @@ def init(
     one = "{file}: {count} set-up offered"
     many = "{file}: {count} set-ups offered; a plan takes what is worth mounting"
     say(counted(one, many, len(files.described.setups), file=campaign))
+    if hidden := _hidden(files.described):
+        text = "These set-ups do not show {rows}, however often they are read."
+        say("\n".join(wrapped(said(text, rows=hidden))))
     say("\n".join(ending({said("Next"): [f"axiscal plan {shlex.quote(str(campaign))}"]})))
+
+
+def _hidden(described: CampaignDescription) -> str:
+    """Return the rows that a campaign wants and its set-ups cannot show, "" for none."""
+    from axiscal.planning.helping import rows_shown  # only a campaign that wants rows needs a posterior
+
+    wanted = [want.row for want in described.target.wants]
+    shown = rows_shown(described, wanted) if wanted else ()
+    lacking = [row for row in wanted if row not in shown]
+    groups = ([row for row in lacking if row.kind == kind] for kind in dict.fromkeys(row.kind for row in lacking))
+    return listed(", ", [row_name(rows[0].kind, [row.axes for row in rows]) for rows in groups])
 
 
 def _built_in(machine: str | None) -> Beginning:

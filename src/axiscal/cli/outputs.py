@@ -10,7 +10,7 @@ from axiscal.answers.answer_words import screen
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
-from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.printing import say, say_document
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.language.spoken import again, put, resaid, said
 from axiscal.present.delivery import deliver
@@ -59,8 +59,6 @@ def write_outputs(
         if details:
             tell_details(summary, out)
         say(written_screen(summary, record or campaign.path, out))
-        if summary.tables and not (details or summary.answer.withheld or any(each.axes for each in summary.tables)):
-            tell(_offered(summary.tables[0]))
     if summary.answer.withheld:
         remedy = (
             "Take the readings again that stand out, or write U and tables all the same with finish --anyway; all "
@@ -90,8 +88,10 @@ def _offered(offer: TableOffer) -> str:
 
 def written_screen(summary: Summary, record: Path, out: Path) -> str:
     """Return the screen of a campaign whose results are written.  record : where it stays"""
-    signed = "" if summary.record is None else summary.record.signed
-    return screen(summary.answer, summary.agreement_words, str(record), str(out), str(out / "report.pdf"), signed)
+    signed, offers = "" if summary.record is None else summary.record.signed, summary.tables
+    none = "" if summary.answer.withheld or any(each.axes for each in offers) else _offered(offers[0]) if offers else ""
+    paths = str(record), str(out), str(out / "report.pdf")
+    return screen(summary.answer, summary.agreement_words, *paths, signed, none)
 
 
 def standing_screen(campaign: Campaign) -> str:

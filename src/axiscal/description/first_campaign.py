@@ -41,11 +41,19 @@ Screws have leads of 5 or 10 mm, and places that are multiples of one show nothi
 _ARM = 0.9
 """Of what would just turn: then it can also go aside."""
 _CROSS = (
-    ("one", -1.0, 0.0, 0.25), ("two", 1.0, 0.0, 0.5), ("three", 0.0, -1.0, 1.0), ("four", 0.0, 1.0, 0.75),
-    ("five", -0.5, 0.0, 1.0), ("six", 0.5, 0.0, 0.25), ("seven", 0.0, -0.5, 0.0), ("eight", 0.0, 0.5, 1.0),
+    ("one", -1.0, 0.0, 0.0), ("two", 1.0, 0.0, 1.0), ("three", 0.0, -1.0, 0.0), ("four", 0.0, 1.0, 1.0),
+    ("five", -0.48, -0.48, 1.0), ("six", 0.48, 0.48, 0.0), ("seven", -0.48, 0.48, 0.0), ("eight", 0.48, -0.48, 1.0),
 )  # fmt: skip
-"""x, y and height of each ball, of the arm and of the lift: of many crosses with five placements the one that tells
-most of squareness and straightness."""
+"""x, y and height of each ball, of the arm and of the lift: a holder gets between them, and half of them are high, for
+heights tell how square Z is."""
+_PLACED = (
+    ((-1, -1), 90, 0), ((1, 1), 0, 1), ((-1, 1), 180, 2), ((1, -1), 270, 0),
+    ((0, 0), 0, 1), ((0, 0), 90, 0), ((0, 0), 180, 0),
+)  # fmt: skip
+"""Where a board lies, of the room aside, its turn in deg, and on how many risers: these take it over the travel of Z,
+for no post is higher than the nose."""
+_RISER, _OVERLAP = 10e-3, 1.2
+"""m, the lowest riser that is worth one; and of the heights of the balls, so that readings do not repeat each other."""
 UNSAID = (
     "# compensation_active = false    # whether a table or backlash compensation is active on the control meanwhile"
 )
@@ -240,7 +248,8 @@ def _board(machine: Machine) -> Iterator[str]:
     arm = _ARM * (min(x, y) / 2 - _ROOM)
     if arm < _FEWEST:
         return
-    setups, lift = _setups(machine), min(2 * arm, max(z - _DEPTH, 0.0))
+    setups, free = _setups(machine), max(z - _DEPTH, 0.0)
+    lift = min(2 * arm, free)
     every = _CROSS if arm >= _FULL else _CROSS[:4]
     crosses = ({name: np.array(at) * [arm, arm, lift] for name, *at in some} for some in (every, _CROSS[:4]))
     balls = next(filter(None, (_lowered(machine, cross) for cross in crosses)), None)
@@ -249,9 +258,11 @@ def _board(machine: Machine) -> Iterator[str]:
     yield setups.board(balls, axes["Z"].travel[1] - axes["Z"].overrun)
     centre = _middle(machine, Z=axes["Z"].travel[0] + _ROOM / 3)
     aside = np.array([x / 2, y / 2, 0.0]) - [arm + _ROOM, arm + _ROOM, 0.0]
-    placed = (((-1, -1), 90), ((1, 1), 0), ((-1, 1), 180), ((1, -1), 270), ((0, 0), 0), ((0, 0), 90), ((0, 0), 180))
-    for number, (way, turn) in enumerate(placed[: 5 if arm >= _FULL else 7], start=1):
-        yield setups.placement(number, centre + aside * [*way, 0], turn)
+    rise = float(np.ptp([at[2] for at in balls.values()]))
+    riser = min(_OVERLAP * rise, (free - rise) / max(risers for *_, risers in _PLACED))
+    riser = np.floor(riser / _WRITTEN) * _WRITTEN if riser >= _RISER else 0.0
+    for number, (way, turn, risers) in enumerate(_PLACED[: 5 if arm >= _FULL else 7], start=1):
+        yield setups.placement(number, centre + aside * [*way, 0] + [0.0, 0.0, risers * riser], turn, risers * riser)
 
 
 def _probes(machine: Machine) -> Iterator[str]:

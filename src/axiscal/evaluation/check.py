@@ -23,7 +23,6 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
 from axiscal.document.durable import write_whole
-from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.datums import fewest, lines_shared
@@ -42,7 +41,7 @@ from axiscal.language.spoken import said
 from axiscal.language.stages import stage, staged
 from axiscal.measurement.readers.csv_readings import blank_sheet, filled_sheet
 from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.reading import Place, Places, Reading
+from axiscal.measurement.reading import Place, Places, Reading, shown_pose
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.simulation import Simulator, VirtualMachine, by_number
 from axiscal.numerics import Array
@@ -192,7 +191,7 @@ class Check:
         """Return where to read, places that were not read before; raises ReadingError when there are not as many.
 
         by : instrument of the only set-ups that are read; empty for any
-        tolerance : it will be judged by, m; 0 where that is not known, and it is enough for any
+        tolerance : to which set-ups have to be known, m; 0 is enough for any
         count : how many; None takes what the tables need, each at its ends and where it corrects most, and
         USUAL at least where so many are new.
         Fewer than the tables need show those that correct most; the rest is drawn at random.
@@ -313,13 +312,26 @@ class Check:
 
     def judged(self, readings: FoundAndLeft, tolerance: str | None) -> Judgement:
         """Return what readings say; raises ReadingError, TargetError.  tolerance : as of `allowed`"""
-        allowed, control = self.allowed(tolerance), self.tables.control
-        exceeded = 0.0 if tolerance is not None or self.description.target.worst is not None else 1 - LEVEL
-        return judge(self.estimate, self.description.setups, *readings, control, allowed, self.parts, exceeded)
+        setups, control = self.description.setups, self.tables.control
+        known, allowed = self.known(tolerance), self.allowed(tolerance)
+        return judge(self.estimate, setups, *readings, control, known, self.parts, allowed)
 
-    def allowed(self, tolerance: str | None) -> float:
-        """Return the largest deviation allowed, m, 0 where nothing says one yet; raises TargetError, UnitError."""
+    def allowed(self, tolerance: str | None) -> float | None:
+        """Return the largest deviation allowed, m, None where nobody states one; raises TargetError, UnitError."""
         return tolerance_of(self.description.target, tolerance)
+
+    def known(self, tolerance: str | None) -> float:
+        """Return to what a set-up has to be known, m: to the tolerance, else to what the tables promise."""
+        return self.allowed(tolerance) or self.tables.certain
+
+    def positions(self, readings: Sequence[Reading]) -> list[dict[str, float]]:
+        """Return where each was read, mm and deg by axis: by the rotary axes that its set-up moves, else by all."""
+        axes, found = self.description.machine.axes, list[dict[str, float]]()
+        for reading in readings:
+            moved = [axes[k] for k in self.description.setup(reading.setup).moves]
+            names = [axis.name for axis in moved if axis.rotary] or [axis.name for axis in moved]
+            found.append({name: value for name, value in shown_pose(axes, reading.pose).items() if name in names})
+        return found
 
     def sheet(self, places: Places) -> str:
         """Return the places as a file of readings to fill in."""
@@ -340,18 +352,17 @@ def _along_axes(places: Places) -> Places:
     return places.within(np.lexsort((*places.approaches.T[::-1], *places.poses.T[::-1], places.setups)))
 
 
-def tolerance_of(target: Target, text: str | None) -> float:
-    """Return the largest deviation allowed, m: as said, or from the target; 0 where that is no accuracy.
+def tolerance_of(target: Target, text: str | None) -> float | None:
+    """Return the largest deviation allowed, m: as said, or the target's at the worst place; None where there is none.
 
-    U is what 95 % of deviations keep, as twice the RMS is.  Raises TargetError, UnitError.
+    Raises TargetError, UnitError.
     """
-    if text is not None:
-        value = parse_quantity(text, "length")
-        if value <= 0:
-            raise TargetError('a tolerance of "{text}"', "Give a length above zero", text=text)
-        return value
-    twice = None if target.rms is None else 2 * target.rms
-    return next((each for each in (target.worst, twice, target.expanded) if each is not None), 0.0)
+    if text is None:
+        return target.worst
+    value = parse_quantity(text, "length")
+    if value <= 0:
+        raise TargetError('a tolerance of "{text}"', "Give a length above zero", text=text)
+    return value
 
 
 _FIRST = (1_000_000, 2_000_000)

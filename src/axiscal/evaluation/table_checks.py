@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.promise.agreement import Checks
 from axiscal.evaluation.datums import Datum, added_to_values
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
@@ -331,11 +330,13 @@ def _keys(places: Places) -> list[tuple[object, ...]]:
     return list(zip(places.setups.tolist(), *(map(tuple, each) for each in at), strict=True))
 
 
-_UNLIKELY = 0.01
+OF_TWENTY = 0.05
+"""Share of the machines exactly as promised that are called worse."""
 HARDLY = 1e-4
 """A change of the readings that is less likely than this is not the one that the tables make."""
 
-Verdict = Literal["pass", "fail", "undecided"]
+Verdict = Literal["promised", "worse", "faulty", "undecided"]
+Decision = Literal["conform", "not conform", "neither"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -344,7 +345,7 @@ class Judgement:
 
     found, left : (m,) deviations, one for each value of a reading, the datums of the set-ups taken off
     std : (m,) of each, from the instrument and from what else is not known of its set-up
-    checks : as-left readings beside what the estimate promises
+    of : (m,) index of the place of each; coming : sum of the squares of `left` that the estimate promises, m²
     agrees : probability that all of them together are as far off as these, or farther, if the estimate is right
     changed : probability that the tables change readings as little like they should as these, if they are loaded
     share : by which multiple of what the tables take away the readings changed; None when that is nothing
@@ -353,15 +354,15 @@ class Judgement:
     shares : how much of each table the readings show; idle : axes that were not moved through their volume, or along
         which nothing was read
     tools : set-ups that are judged with the tool where the readings put it
-    proved : what as-left deviations alone prove of the tolerance (ISO 14253-1), whatever the tables do
+    tolerance : the largest deviation that somebody allowed, None where nobody did
+    decision : what as-left deviations prove of it (ISO 14253-1), whatever the tables do
     """
 
-    verdict: Verdict
-    tolerance: float
     found: Array
     left: Array
     std: Array
-    checks: Checks
+    of: NDArray[np.intp]
+    coming: float
     agrees: float
     changed: float
     share: float | None
@@ -371,7 +372,17 @@ class Judgement:
     shares: tuple[Share, ...] = ()
     idle: tuple[str, ...] = ()
     tools: tuple[str, ...] = ()
-    proved: Verdict = "undecided"
+    tolerance: float | None = None
+    decision: Decision | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether tables fail, else whether the machine is as promised; undecided where something contradicts that."""
+        if any(share.checked and not share.works for share in self.shares):
+            return "faulty"
+        if self.agrees < OF_TWENTY:
+            return "worse"
+        return "undecided" if self.strained or self.still or not self.loaded else "promised"
 
     @property
     def loaded(self) -> bool:
@@ -382,8 +393,3 @@ class Judgement:
     def unchecked(self) -> tuple[str, ...]:
         """The tables of which the readings cannot tell whether they work."""
         return tuple(share.name for share in self.shares if not share.checked)
-
-    @property
-    def believed(self) -> bool:
-        """Whether the readings agree with the estimate and its uncertainty."""
-        return self.agrees >= _UNLIKELY

@@ -1,30 +1,26 @@
 """A short independent check of a machine after its tables were loaded: where to look, and what the readings decide.
 
 Points are new ones, drawn at random as the checks of a plan are, and held to the estimate as these are to others.
-As-left readings are judged against a tolerance with a guard band (after ISO 14253-1). Pass: every deviation with its
-expanded uncertainty lies inside. Fail: one lies outside with all of it. Undecided: between. Of a target that
-95 % of places keep, 5 % may lie beyond. A pass also needs that the readings changed by the tables' correction, and that
-no set-up is further off than stated.
+They answer three questions. Do the tables work: did the readings change by their correction? Is the machine as
+promised: are the readings as left no farther from the estimate than its uncertainty and their noise explain? One of
+twenty machines exactly as promised is called worse. Is a tolerance kept, where somebody states one (ISO 14253-1): every
+deviation with its expanded uncertainty lies inside, one lies outside with all of it, or neither.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.promise.agreement import CheckReading, Checks
 from axiscal.evaluation.datums import GUARD, Datums, datums_of, fewest, is_zero, upright
 from axiscal.evaluation.table_checks import (
-    HARDLY,
+    Decision,
     Judgement,
     Part,
-    Verdict,
     far_from,
     idle_axes,
     shares,
@@ -43,8 +39,7 @@ from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, left_by
-from axiscal_core.from_scipy import chi_square_tail
-from axiscal_core.left_out import surprises
+from axiscal_core.from_scipy import chi_square_quantile, chi_square_share
 from axiscal_core.threads import one_thread
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
@@ -63,8 +58,8 @@ _STILL = 4
 """So many readings of a set-up that show one and the same number are an instrument that does not move."""
 _NOTHING = 1e-9
 """A change of a nanometre is none: far below any reading's noise."""
-_OF_TWENTY = 0.95
-"""Share of the machines exactly as promised that do not fail."""
+_FACTORS = 64
+"""Factors at which a t is looked at, of equal probability; 30 tell p = 0.05 as well."""
 
 
 class Values(NamedTuple):
@@ -224,16 +219,16 @@ def judge(
     found: Sequence[Reading],
     left: Sequence[Reading],
     control: Control,
-    tolerance: float,
+    known: float,
     parts: Sequence[Part] = (),
-    exceeded: float = 0.0,
+    tolerance: float | None = None,
 ) -> Judgement:
     """Return what readings without and with the tables say; raises ReadingError when they are not of the same places.
 
     The zero of a set-up and an unknown slope are taken off each set of readings.
-    tolerance : the largest deviation allowed, m; 0 where nothing says one: then only tables that do not work decide
-    parts : the tables, each of which must work: one that is missing or has the wrong sign fails, whatever the tolerance
-    exceeded : share of the places that may lie beyond the tolerance
+    known : m, to which a set-up has to be known, or it is judged against itself
+    parts : the tables, each of which must work, however small the deviations are
+    tolerance : the largest deviation that somebody allows, m
     """
     _refuse_different(found, left)
     places = places_of(setups, left)
@@ -242,7 +237,7 @@ def judge(
             what = '"{setup}" reads no displacement along a direction ({instrument})'
             raise ReadingError(what, _REMEDY, setup=other.name, instrument=other.instrument, known=", ".join(_CHECKING))
     of = values_at(setups, places).of
-    datums = datums_of(estimate.machine, setups, places, tolerance)
+    datums = datums_of(estimate.machine, setups, places, known)
     each_read = (_seen(estimate, setups, places, datums, readings) for readings in (found, left))
     (before, noise_before), (after, noise) = each_read
     mean, factor = expected(estimate, setups, places, control)
@@ -250,52 +245,40 @@ def judge(
     # a set-up may have been mounted anew between the two
     apart = free @ (2 * datums.spread + np.diag(noise_before**2 + noise**2)) @ free.T
     # one place of a ball, or one error of the machine, is in many values: these are not independent
-    beyond, promised = free @ (after - mean), free @ (factor @ factor.T + spread) @ free.T
+    beyond, unknown, noisy = free @ (after - mean), free @ factor, free @ spread @ free.T
+    coming = float(np.sum((free @ mean) ** 2) + np.sum(unknown**2) + np.trace(noisy))
     change, should = free @ (before - after), free @ (expected(estimate, setups, places, None)[0] - mean)
-    weight, likely = float(should @ should), _likelihood(change - should, apart)
+    weight = float(should @ should)
     taken = [free @ taken_away(estimate.machine, part, setups, places) for part in parts]
     each = shares(parts, np.stack(taken, axis=1), change, apart) if parts else ()
-    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after, noise, tolerance)
-    decided = proved = verdict(free @ after, std, of, tolerance, exceeded) if tolerance > 0 else "undecided"
-    still = _still(left)
-    if any(share.checked and not share.works for share in each):
-        decided = "fail"
+    std = np.sqrt(np.diag(noisy))
     lying = {unknown.owner for setup in setups if setup.balls for unknown in setup.unknowns}
-    if decided == "pass" and (likely < HARDLY or strained or still):
-        decided = "undecided"
     return Judgement(
-        decided,
-        tolerance,
         free @ before,
         free @ after,
         std,
-        _beside(of, beyond, promised),
-        _likelihood(beyond, promised),
-        likely,
+        of,
+        coming,
+        _likelihood(beyond, noisy, unknown, estimate.belief.degrees),
+        _likelihood(change - should, apart),
         float(change @ should) / weight if weight > _NOTHING**2 else None,
         tuple(name for name in datums.lines if name not in lying),
-        strained,
-        still,
+        datums.strained(after, noise, known),
+        _still(left),
         each,
         idle_axes(estimate, setups, places),
         datums.tools,
-        proved,
+        tolerance,
+        None if tolerance is None else decision(free @ after, std, tolerance),
     )
 
 
-def verdict(deviations: Array, std: Array, of: NDArray[np.intp], tolerance: float, exceeded: float = 0.0) -> Verdict:
-    """Return what deviations with their standard deviations say of a tolerance (ISO 14253-1).
-
-    of : (m,) the place of each; exceeded : share of the places that may lie beyond the tolerance
-    A machine with that share beyond fails once in twenty at most.
-    """
-    sizes, places = np.abs(deviations), len(np.unique(of))
-    surely, perhaps = (len(np.unique(of[sizes + sign * GUARD * std > tolerance])) for sign in (-1, 1))
-    if perhaps <= exceeded * places:
-        return "pass"
-    chances = accumulate(math.comb(places, k) * exceeded**k * (1 - exceeded) ** (places - k) for k in range(places + 1))
-    most = next(k for k, chance in enumerate(chances) if chance >= _OF_TWENTY)
-    return "fail" if surely > most else "undecided"
+def decision(deviations: Array, std: Array, tolerance: float) -> Decision:
+    """Return what deviations with their standard deviations prove of a tolerance (ISO 14253-1)."""
+    sizes = np.abs(deviations)
+    if np.all(sizes + GUARD * std <= tolerance):
+        return "conform"
+    return "not conform" if np.any(sizes - GUARD * std > tolerance) else "neither"
 
 
 def _still(readings: Sequence[Reading]) -> tuple[str, ...]:
@@ -316,23 +299,26 @@ def _seen(
     return upright(estimate.machine, setups, places, datums, shown), noise[values_at(setups, places).of]
 
 
-def _beside(of: NDArray[np.intp], values: Array, covariance: Array) -> Checks:
-    """Return values, m, as checks beside what the estimate promises; without those that datums take off as a whole.
+def _likelihood(values: Array, noisy: Array, unknown: Array | None = None, degrees: float = np.inf) -> float:
+    """Return the probability of values at least this large, in the mean square over their standard deviations.
 
-    of : (m,) the place of each; covariance : (m, m)
+    noisy : (m, m) N, their covariance by readings, singular; unknown : (m, n) F, what is not known of the machine
+    degrees : f of freedom of the latter, whose squares have one factor w = (f − 2)/χ²_f
+    With P = F Fᵀ + N, z = P^−½ y and κ the eigenvalues of P^−½ F Fᵀ P^−½, zᵀz is Σ (1 + (w − 1) κ) χ²_1, which is about
+    a χ² (Satterthwaite 1946); the result is its mean over w.
     """
-    variances = np.diag(covariance)
-    kept = variances > _TAKEN_OFF * variances.max()
-    z = surprises(values[kept, None], variances[kept, None, None]).tolist()
-    return Checks(tuple(CheckReading(place, away) for place, away in zip(of[kept].tolist(), z, strict=True)))
-
-
-def _likelihood(values: Array, covariance: Array) -> float:
-    """Return the probability of values at least this large from a singular normal."""
-    scale, vectors = np.linalg.eigh(covariance)
+    machine = np.zeros_like(noisy) if unknown is None else unknown @ unknown.T
+    scale, vectors = np.linalg.eigh(machine + noisy)
     kept = scale > _TAKEN_OFF * scale[-1]
-    parts = vectors[:, kept].T @ values
-    return chi_square_tail(int(kept.sum()), float(np.sum(parts**2 / scale[kept])))
+    whiten = vectors[:, kept].T / np.sqrt(scale[kept])[:, None]
+    shares = np.linalg.eigvalsh(whiten @ machine @ whiten.T)
+    chances, factors = (np.arange(_FACTORS) + 0.5) / _FACTORS, np.ones(1)
+    if np.isfinite(degrees):
+        factors = (degrees - 2) / np.array([chi_square_quantile(np.array([degrees]), p)[0] for p in chances])
+    parts = 1 + np.outer(factors - 1, shares)
+    sums, squares = parts.sum(axis=1), np.sum(parts**2, axis=1)
+    size = float(np.sum((whiten @ values) ** 2))
+    return float(np.mean(1 - chi_square_share(sums**2 / squares, size * sums / squares)))
 
 
 def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None:

@@ -59,14 +59,17 @@ _LARGER, _MANY = 1.4, 300
 
 
 def evenly_until_reached(case: Case, readings: Sequence[Reading], most: int) -> int:
-    """Return about how many places, spread evenly over all set-ups, reach the target after readings; at most `most`."""
+    """Return about how many places, spread evenly over all set-ups, reach the target after readings; at most `most`.
+
+    0 where none of up to 300 does: then nobody knows how many would, if any.
+    """
     limits, described, count = Limits.of(case.description.target), case.description, FEW
     while count < min(most, _MANY):
         places = with_rooms(case, spread(described.machine, described.setups, count))
         if reached_by(case, limits, places, readings):
             return min(len(places), most)
         count = math.ceil(_LARGER * count)
-    return most
+    return most if most <= _MANY else 0
 
 
 def few_more(limits: Limits) -> Limits:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -11,7 +11,7 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.stated_type_b import lacks_temperature
-from axiscal.description.target import RowName, Target, Want, rows_of
+from axiscal.description.target import RowName, Target, Want
 from axiscal.description.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
@@ -58,9 +58,9 @@ class Helping:
     tool: bool = False
 
 
-def rows_shown(description: CampaignDescription) -> tuple[RowName, ...]:
-    """Return the rows that endless readings of a campaign's set-ups would measure."""
-    target = replace(description.target, wants=tuple(Want(row) for row in rows_of(description.machine)))
+def rows_shown(description: CampaignDescription, rows: Iterable[RowName]) -> tuple[RowName, ...]:
+    """Return those of some rows that endless readings of a campaign's set-ups would measure."""
+    target = replace(description.target, wants=tuple(Want(row) for row in rows))
     case = case_of(replace(description, target=target))
     return tuple(row.row for row in known_rows(case, case.knowledge, ()) if row.reachable)
 

@@ -9,15 +9,16 @@ import numpy as np
 from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked, finite
-from axiscal.answers.answer_words import VERDICTS, wrapped
+from axiscal.answers.answer_words import VERDICTS, farthest_words, sizes_words, wrapped
 from axiscal.answers.row_words import row_name
 from axiscal.evaluation.check import Check, Taken
 from axiscal.evaluation.datums import GUARD
-from axiscal.evaluation.table_checks import WORKS, Judgement, Verdict
-from axiscal.language.spoken import counted, later, listed, quoted, said
+from axiscal.evaluation.table_checks import WORKS, Decision, Judgement, Verdict
+from axiscal.language.spoken import counted, later, listed, put, quoted, said
 from axiscal.measurement.reading import Places, approach_text, place_text, shown_pose
 from axiscal.numerics import Array
 from axiscal.units import digits, to_unit
+from axiscal_core.ties import ALIKE, first_best
 
 _NEAR = 0.3
 """Of the change that tables should make: this near to all, none or the opposite, it is called that."""
@@ -26,9 +27,22 @@ _ROUNDING = 1e-6
 """A figure below a picometre, in um."""
 
 
-Decision = Literal["conform", "not conform", "neither"]
-_DECISIONS: Mapping[Verdict, Decision] = {"pass": "conform", "fail": "not conform", "undecided": "neither"}
-_PROVED = {"conform": later("conform"), "not conform": later("not conform"), "neither": later("neither")}
+_DECISIONS: Mapping[Decision, str] = {
+    "conform": later("kept: every deviation lies inside, with its uncertainty"),
+    "not conform": later("not kept: a deviation lies outside, with all of its uncertainty"),
+    "neither": later("undecided: a deviation lies nearer to it than the readings can tell"),
+}
+_WHY: Mapping[Verdict, str] = {
+    "promised": later("the readings lie no farther from the estimate than its uncertainty and their noise explain"),
+    "worse": later(
+        "the readings lie farther from the estimate than its uncertainty and their noise explain (p = {p:.2g}): the "
+        "machine has changed, or it was known less well than stated"
+    ),
+    "faulty": later("not as exported: {tables}"),
+    "undecided": later(
+        "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
+    ),
+}
 _COVERAGE = 2.0
 """k of the uncertainty that is stated beside a decision, as certificates do."""
 _LINES = 12
@@ -66,16 +80,20 @@ class SetupOff(AnswerDocument):
 class CheckAnswer(AnswerDocument):
     """What a check says; fields as of `evaluation.table_checks.Judgement`.
 
-    decision : what the as-left readings prove of the tolerance, by ISO 14253-1; U_um : largest of theirs, k = 2
+    decision : what the as-left readings prove of the tolerance, by ISO 14253-1, None without one
+    U_um : largest of theirs, k = 2
     person, source, in_force : as of `evaluation.check.Taken`
-    expected_um : U over the volume with the tables loaded; tolerance_um : None where nothing says one
+    expected_um : U over the volume with the tables loaded; tolerance_um : None where nobody states one
     places : how many were read, each without the tables and with them
     found_rms_um, left_rms_um : over the places, in space where a reading has three values
+    left_expected_um : the latter as promised, with the noise of the readings
+    promise_p : probability of readings at least as far from the promise as these
+    farthest_um, farthest_at : the largest deviation left, and where, in mm and deg by axis
     """
 
     kind: Literal["axiscal-verify/1"] = Field("axiscal-verify/1", alias="schema")
     verdict: Verdict
-    decision: Decision
+    decision: Decision | None
     U_um: float
     person: str
     source: str
@@ -86,12 +104,11 @@ class CheckAnswer(AnswerDocument):
     places: int
     found_rms_um: float
     left_rms_um: float
+    left_expected_um: float
+    promise_p: float
+    farthest_um: float
+    farthest_at: Mapping[str, float]
     readings: Sequence[CheckedValue]
-    checks: int
-    as_promised: int
-    s: float
-    agreement_p: float
-    estimate_believed: bool
     change_p: float
     change_share: float | None
     tables_loaded: bool
@@ -121,38 +138,43 @@ class CheckAnswer(AnswerDocument):
             places=self.places,
             found=self.found_rms_um,
             left=self.left_rms_um,
-            tolerance=self.tolerance_um or 0.0,
+            expected=self.left_expected_um,
+            farthest=self.farthest_um,
+            at=self.farthest_at,
             verdict=self.verdict,
         )
 
 
-def check_answer(judgement: Judgement, places: int, promised: float, taken: Taken) -> CheckAnswer:
+def check_answer(
+    judgement: Judgement, places: Sequence[Mapping[str, float]], promised: float, taken: Taken
+) -> CheckAnswer:
     """Return what was judged as a document.
 
-    places : that were read each way; promised : U with the tables, m; taken : of the as-left readings
+    places : where was read each way; promised : U with the tables, m; taken : of the as-left readings
     """
     figures = (judgement.found, judgement.left, judgement.std)
     found, left, std = (plain(to_unit(values, "um")) for values in figures)
     rows = zip(found.tolist(), left.tolist(), std.tolist(), strict=True)
+    away = np.sqrt(np.bincount(judgement.of, left**2))
+    worst = first_best(away, ALIKE)
     return CheckAnswer(
         verdict=judgement.verdict,
-        decision=_DECISIONS[judgement.proved],
+        decision=judgement.decision,
         U_um=_COVERAGE * float(std.max()),
         person=taken.person,
         source=taken.source,
         in_force=taken.files,
         expected_um=to_unit(promised, "um"),
-        tolerance_um=to_unit(judgement.tolerance, "um") or None,
+        tolerance_um=None if judgement.tolerance is None else to_unit(judgement.tolerance, "um"),
         guard_band_um=GUARD * float(std.max()),
-        places=places,
-        found_rms_um=float(np.sqrt(np.sum(found**2) / places)),
-        left_rms_um=float(np.sqrt(np.sum(left**2) / places)),
+        places=len(places),
+        found_rms_um=float(np.sqrt(np.sum(found**2) / len(places))),
+        left_rms_um=float(np.sqrt(np.sum(left**2) / len(places))),
+        left_expected_um=to_unit(float(np.sqrt(judgement.coming / len(places))), "um"),
+        promise_p=judgement.agrees,
+        farthest_um=float(away[worst]),
+        farthest_at=places[worst],
         readings=[CheckedValue(found_um=f, left_um=after, std_um=s) for f, after, s in rows],
-        checks=len(judgement.checks.each),
-        as_promised=judgement.checks.as_promised,
-        s=judgement.checks.s or 0.0,
-        agreement_p=judgement.agrees,
-        estimate_believed=judgement.believed,
         change_p=judgement.changed,
         change_share=judgement.share,
         tables_loaded=judgement.loaded,
@@ -236,27 +258,20 @@ def check_sentences(answer: CheckAnswer) -> list[str]:
 
 
 def _judged(answer: CheckAnswer) -> list[str]:
-    """Return what was judged, the verdict first."""
-    judged, bare = "{verdict} at {tolerance:.3g} um, guard band {guard:.3g} um: {why}.", "{verdict}: {why}."
-    verdict = said(
-        bare if answer.tolerance_um is None else judged,
-        verdict=said(VERDICTS[answer.verdict]),
-        tolerance=answer.tolerance_um,
-        guard=answer.guard_band_um,
-        why=said(_why(answer), tables=listed(", ", [each.table for each in answer.faulty])),
-    )
-    sizes = [
-        said("As found: {sizes}", sizes=_sizes([value.found_um for value in answer.readings])),
-        said("As left:  {sizes}", sizes=_sizes([value.left_um for value in answer.readings])),
+    """Return what was judged, the verdict first: the promise, the tables, the tolerance where one is stated."""
+    tables, verdict = listed(", ", [each.table for each in answer.faulty]), said(VERDICTS[answer.verdict])
+    lines = [
+        said("{verdict}: {why}.", verdict=verdict, why=said(_WHY[answer.verdict], tables=tables, p=answer.promise_p)),
+        put("{sizes}. {farthest}", sizes=sizes_words(answer.summary), farthest=farthest_words(answer.summary)),
     ]
-    alike = said("Checks: {kept} of {count} as promised.", kept=answer.as_promised, count=answer.checks)
-    if not answer.estimate_believed:
-        changed = (
-            "WARNING: the readings do not agree with the estimate and its uncertainty (p = {p:.2g}): the machine has "
-            "changed, or the tables are not what was loaded."
-        )
-        alike = said(changed, p=answer.agreement_p)
-    return [verdict, *sizes, alike, *_warnings(answer)]
+    if answer.working:
+        shown = sum(each.checked for each in answer.tables)
+        lines.append(counted("The table that they show works.", "All {count} tables that they show work.", shown))
+    if answer.tolerance_um is not None and answer.decision is not None:
+        proved = "Tolerance of {tolerance:.3g} um (ISO 14253-1, guard band {guard:.3g} um): {decision}."
+        sizes = {"tolerance": answer.tolerance_um, "guard": answer.guard_band_um}
+        lines.append(said(proved, decision=said(_DECISIONS[answer.decision]), **sizes))
+    return [*lines, *_warnings(answer)]
 
 
 def _unchecked(answer: CheckAnswer) -> list[str]:
@@ -271,13 +286,10 @@ def _unchecked(answer: CheckAnswer) -> list[str]:
 def check_details(answer: CheckAnswer) -> list[str]:
     """Return all that was judged in words, with what it proves and which files were in force."""
     names = ", ".join(f"{name} (SHA-256 {digest[:_DIGITS]})" for name, digest in answer.in_force.items())
-    proved = (
-        "By ISO 14253-1 as left: {decision}. A reading has U = {u:.3g} um (k = 2); U = {promised:.3g} um (95 %) is to "
-        "be expected over the volume."
-    )
+    known = "A reading has U = {u:.3g} um (k = 2); U = {promised:.3g} um (95 %) is to be expected over the volume."
     return [
         *check_sentences(answer),
-        said(proved, decision=said(_PROVED[answer.decision]), u=answer.U_um, promised=answer.expected_um),
+        said(known, u=answer.U_um, promised=answer.expected_um),
         said(
             "Read by {person} from {source}. In force by the control: {names}.",
             person=answer.person or said("nobody that is known"),
@@ -285,30 +297,6 @@ def check_details(answer: CheckAnswer) -> list[str]:
             names=names or said("not known"),
         ),
     ]
-
-
-def _sizes(values: Sequence[float]) -> str:
-    sizes = np.abs(values)
-    rms = float(np.sqrt(np.mean(sizes**2)))
-    return said("largest {largest:.3g} um, RMS {rms:.3g} um", largest=float(sizes.max()), rms=rms)
-
-
-def _why(answer: CheckAnswer) -> str:
-    if answer.faulty:
-        return later("not as exported: {tables}")
-    if answer.verdict == "undecided" and (answer.set_up_off or answer.set_up_still or not answer.tables_loaded):
-        return later(
-            "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
-        )
-    if answer.tolerance_um is None:
-        working = later("all tables that the readings show work as exported, and no tolerance says which sizes pass")
-        return working if answer.working else later("the readings show no table, and no tolerance is given")
-    near = later("a deviation lies so near to the tolerance that the readings cannot decide: read again, or better")
-    return {
-        "pass": later("every deviation lies inside, with its uncertainty"),
-        "fail": later("a deviation lies outside, with all of its uncertainty"),
-        "undecided": near,
-    }[answer.verdict]
 
 
 def _warnings(answer: CheckAnswer) -> list[str]:

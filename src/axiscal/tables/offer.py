@@ -102,7 +102,7 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     poses, approaches = spread_poses(estimate)
     together = planes_left(estimate, draft.control, poses, approaches)
     silent = joined([title(table) for table in untold(estimate)]) if draft.tables else ""
-    silent = silent and f"what readings tell to no better than half of it ({silent})"
+    silent = silent and f"what a table would take less than 10 % away from ({silent})"
     if estimate.sample is not None:
         tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
         effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
@@ -126,7 +126,7 @@ def _nothing_held(estimate: Estimate) -> str:
         return said("take readings first")
     silent = [table for table in untold(estimate) if np.ptp(table.forward) > _PART * np.max(np.ptp(found, axis=0))]
     if silent:
-        what = "take more readings: of {tables} they tell no more than half"
+        what = "take more readings: tables of {tables} would take away less than 10 %"
         return said(what, tables=joined([title(table) for table in silent]))
     return said(
         "what the readings show is along no axis that such files move; the bed of a printer goes as a height map to "

@@ -48,8 +48,8 @@ _NOTHING = 1e-12
 """m or rad: rounding."""
 _NEARER = 1e-8
 """m or rad: by so much points elsewhere have to bring the line nearer, for no control shows less."""
-_TOLD = 2.0
-"""Standard deviations from which readings tell a table from nought."""
+_WORTH = 0.9
+"""A table that leaves more than this of what was found, √(values² + u²), is none."""
 _EDGE = 1e-6
 """Share of a cell: just inside its edge."""
 _SILENT, _DIFFERENCE = 0.95, 0.65
@@ -100,7 +100,7 @@ def cross_tables(
 
 
 def untold(estimate: Estimate) -> tuple[CompensationTable, ...]:
-    """Return the tables that there are not, since readings do not tell them from nought."""
+    """Return the tables that there are not, since they would take away less than a tenth."""
     found = *_own_tables(estimate, None, MOST_POINTS, (None, None)), *_over_others(estimate, None, MOST_POINTS)
     return tuple(table for table, told in found if not told)
 
@@ -286,14 +286,14 @@ class _Spread(NamedTuple):
         return cls(*(np.sqrt(np.max(np.sum(one**2, axis=-1), axis=0)) for one in less))
 
     def tell(self, values: Array, along: Array, rest: float) -> bool:
-        """Return whether values (s, points) are more than twice what they are known to: as they stand, or their shape.
+        """Return whether values (s, points) take away a tenth of √(values² + u²), as they stand, or their shape.
 
         rest : standard deviation of what no curve follows, of each of them
         """
         shapes = values, values - values.mean(), _bent(values[..., None], along)
         sizes = np.array([np.sqrt(np.mean(each**2)) for each in shapes])
         known = [np.hypot(np.sqrt(np.mean(each**2)), rest) for each in (self.anchored, self.shape, self.bent)]
-        return bool(np.any(sizes > np.maximum(_TOLD * np.array(known), _NOTHING)))
+        return bool(np.any((known < _WORTH * np.hypot(sizes, known)) & (sizes > _NOTHING)))
 
 
 def _silent(before: _Spread, after: _Spread) -> NDArray[np.bool_]:

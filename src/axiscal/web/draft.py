@@ -193,7 +193,11 @@ def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
 
 
 def _shown_by(begun: first_files.Beginning, instrument: str) -> tuple[RowName, ...]:
-    return _SHOWN.answer((repr(begun), instrument), lambda: rows_shown(_with(begun, instrument)))
+    def shown() -> tuple[RowName, ...]:
+        described = _with(begun, instrument)
+        return rows_shown(described, rows_of(described.machine))
+
+    return _SHOWN.answer((repr(begun), instrument), shown)
 
 
 def _planned(here: Path) -> Campaign:

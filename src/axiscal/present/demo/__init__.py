@@ -62,9 +62,9 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     if not reaches(campaign.description.target, campaign.estimate(ended=True)):
         return None
     check = Check.from_campaign(campaign, CONTROL)
-    places = check.planned(tolerance=check.allowed(None))
-    judged = check.judged(check.read_on(truth, SEED, places), None)
-    return check_answer(judged, len(places), check.tables.certain, Taken()).summary
+    readings = check.read_on(truth, SEED, check.planned(tolerance=check.known(None)))
+    places = check.positions(readings[1])
+    return check_answer(check.judged(readings, None), places, check.tables.certain, Taken()).summary
 
 
 def measured_truth(model: ErrorModel, seed: int) -> dict[str, TruthCurve]:

@@ -43,7 +43,7 @@ class CheckToTake(AnswerDocument):
     def of(cls, campaign: Campaign, control: str, virtual: str) -> Self:
         """Return where tables of a control are to be checked.  virtual : the source of a machine, "" of a real one"""
         check, found = Check.from_campaign(campaign, control), list[CheckPlace]()
-        places = check.planned(tolerance=check.allowed(None))
+        places, tolerance = check.planned(tolerance=check.known(None)), check.allowed(None)
         sides = check.asked(virtual, places) if virtual else ()
         axes, sides_of = check.description.machine.axes, {1: said("from below"), -1: said("from above")}
         for n, place in enumerate(places.listed(check.description.setups)):
@@ -54,7 +54,7 @@ class CheckToTake(AnswerDocument):
             found.append(CheckPlace(setup=place.setup, place=where, unit=reading_units(setup), shows=shows))
         return cls(
             sentences=[spelt(line) for line in check_plan(check, places)[1]],
-            tolerance=spelt(f"{digits(to_unit(check.allowed(None) or check.tables.certain, 'um'))} um"),
+            tolerance="" if tolerance is None else spelt(f"{digits(to_unit(tolerance, 'um'))} um"),
             places=found,
         )
 
@@ -72,7 +72,7 @@ class CheckJudged(AnswerDocument):
 
         found, left : in the order of the places; folder : takes them as two files, as `axiscal verify` takes them
         """
-        places, faults = check.planned(tolerance=check.allowed(None)), dict[str, str]()
+        places, faults = check.planned(tolerance=check.known(None)), dict[str, str]()
         sides = [list[Reading](), list[Reading]()]
         for side, texts, readings in zip(("found", "left"), (found, left), sides, strict=True):
             for n, place in enumerate(places.listed(check.description.setups)):
@@ -84,7 +84,7 @@ class CheckJudged(AnswerDocument):
                 else:
                     readings.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others)))
         try:
-            check.allowed(tolerance)
+            check.allowed(tolerance.strip() or None)
         except InputError as failure:
             faults["tolerance"] = str(failure)
         if faults:
@@ -92,6 +92,7 @@ class CheckJudged(AnswerDocument):
         refuse_implausible(sides[0], check.description, said("without the tables"))
         for name, each in zip(("found.csv", "left.csv"), sides, strict=True):
             write_whole(folder / name, filled_sheet(check.description.machine.axes, each).encode())
-        judged, taken = check.judged((tuple(sides[0]), tuple(sides[1])), tolerance), Taken(own_hand().person, "page")
-        answer = check_answer(judged, len(places), check.tables.certain, taken)
+        judged = check.judged((tuple(sides[0]), tuple(sides[1])), tolerance.strip() or None)
+        taken = Taken(own_hand().person, "page")
+        answer = check_answer(judged, check.positions(sides[1]), check.tables.certain, taken)
         return cls(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])

@@ -110,7 +110,7 @@ async function judge() {
   text("tolerance-fault", answer.faults.tolerance ?? "");
   for (const [field, words] of Object.entries(answer.faults)) if (field !== "tolerance") text(`${field.replace(".", "-")}-fault`, words);
   show("judged", answer.verdict !== "");
-  find("judged").className = `box ${answer.verdict === "pass" ? "reached" : "unreachable"}`;
+  find("judged").className = `box ${answer.verdict === "promised" ? "reached" : "unreachable"}`;
   find("judged").replaceChildren(...answer.sentences.map((words, n) => element(n ? "span" : "strong", words)));
 }
 
