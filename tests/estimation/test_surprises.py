@@ -12,6 +12,7 @@ from axiscal.campaign import wrong_unit
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import estimated
 from axiscal.estimation.judged import bent, limit, nearest_first, surprises
 from axiscal.estimation.stations import tips
 from axiscal.exceptions import ReadingError
@@ -21,6 +22,7 @@ from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator
 from benchmarks.trust.virtual import described, read_evenly
 from tests.generators.campaigns import built_in, drawn, mixed
+from tests.generators.foreign_axis import LASER, foreign_case, foreign_readings
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
 from tests.generators.problems import readings_of
 from tests.generators.texts import campaign_text, setup_text
@@ -151,6 +153,16 @@ def test_most_of_a_file_has_to_be_implausible(monkeypatch: pytest.MonkeyPatch) -
     refuse_implausible([*slips[:7], *readings[7:]], description, "r.csv")
     with pytest.raises(ReadingError, match="8 of 15 readings are some"):
         refuse_implausible([*slips[:8], *readings[8:]], description, "r.csv")
+
+
+def test_a_lost_decimal_point_is_that_of_one_reading_and_no_other_unit_of_all() -> None:
+    """5.1 um, written as 51 mm."""
+    readings, case = foreign_readings(LASER, 48, 1), foreign_case(LASER)
+    lost = [replace(each, value=51e-3 if number == 8 else each.value) for number, each in enumerate(readings)]
+    refuse_implausible(lost, case.description, "r.csv")
+    with pytest.raises(ReadingError, match=r"multiplied by 1000|instead of um"):
+        refuse_implausible(_times(readings, 1e-3), case.description, "r.csv")
+    assert [*estimated(case, lost).left_out] == [8]
 
 
 def test_a_dial_that_shows_the_same_six_times_is_not_taken_for_another_unit() -> None:

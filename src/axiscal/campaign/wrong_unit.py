@@ -45,7 +45,8 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
     case = case_of(campaign)
     doubts = judged(case, timed(case, readings).readings).values()
     if len(doubts) < _FEWEST or 2 * len(doubts) <= len(readings):
-        _refuse_other_unit(case, readings, file)
+        slips = {doubt.reading for doubt in doubts}  # a lost decimal point is no other unit of all
+        _refuse_other_unit(case, [each for i, each in enumerate(readings) if i not in slips], file)
         return
     first = readings[min(doubt.reading for doubt in doubts)]
     size = float(np.median([doubt.surprise for doubt in doubts]))

@@ -128,18 +128,17 @@ def _evidence(problem: Problem, found: Weighed[Given], kept: NDArray[np.intp]) -
 
 def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
     """Return what is known with one more mistake, None where readings tell no other."""
-    each = list[Jumped]()
+    best, tried = known, list[Tried]()
     for suspect in sorted(suspected, key=lambda one: -one.mistake.log_odds)[:_WEIGHED]:
-        prior = known.log_prior + float(np.log(PRIOR / suspect.places))
-        other = suspect.make()
+        other, prior = suspect.make(), known.log_prior + float(np.log(PRIOR / suspect.places))
         found = sized(space_of(other))
-        each.append(Jumped(other, found, known.without, (*known.jumps, suspect.mistake), prior))
-    best, *others = sorted(each, key=lambda one: -one.log_odds)
+        moved = Jumped(other, found, known.without, (*known.jumps, suspect.mistake), prior)
+        tried.append(Tried(suspect.mistake._replace(log_odds=moved.log_odds), tail_of(other, found)))
+        best = moved if best is known or moved.log_odds > best.log_odds else best
     if best.log_odds - known.log_odds <= _NAMED:
         return None
-    rivals = [one for one in others if one.log_odds > best.log_odds - _NAMED]
-    tried = [Tried(one.jumps[-1]._replace(log_odds=one.log_odds), tail_of(one.problem, one.found)) for one in rivals]
-    return best._replace(rivals=tuple(tried))
+    others = sorted(tried, key=lambda one: -one.mistake.log_odds)[1:]
+    return best._replace(rivals=tuple(one for one in others if one.mistake.log_odds > best.log_odds - _NAMED))
 
 
 def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> Iterator[Tried]:
