@@ -99,10 +99,10 @@ controls: .venv/dev.stamp .venv-controls/stamp
 	$(BIN)/python -m tests.controls $(ONLY:%=--only %)
 
 reliability: .venv/dev.stamp
-	$(if $(DISK),AXISCAL_DISK=$(DISK)) $(BIN)/python -m tests.reliability $(if $(LONG),--long) $(if $(MINUTES),--minutes $(MINUTES)) $(ROWS:%=--row %) $(PYTHONS:%=--python %)
+	$(if $(DISK),AXISCAL_DISK=$(DISK)) $(BIN)/python -m benchmarks.reliability $(if $(LONG),--long) $(if $(MINUTES),--minutes $(MINUTES)) $(ROWS:%=--row %) $(PYTHONS:%=--python %)
 
 fuzz: .venv/dev.stamp
-	$(BIN)/python -m tests.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES)) $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))
+	$(BIN)/python -m benchmarks.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES)) $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))
 
 requests: .venv/dev.stamp
 	AXISCAL_REQUESTS=$(or $(EXAMPLES),1000) $(BIN)/pytest -q -s tests/web/test_conformance.py

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import AxiscalError
-from tests.reliability import (
+from benchmarks.reliability import (
     bad_files,
     bounds,
     changed,
@@ -18,13 +18,10 @@ from tests.reliability import (
     forged,
     fuzz,
     power_loss,
-    record_faults,
-    salvaged,
     same_bytes,
-    set_faults,
     stuck_instruments,
-    writers,
 )
+from tests.reliability import record_faults, salvaged, set_faults, writers
 from tests.reliability.trial import Trial
 
 TRIALS: dict[str, tuple[Callable[[], Trial], int]] = {

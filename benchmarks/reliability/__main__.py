@@ -12,21 +12,18 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
-from tests.reliability import (
+from benchmarks.reliability import (
     bad_files,
     bounds,
     changed,
     command_faults,
     forged,
     power_loss,
-    record_faults,
-    salvaged,
     same_bytes,
-    set_faults,
     stuck_instruments,
-    writers,
 )
-from tests.reliability.kept import Kept
+from benchmarks.reliability.kept import Kept
+from tests.reliability import record_faults, salvaged, set_faults, writers
 from tests.reliability.trial import DISK, Trial
 
 

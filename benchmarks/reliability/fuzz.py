@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from axiscal.exceptions import AxiscalError
-from tests.reliability.bad_files import KINDS, Kind, place
+from benchmarks.reliability.bad_files import KINDS, Kind, place
 from tests.reliability.trial import scratch
 
 _WORDS = st.sampled_from(
