@@ -81,7 +81,6 @@ def estimate(
       axis test  target_mm, direction, run, deviation_um; a column a run; .rtl .rta .rts
       bed map    Klipper (printer.cfg#NAME, console, Moonraker), Marlin, RepRapFirmware
       points     X Y Z of bCNC, Candle, UGS, LinuxCNC
-      level      stations, and what a level showed there and back
 
     Tests and maps find their set-up by what it reads.
 
