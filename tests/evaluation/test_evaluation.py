@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import statistics
 from pathlib import Path
 
 import numpy as np
@@ -114,7 +113,6 @@ def test_a_single_run_has_no_standard_deviation(tmp_path: Path) -> None:
     )
     assert found.uncertainty == {}
     assert found.warnings[1].endswith("need repeats and are withheld.")
-    assert {"P_a", "U", "U_mean"} == found.vdi3441.keys()
 
 
 def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
@@ -140,18 +138,6 @@ def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() 
         scatter = 2 * float(np.std([each.figures[name] for each in found]))
         promised = float(np.mean([each.uncertainty[name] for each in found]))
         assert 0.75 * scatter < promised < 2.0 * scatter  # largest of several: on the safe side
-
-
-def test_the_figures_of_vdi_3441_are_their_definitions_written_out_target_by_target(tmp_path: Path) -> None:
-    """P = max(x + (U + 6s)/2) - min(x - (U + 6s)/2) by hand, for two targets of two runs each way."""
-    s = statistics.stdev([0.0, 0.5])
-    rows = [((1.25 + 0.25) / 2, 1.0), ((2.25 + 3.25) / 2, 1.0)]
-    high, low = [x + (u + 6 * s) / 2 for x, u in rows], [x - (u + 6 * s) / 2 for x, u in rows]
-    found = {name: 1e6 * value for name, value in evaluated(tmp_path, GOOD).vdi3441.items()}
-    expected = {"P": max(high) - min(low), "P_a": 2.0, "P_s": 6 * s, "P_s_mean": 6 * s, "U": 1.0, "U_mean": 1.0}
-    assert found == pytest.approx(expected)
-    one_sided = "\n".join(line for line in GOOD.splitlines() if ",-," not in line) + "\n"
-    assert evaluated(tmp_path, one_sided).vdi3441 == {}
 
 
 def _drawn(rng: np.random.Generator, runs: int) -> Array:

@@ -70,10 +70,6 @@ def _unlabelled(found: DrawnMap, height: str, way: int) -> str:
     )
 
 
-def _csv_topography(found: DrawnMap) -> str:
-    return "\n".join(["Bed Topography Report for CSV:", "", *_rows(found, "NAN", "\t")[::-1], "", "ok"])
-
-
 def _bilinear(found: DrawnMap) -> str:
     rows = [f"Recv: {j:2} {row}" for j, row in enumerate(_rows(found, " =====", " ", "{:+.3f}"))]
     head = "Recv:       " + "      ".join(str(i) for i in range(len(found.x)))
@@ -90,12 +86,6 @@ def _points(found: DrawnMap, form: str) -> str:
     return "".join(form.format(x=x, y=y, z=z) for (x, y), z in found.probed().items())
 
 
-def _linear(found: DrawnMap) -> str:
-    head = "Recv: Bed Height Topography:\n   +--- BACK --+\n L |    (+)    | R\n   O-- FRONT --+\n (0,0)\n"
-    rows = "".join(f"Recv:  {row}\n" for row in _rows(found, "nan", " ", "{:+.5f}")[::-1])
-    return f"{head}{rows}\nRecv: Eqn coefficients: a: 0.00100000 b: -0.00020000 d: 0.10000000\n"
-
-
 def _bcnc(found: DrawnMap) -> str:
     sides = (f"{side[0]:g} {side[-1]:g} {len(side)}\n" for side in (found.x, found.y))
     return "".join([*sides, "-1 5 100\n\n\n", _points(found, "{x:g} {y:g} {z:g}\n")])
@@ -105,16 +95,6 @@ def _candle(found: DrawnMap) -> str:
     x, y = found.x, found.y
     head = f"{x[0]:.2f};{y[0]:.2f};{x[-1] - x[0]:.2f};{y[-1] - y[0]:.2f}\r\n{len(x)};{len(y)};-1.00;1.00\r\n0;20;20\r\n"
     return head + "\r\n".join(_rows(found, "nan", ";", "{:.10g}"))
-
-
-def _xml(found: DrawnMap) -> str:
-    sizes = {"MinX": found.x[0], "MinY": found.y[0], "MaxX": found.x[-1], "MaxY": found.y[-1]}
-    said = " ".join(
-        f'{key}="{value}"' for key, value in (sizes | {"SizeX": len(found.x), "SizeY": len(found.y)}).items()
-    )
-    nodes = ((i, j, z) for i, column in enumerate(found.z.T) for j, z in enumerate(column) if not np.isnan(z))
-    points = "".join(f'  <point X="{i}" Y="{j}">{z}</point>\n' for i, j, z in nodes)
-    return f'<?xml version="1.0" encoding="utf-8"?>\n<heightmap {said}>\n{points}</heightmap>'
 
 
 def _mesh(found: DrawnMap) -> str:
@@ -151,7 +131,6 @@ def _height_map(found: DrawnMap) -> str:
 
 FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "a UBL map": _topography,
-    "a UBL map, as CSV": _csv_topography,
     "a UBL map, copied without its title": lambda found: _topography(found).partition("Report:")[2],
     "a UBL map, of Marlin 1": _topography_of_marlin_1,
     "a Marlin map (M420 V)": _bilinear,
@@ -160,7 +139,6 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "touches as a firmware printed them, of Marlin": lambda found: _points(
         found, "Recv: Bed X: {x:.3f} Y: {y:.3f} Z: {z:.3f}\n"
     ),
-    "a linear map of Marlin (G29 T)": _linear,
     "touches as a firmware printed them, of Klipper": lambda found: _points(
         found, "// probe at {x:.3f},{y:.3f} is z={z:.6f}\n"
     ),
@@ -192,19 +170,12 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "touches as a firmware printed them, of Klipper on a page": lambda found: _points(
         found, "1/12/2026, 12:50:51 PM | probe at {x:.3f},{y:.3f} is z={z:.6f}\n"
     ),
-    "a Marlin map (M420 V), for OpenSCAD": lambda found: (
-        "Recv: Echo:Bilinear Leveling Grid:\nRecv: measured_z = [\n"
-        + "".join(f"Recv:  [ {row} ],\n" for row in _rows(found, "nan", ", ", "{:+.3f}"))
-        + "Recv: ];\n"
-    ),
     "a bCNC probe file": _bcnc,
     "a Candle height map": _candle,
-    "an OpenCNCPilot height map": _xml,
     "a Moonraker mesh, in a notice": lambda found: '{"method": "notify", "params": [' + _moonraker(found) + ", 1.5]}",
     "a Marlin map (M420 V), of Marlin 1": lambda found: "Num X,Y: 9,9\nMeasured points:" + _bilinear(found)[42:],
     "a Marlin map (M420 V), of 2015": lambda found: _unlabelled(found, "4\nZ offset: 0.00000", 1),
     "a Marlin map (M420 V), of a Prusa": lambda found: _unlabelled(found, "5.00", -1),
-    "a UBL map, as CSV with commas": lambda found: _csv_topography(found).replace("\t", ","),
     "touches as a firmware printed them, of screws of Klipper": lambda found: _points(
         found, "// rear left : x={x:.1f}, y={y:.1f}, z={z:.5f} : adjust CCW 00:50\n"
     ),

@@ -17,7 +17,7 @@ from axiscal.numerics import Array
 from axiscal.ports.printers.klipper import Klipper
 from axiscal.ports.printers.reprapfirmware import RepRapFirmware
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.loaded import OldFile, read_old
+from axiscal.tables.loaded import OldFile
 from tests.tables.test_bed_round_trips import X, Y, bed, duet_file, klipper_file
 
 ROUND = "[bed_mesh]\nmesh_radius: {}\nmesh_origin: 5, -5\nround_probe_count: {}\n"
@@ -114,8 +114,6 @@ def test_one_of_several_meshes_is_named(tmp_path: Path) -> None:
         read_any(path)
     with pytest.raises(ReadingError, match=r"no mesh warm is saved here\. Saved are: default, hot bed"):
         read_any(tmp_path / "printer.cfg#warm")
-    old = Klipper().load(read_old([f"{path}#hot bed"]), build("printer-gantry"), ExportOptions())
-    assert 1e3 * old.meshes[0].added == pytest.approx(bed(X, Y) + 0.25, abs=1e-6)
 
 
 def test_a_profile_of_a_file_without_meshes_is_refused(tmp_path: Path) -> None:

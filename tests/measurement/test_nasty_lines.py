@@ -43,13 +43,12 @@ AGAIN = [
     "_",
     "\N{NO-BREAK SPACE}",
 ]
-AGAIN += ["X1 ", "N1", "heightmap ", "(1,", "[ ", "a/"]
+AGAIN += ["X1 ", "N1", "(1,", "[ ", "a/"]
 AMONG = ["{}", "x{}x", "target_mm,{}deviation_um\n1,2\n", "a{}b,c\n1,2\n", "Axis{}X\nPos,1+\n1,2\n", "[bed_mesh{}x\n"]
 AMONG += [
     "[include{}x",
     "HEADER::\nunits:x{}y\nFile type : x{}y\n",
     "#define{}Z_SAFE_HOMING_X_POINT 1",
-    "# level survey{}\n",
 ]
 PATIENCE = 400
 """s: in which it is through on a computer that others use; a reader that tries again what cannot help takes hours."""

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from axiscal.machine import Machine
-from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import (
@@ -25,7 +24,6 @@ from axiscal.present.drawing.scene import (
     cylinder,
     far_to_near,
 )
-from axiscal.present.machine_drawing.instruments import DRAWN
 from axiscal.present.machine_drawing.machine_scene import machine_parts
 from axiscal.present.machine_drawing.setup_picture import frame_seen, plan_picture, setup_scene
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
@@ -178,10 +176,6 @@ def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[Place
             for place in own:
                 there = room.upright @ (held @ np.append(tip(machine, np.array(place.pose)), 1.0))[:3]
                 assert min(np.linalg.norm(there - dot) for dot in dots) < 1e-9
-
-
-def test_every_instrument_is_drawn() -> None:
-    assert set(DRAWN) == set(INSTRUMENTS)
 
 
 def _heads(drawing: ElementTree.Element) -> list[Box]:

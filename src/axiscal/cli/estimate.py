@@ -80,8 +80,7 @@ def estimate(
       table      setup, X_mm, ... B_deg, approach, value_um (value_in, value_urad)
       axis test  target_mm, direction, run, deviation_um; a column a run; .rtl .rta .rts
       bed map    Klipper (printer.cfg#NAME, console, Moonraker), Marlin, RepRapFirmware
-      points     X Y Z of bCNC, Candle, OpenCNCPilot, UGS, LinuxCNC
-      level      stations, and what a level showed there and back
+      points     X Y Z of bCNC, Candle, UGS, LinuxCNC
 
     Tests and maps find their set-up by what it reads.
 
@@ -154,9 +153,6 @@ def iso230(
                 around = f" ± {to_unit(found.uncertainty[name], found.unit):.3f}" if name in found.uncertainty else ""
                 figure = decimals(f"{value:12.3f} {found.unit}{around}")
             say(f"{name:7}{figure}   {said(words)}")
-        if found.vdi3441:
-            shown = ", ".join(f"{name} {to_unit(value, found.unit):.3f}" for name, value in found.vdi3441.items())
-            say(decimals(f"VDI/DGQ 3441: {shown} {found.unit}"))
     else:
         circle = WORDS["circle"]
         for name, value in found.figures.items():

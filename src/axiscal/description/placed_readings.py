@@ -17,7 +17,7 @@ from typing import NoReturn
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, with_offset, with_zero
-from axiscal.description.setup_of_reading import refuse_other_base, setup_of
+from axiscal.description.setup_of_reading import setup_of
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.language.spoken import joined, said
 from axiscal.machine import Axis, Machine
@@ -235,7 +235,6 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     setup, sign = setup_of(row, campaign)
     named = values_of(setup) == 1 or (row.form == "stations") == bool(setup.stations)
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
-    refuse_other_base(row, setup)
     if row.test == "circle":
         pose, directions = _on_circle(row, setup, campaign.machine)
     else:

@@ -13,16 +13,13 @@ from axiscal.machine import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.charts.kinds import Circle
-from axiscal.measurement.instrument import model_of, reads_angles
+from axiscal.measurement.instrument import model_of
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.units import format_quantity
 
 _ALONG = 1 - 1e-9
 """Rounding of a unit vector that points along an axis."""
-_SAME = 1e-6
-"""m, to which two bases are one: nobody measures them better."""
 
 
 def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]:
@@ -33,8 +30,6 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
         return _tested(row, campaign)
     if not row.error:
         return _only_setup(campaign), 1
-    if row.error == "slope":
-        return _levelled(row, campaign), 1
     component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
     moving = {campaign.machine.index(name) for name in row.position}
     reads = (s for s in campaign.setups if model_of(s).reads == row.dimension and moving <= set(s.moves))
@@ -48,34 +43,6 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
         raise ReadingError(what, remedy, error=error, moving=", ".join(row.position))
     ((setup, along),) = fitting
     return setup, 1 if along > 0 else -1
-
-
-def _levelled(row: RawReading, campaign: CampaignDescription) -> Setup:
-    """Return the set-up of a level survey that names none: the one whose level is moved along that axis."""
-    (axis,) = row.position
-    moving = (campaign.machine.index(axis),)
-    fitting = [s for s in campaign.setups if s.moves == moving and reads_angles(s)]
-    fitting = [s for s in fitting if len(fitting) == 1 or _same_base(row, s)]
-    if len(fitting) != 1:
-        what = "several set-ups of this campaign read an angle while only {axis} moves"
-        what = what if fitting else "no set-up of this campaign read an angle while only {axis} moves"
-        raise ReadingError(what, "Say which it was, in a line # setup = name, or describe one", axis=axis)
-    return fitting[0]
-
-
-def _same_base(row: RawReading, setup: Setup) -> bool:
-    return abs((row.base or 0.0) - (setup.base or 0.0)) <= _SAME  # one that rides on what moves has none
-
-
-def refuse_other_base(row: RawReading, setup: Setup) -> None:
-    """Raise ReadingError where a level stood on another base than its set-up states."""
-    if row.base is not None and not _same_base(row, setup):
-        what = 'the level stood on a base of {base}, and that of "{setup}" has a base of {own}'
-        if setup.base is None:
-            what = 'the level stood on a base of {base}, and that of "{setup}" rides on what moves'
-        base, own = (format_quantity(each or 0.0, "mm", 6) for each in (row.base, setup.base))
-        remedy = "Let # base in the file and base in the campaign be the same"
-        raise ReadingError(what, remedy, base=base, setup=setup.name, own=own)
 
 
 _ASKS = WORDS["tests"]

@@ -13,7 +13,7 @@ from axiscal.document.file import Document
 from axiscal.document.quoting import Key
 from axiscal.language.spoken import said
 
-GoneKind = Literal["commands", "options", "keys", "sources", "controls", "files"]
+GoneKind = Literal["commands", "options", "keys", "sources", "controls", "files", "readings"]
 
 
 @cache

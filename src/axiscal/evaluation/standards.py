@@ -80,7 +80,6 @@ class Positioning:
     figures : of `FIGURES`, those that were measured, with repeats where they need them
     unit, target_unit : in which deviations and targets are shown
     uncertainty : expanded (k = 2), of each figure that was measured
-    vdi3441 : the figures of VDI/DGQ 3441 of the same readings by name, empty where one direction was not measured
     """
 
     figures: Mapping[str, float]
@@ -89,7 +88,6 @@ class Positioning:
     target_unit: str
     warnings: tuple[str, ...]
     uncertainty: Mapping[str, float]
-    vdi3441: Mapping[str, float]
 
     def as_json(self) -> dict[str, object]:
         """Return the document `axiscal-iso230/1`: figures in um, or arcsec of angles; targets in mm or deg."""
@@ -101,8 +99,7 @@ class Positioning:
         ]
         head: dict[str, object] = {"schema": "axiscal-iso230/1", "unit": unit, "target_unit": target_unit}
         uncertainty = {name: _shown(value, unit) for name, value in self.uncertainty.items()}
-        vdi3441 = {name: _shown(value, unit) for name, value in self.vdi3441.items()}
-        tail = {"uncertainty": uncertainty, "coverage_factor": COVERAGE_FACTOR, "vdi3441": vdi3441}
+        tail = {"uncertainty": uncertainty, "coverage_factor": COVERAGE_FACTOR}
         return head | figures | tail | {"per_target": per_target, "warnings": list(self.warnings)}
 
 
@@ -160,7 +157,7 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
     per_target = tuple(_at_target(test, sides, i) for i in range(len(test.targets)))
     warnings = tuple(_shortfalls(test, min(side.runs for side in sides.values())))
     units, uncertainty = (test.value_unit, "deg" if test.rotary else "mm"), _uncertainty(sides, noise)
-    return Positioning(figures, per_target, *units, warnings, uncertainty, _vdi3441(sides))
+    return Positioning(figures, per_target, *units, warnings, uncertainty)
 
 
 def _figures(sides: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:
@@ -194,23 +191,6 @@ def _repeatability(up: Array, s_up: Array, down: Array, s_down: Array) -> Array:
     """R_i = max(2s_up + 2s_down + |B_i|, 4s_up, 4s_down), of means and standard deviations of one shape."""
     found: Array = np.maximum(2 * s_up + 2 * s_down + np.abs(up - down), 4 * np.maximum(s_up, s_down))
     return found
-
-
-def _vdi3441(sides: _Sides) -> dict[str, float]:
-    """The figures of VDI/DGQ 3441 (1977): position uncertainty P, deviation P_a, scatter P_s = 6 s, reversal U.
-
-    With x the mean of both directions at a target, U = |x_up - x_down| and s the mean of both standard deviations:
-    P = max(x + (U + P_s)/2) - min(x - (U + P_s)/2),  P_a = max x - min x
-    """
-    if len(sides) < 2:
-        return {}
-    up, down = sides["up"], sides["down"]
-    mean, reversal, scatter = (up.mean + down.mean) / 2, np.abs(up.mean - down.mean), 3 * (up.s + down.s)
-    half = (reversal + scatter) / 2
-    figures = {"P": float(np.max(mean + half) - np.min(mean - half)), "P_a": float(np.ptp(mean))}
-    figures |= {"P_s": float(np.max(scatter)), "P_s_mean": float(np.mean(scatter))}
-    figures |= {"U": float(np.max(reversal)), "U_mean": float(np.mean(reversal))}
-    return {name: value for name, value in figures.items() if np.isfinite(value)}
 
 
 def _uncertainty(sides: _Sides, noise: float) -> dict[str, float]:

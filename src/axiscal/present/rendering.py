@@ -32,7 +32,6 @@ from axiscal.present.drawing.svg_picture import (
     paper_svg,
     shown,
 )
-from axiscal.present.drawn_by_standards import PositioningCurve, circle_picture
 from axiscal.present.found_and_left import found_and_left
 from axiscal.present.result_document import listed
 from axiscal.present.sentences import U_OF_TABLES, UNSAID, axis_unit, environment, figure, inlined, quantity, unit_text
@@ -43,9 +42,6 @@ from axiscal.present.volume_error import PlaneSummary
 if TYPE_CHECKING:
     from jinja2 import Template
 
-_CIRCLE = 340.0
-"""Pixels of the picture of a ball bar: a third of a page on a screen, and the whole of a telephone's."""
-
 
 def render(summary: Summary) -> str:
     """Return the report as one self-contained HTML page in the language that is spoken.
@@ -55,7 +51,6 @@ def render(summary: Summary) -> str:
     summary = resaid(summary)
     drawn = {
         "draw": shown,
-        "draw_circle": lambda circle: Markup(circle_picture(circle, _CIRCLE)),
         "picture": "" if (bent := summary.bent) is None else for_widths(lambda width: found_and_left(bent, width)),
         "code": Markup("<code>{}</code>").format,
     }
@@ -73,7 +68,6 @@ def report_values(summary: Summary) -> dict[str, Any]:
         "reversal_groups": groups(summary.reversals, summary.chain),
         "planes": [(plane, _maps(plane, summary.history)) for plane in summary.planes],
         "constants": sentences.constant_rows(summary),
-        "positioning": [(each, positioning_figure(each)) for each in summary.positioning],
         **answered(summary)._asdict(),
         "stated": statement(summary),
         "unsaid": said(UNSAID),
@@ -85,22 +79,6 @@ def report_values(summary: Summary) -> dict[str, Any]:
         "others_words": others_words,
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
     }
-
-
-def positioning_figure(curve: PositioningCurve) -> Figure:
-    """Return positioning from below, solid, and from above, dashed: found, and left over it, both with 95 %."""
-    at, bands, lines = rounded(curve.position, f"positions of {curve.axis}"), list[Figure](), list[Figure]()
-    shown = [(curve.found, "var(--truth)", "var(--truth-band)")]
-    shown += [] if curve.left is None else [(curve.left, "var(--read)", "var(--read-band)")]
-    for sides, colour, fill in shown:
-        for values, half, dash in zip(sides, curve.half, ("solid", "dash"), strict=True):
-            middle = rounded(values, f"deviations of {curve.axis}")
-            bands.append(band(at, middle, rounded(half, "a band"), fill))
-            lines.append(line_trace(at, middle, colour, 2.0, dash))
-    x = axis_style(f"{curve.axis}, {unit_text(curve.position_unit)}", nticks=6)
-    title = said("deviation, {unit}", unit=unit_text(curve.value_unit))
-    y = axis_style(title, nticks=6, zeroline=True, zerolinecolor="var(--rule)")
-    return {"data": [*bands, *lines], "layout": layout(x, y, 260)}
 
 
 _MAP_HEIGHT = 290
@@ -280,7 +258,6 @@ def filled(summary: Summary, folder: Path) -> str:
     summary, kept = resaid(summary), kept_in(folder)
     drawn = {
         "draw": lambda figure: kept(paper_svg(figure, _WIDE if figure.get("wide") else PANEL)),
-        "draw_circle": lambda circle: kept(alone(circle_picture(circle, PANEL))),
         "picture": "" if summary.bent is None else kept(alone(found_and_left(summary.bent, _PAPER))),
         "day": date.fromisoformat(summary.date),
     }

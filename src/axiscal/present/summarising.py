@@ -47,7 +47,6 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.curves import constants, curves
-from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.findings import findings, observability
 from axiscal.present.sentences import cause_words
 from axiscal.present.statement import conditions, counted_along
@@ -238,8 +237,6 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         controller=controller,
         volume=volume_error(estimation, control) if campaign.state.readings else None,
         bent=bent_volume(estimation, controller, control) if campaign.state.readings else None,
-        positioning=positioning_curves(estimation, control),
-        circles=ball_bar_circles(estimation, control),
         budget=sources,
         smaller_um=smaller,
         particulars=description.particulars,

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from axiscal.answers.answer import ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, Checks
-from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
 from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
 
 _NOUGHT = 1e-6
@@ -274,8 +273,6 @@ class Summary:
     controller: str = ""
     volume: VolumeError | None = None
     bent: BentVolume | None = None
-    positioning: Sequence[PositioningCurve] = ()
-    circles: Sequence[BallBarCircle] = ()
     budget: Sequence[BudgetRow] = ()
     smaller_um: float = 0.0
     particulars: Particulars = NOTHING_SAID

@@ -177,7 +177,7 @@ def rows_below(file: TextFile, title: re.Pattern[str]) -> tuple[Rows, int]:
     begin, below = below_title(file, title)
     rows = Rows()
     for number, text in below:
-        cells = re.sub(r"[\[\],]", " ", text).split()  # as Marlin writes for OpenSCAD, too
+        cells = text.split()
         if cells and all(map(LINES["number"].fullmatch, cells)):
             rows.append((number, cells))
         elif rows:

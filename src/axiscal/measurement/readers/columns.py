@@ -12,8 +12,6 @@ from typing import Literal
 
 LENGTHS = ("mm", "um", "nm", "m", "in", "inch", "thou", "uin")
 ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
-SLOPES = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "in/ft", "div")
-"""Of a level: div are divisions, whose value is stated beside."""
 TILTS = (*ANGLES, "arcmin", "um/m", "mm/m", "in/ft")
 """Of tests."""
 Units = tuple[str, ...]
@@ -21,7 +19,7 @@ Units = tuple[str, ...]
 TEXT: Units = ()
 _WORDS = tomllib.loads(resources.files(__package__).joinpath("columns.toml").read_text(encoding="utf-8"))
 _UNITS = {word: unit for unit, words in _WORDS["units"].items() for word in words}
-_UNITS |= {unit: unit for unit in (*LENGTHS, *ANGLES, *SLOPES)}
+_UNITS |= {unit: unit for unit in (*LENGTHS, *TILTS)}
 _ENDS = "|".join(map(re.escape, sorted(_UNITS, key=len, reverse=True)))
 _WITH_UNIT = re.compile(
     rf"(.+?)(?:\s*[\[(]\s*|_|(?<![\d\s])(?:\s*[,/]\s*|\s+(?:in\s+)?))({_ENDS})\s*[\])]?", re.IGNORECASE

@@ -21,7 +21,7 @@ from axiscal.exceptions import Faults, UnitError
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TIMES, Column, Units, whole
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, TIMES, Column, Units, whole
 from axiscal.measurement.readers.csv_table import EXAMPLE, CsvTable, csv_text, raw_pose, table_of
 from axiscal.measurement.readers.table_cells import Cell, Row
 from axiscal.measurement.readers.text_file import TextFile
@@ -51,7 +51,7 @@ FOUND = ("less_expected", "surprise", "used", "rms_um", "minutes")
 """Columns that results add to their readings; a reading that was not used is left out."""
 _LAYOUT = {
     **dict.fromkeys(("reading", "setup", "approach", "time", "check"), TEXT),
-    **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + ANGLES),
+    **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + TILTS),
     **dict.fromkeys((*_MET, "length"), LENGTHS),
     "rms": LENGTHS,
     **dict.fromkeys((name for name in FOUND if name != "rms_um"), TEXT),
@@ -80,9 +80,8 @@ class RawReading:
     run : of a test; axis : that the file of a test names, "" where it names none
     check : its place was drawn at random
     number : under which a program has it, None if not said
-    error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height, "slope" a level's
+    error : where a file names no set-up but the error that was read, such as "EXX"; "z" a height
     time : s after the first reading of the file; None where it does not say
-    base : how far apart the feet of a level stood, m
     rounding : of the digits of each coordinate, half of the last one, m or rad, by axis; absent where not known
     beside : how far the probe of a printer stands beside its nozzle along x and y, m
     zero : X and Y where that printer has the zero of Z, m
@@ -98,7 +97,6 @@ class RawReading:
     others: tuple[float, ...] = ()
     error: str = ""
     time: float | None = None
-    base: float | None = None
     beside: tuple[float, float] | None = None
     zero: tuple[float, float] | None = None
     number: int | None = None

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple, Protocol, runtime_checkable
 
+from axiscal.document.gone import instead_of
 from axiscal.document.ports import names, of_class, one_of
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import counted, joined, later, put, said
@@ -16,10 +17,9 @@ from axiscal.measurement.readers import bed_map, marlin_map, point_lists
 from axiscal.measurement.readers.axis_tests import axis_named, axis_test, test_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
 from axiscal.measurement.readers.homing import zero_of
-from axiscal.measurement.readers.level_survey import TITLE, survey_readings
 from axiscal.measurement.readers.probe_offset import offset_in, sections_in
 from axiscal.measurement.readers.renishaw import file_type, laser_test
-from axiscal.measurement.readers.text_file import TextFile
+from axiscal.measurement.readers.text_file import LINES_OF, TextFile, telling
 from axiscal.measurement.setup import Setup
 from axiscal.units import to_unit
 
@@ -56,17 +56,14 @@ FORMATS = (
     Format(later("an angular test (.rta)"), lambda file: file_type(file) == "rta", laser_test, True),
     Format(later("a straightness test (.rts)"), lambda file: file_type(file) == "rts", laser_test, True),
     Format(later("a file of laser software"), lambda file: file_type(file) is not None, laser_test, True),
-    Format(later("a level survey"), lambda file: bool(TITLE.fullmatch(file.lines[0])), survey_readings),
     Format(later("a RepRapFirmware map"), bed_map.is_height_map, bed_map.height_map),
     Format(later("a Klipper mesh"), bed_map.is_mesh, bed_map.mesh),
     Format(later("a Moonraker mesh"), bed_map.is_moonraker, bed_map.moonraker),
     Format(later("a mesh of the Klipper console"), bed_map.is_console, bed_map.console),
     Format(later("a UBL map"), marlin_map.is_topography, marlin_map.topography),
     Format(later("touches as a firmware printed them"), bed_map.is_touched, bed_map.touched, True),
-    Format(later("a linear map of Marlin (G29 T)"), marlin_map.is_linear, marlin_map.printed),
     Format(later("a Marlin map (M420 V)"), marlin_map.is_printed, marlin_map.printed),
     Format(later("a Marlin map (M421, M503)"), marlin_map.is_nodes, marlin_map.nodes),
-    Format(later("an OpenCNCPilot height map"), point_lists.is_xml, point_lists.xml, True),
     Format(later("a Candle height map"), point_lists.is_candle, point_lists.candle, True),
     Format(later("a bCNC probe file"), point_lists.is_bcnc, point_lists.bcnc, True),
     Format(later("a list of points X Y Z"), point_lists.is_list, point_lists.listed, True),
@@ -75,6 +72,8 @@ FORMATS = (
     Format(later("a test of one axis (ISO 230-2)"), lambda file: test_of(file) == "long", axis_test, True),
 )
 """In this order: the first that knows a file reads it."""
+_GONE = {name: telling(pattern) for name, pattern in LINES_OF["gone"].items()}
+"""What tells files that are read no more, by name."""
 _TABLE = Format(later("a table of readings"), lambda file: True, table_readings, True)
 
 
@@ -101,6 +100,8 @@ class Recognised(NamedTuple):
 def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Recognised:
     """Return what a file is, and its readings; raises ReadingError.  unit : of lengths, where the file names none"""
     file = bed_map.read_part(path, unit)
+    if gone := next((name for name, is_one in _GONE.items() if is_one(file)), ""):
+        raise file.fail("{name} is gone", instead_of("readings", gone), name=gone)
     own = next((each for each in FORMATS if each.knows(file)), None)
     brought = [] if own else [of_class(name, one_of(PORTS, name), FileReader) for name in names(PORTS)]
     reader = next((each for each in brought if each.knows(file)), None)

@@ -19,7 +19,7 @@ from axiscal.units import from_unit
 _LINES = LINES_OF["marlin"]
 _WHOLE = "copy the whole map as Marlin printed it"
 _HAS = {name: telling(pattern) for name, pattern in _LINES.items()}
-is_linear, is_printed, is_nodes = _HAS["linear"], _HAS["printed"], _HAS["node"]
+is_printed, is_nodes = _HAS["printed"], _HAS["node"]
 
 
 def is_topography(file: TextFile) -> bool:
@@ -30,9 +30,6 @@ def is_topography(file: TextFile) -> bool:
 def topography(file: TextFile, around: Around) -> Found:
     """Return the readings of a topography: its corners are printed, or the set-up states them; raises ReadingError."""
     begin, below = below_title(file, _LINES["topography"]) if _HAS["topography"](file) else (1, file.told)
-    if "CSV" in file.lines[begin - 1]:
-        lines = [(number, re.split("[\t,]", text)) for number, text in below if re.search("[\t,]", text)]
-        return grid(file, around, lines[::-1], begin)
     rows, unlabelled, corners = dict[int, tuple[int, list[str]]](), Rows(), list[tuple[str, str]]()
     for number, text in below:
         cells = re.sub(r"[\[\]]", " ", text)
@@ -60,12 +57,12 @@ def topography(file: TextFile, around: Around) -> Found:
 
 
 def printed(file: TextFile, around: Around) -> Found:
-    """Return the readings of a grid, rows along y, those of a Prusa and a linear map backwards; raises ReadingError."""
-    rows, begin = rows_below(file, _LINES["linear"] if is_linear(file) else _LINES["printed"])
+    """Return the readings of a grid, rows along y, those of a Prusa backwards; raises ReadingError."""
+    rows, begin = rows_below(file, _LINES["printed"])
     numbered = [(line, cells[1:]) for j, (line, cells) in enumerate(rows[1:]) if cells[0] == str(j)]
-    if len(numbered) < len(rows) - 1 and (_HAS["unlabelled"](file) or is_linear(file)):
+    if len(numbered) < len(rows) - 1 and _HAS["unlabelled"](file):
         note = said("as if all were probed") if (prusa := _HAS["prusa"](file)) else ""
-        return replace(grid(file, around, rows[:: -1 if prusa or is_linear(file) else 1], begin), note=note)
+        return replace(grid(file, around, rows[:: -1 if prusa else 1], begin), note=note)
     if len(numbered) < len(rows) - 1:
         what = "these heights lie between the probed ones: they are those that the printer corrects by"
         remedy = "give what was probed: the mesh of printer.cfg, or the answer to BED_MESH_OUTPUT or to M420 V"

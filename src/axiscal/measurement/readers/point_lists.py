@@ -1,4 +1,4 @@
-"""Heights as probing programs of routers and mills write them: points X Y Z, and maps of Candle and OpenCNCPilot.
+"""Heights as probing programs of routers and mills write them: points X Y Z, and maps of Candle.
 
 A list has one point a line, by blanks, tabs, commas or semicolons. That of bCNC begins with its two sides and the
 depth; LinuxCNC (`smartprobe.ngc`) writes all nine axes, and coordinate measuring machines the direction of the face.
@@ -6,21 +6,19 @@ depth; LinuxCNC (`smartprobe.ngc`) writes all nine axes, and coordinate measurin
 
 from __future__ import annotations
 
-import json
 import re
-from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 
 from axiscal.document.file import number_or_none
-from axiscal.measurement.readers.bed_map import Rows, grid, height, keyed, noted, probed_of
+from axiscal.measurement.readers.bed_map import Rows, grid, height, noted, probed_of
 from axiscal.measurement.readers.columns import STEMS, column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, table_of
 from axiscal.measurement.readers.table_cells import NUMBER, plain
-from axiscal.measurement.readers.text_file import LINES_OF, TextFile, telling
+from axiscal.measurement.readers.text_file import LINES_OF, TextFile
 
 _SLACK = 1e-6
 """m, of rounding."""
@@ -33,15 +31,12 @@ _AXES, _NORMAL = "XYZABCUVW", "XYZIJK"
 """In the order in which LinuxCNC writes them, and with the direction of a face."""
 _WORDS = {word: stem for word, stem in STEMS.items() if stem in ("", "time", "Z")} | {"target": ""}
 _WORDS |= {f"{delta}{axis}".lower(): axis for axis in _AXES + _NORMAL[3:] for delta in ("", "d")}
-_OF_XML = {"MinX": "min_x", "MaxX": "max_x", "MinY": "min_y", "MaxY": "max_y", "SizeX": "x_count", "SizeY": "y_count"}
 _WHOLE = "copy the whole file"
 
 _NUMBER = r"\s*+[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
 _SIDE = re.compile(rf"({_NUMBER})\s({_NUMBER})\s++(\d{{1,4}})\s*+")
 _CANDLE = [re.compile(rf"{_NUMBER}\s*+(?:;{_NUMBER}\s*+){{{more}}}") for more in (3, 3, 2)]
 """Its first lines: four, four and three numbers."""
-is_xml = telling(_LINES["height_map"])
-"""Whether there is an element `heightmap`."""
 
 
 def _head(file: TextFile) -> list[tuple[int, str]]:
@@ -63,7 +58,7 @@ def is_bcnc(file: TextFile) -> bool:
 
 def is_list(file: TextFile) -> bool:
     """Return whether the first line is a point, behind its name or not, or names X, Y and Z and no more."""
-    told = (line for _, line in _told(file) if not _LINES["remark"].match(line))
+    told = (line for line in file.lines if not _LINES["remark"].match(line))
     first = _cells(next(told, ""))[: 2 * len(_AXES)]  # no point has more
     head = {column_of(cell, words=_WORDS).stem for cell in first}
     return bool(_numbers(first)) or {*"XYZ"} <= head <= {*_AXES, *_NORMAL, "", "time"}
@@ -93,31 +88,6 @@ def candle(file: TextFile, around: Around) -> Found:
     return noted(file, grid(file, sides, rows, 2))
 
 
-def xml(file: TextFile, around: Around) -> Found:
-    """Return the readings of a map of OpenCNCPilot or ioSender; a point that is left out was not probed.
-
-    Raises ReadingError, also for an attribute that says more.
-    """
-    from xml.etree import ElementTree  # by whom such a file is read: the others start without
-
-    head = next(number for number, line in enumerate(file.lines, 1) if _LINES["height_map"].search(line))
-    try:
-        root = ElementTree.fromstring("\n".join(file.lines[head - 1 :]))
-    except ElementTree.ParseError as fault:
-        raise file.fail("the height map is cut off or edited", _WHOLE, head - 1 + fault.position[0]) from None
-    for name, value in root.attrib.items():
-        if name not in _OF_XML and number_or_none(value) != 0:
-            raise file.fail("{name} is not known of a height map", "export it without", head, name=name[:40])
-    keys = {key: root.attrib[name] for name, key in _OF_XML.items() if name in root.attrib}
-    wide, high = (int(each) if _LINES["count"].fullmatch(each := keys.get(f"{k}_count", "")) else 0 for k in "xy")
-    cells = {(each.get("X", ""), each.get("Y", "")): (each.text or "").strip() for each in root.iter("point")}
-    rows: Rows = [(head, [cells.pop((str(i), str(j)), "") for i in range(wide)]) for j in range(high)]
-    for x, y in cells:
-        what = "point {x}, {y} lies outside of the map of {wide} x {high}"
-        raise file.fail(what, _WHOLE, head, x=x[:20], y=y[:20], wide=wide, high=high)
-    return noted(file, grid(file, keyed(file, keys, head), rows, head))
-
-
 def _cells(line: str) -> list[str]:
     """Return the cells of a point or of the head of a list, by semicolons, tabs, blanks or commas."""
     if lettered := _LINES["letters"].fullmatch(line):
@@ -139,24 +109,6 @@ def _numbers(cells: list[str]) -> list[str]:
     return cells[count:] if whole else []
 
 
-def _told(file: TextFile) -> list[tuple[int, str]]:
-    """Return the lines with their numbers; of JSON one for each point, below its keys if it has any."""
-    text, points = "\n".join(file.lines).replace("null", '"nan"'), list[tuple[int, str]]()
-    line, end, head = 1, 0, list[str]()
-    unit = "".join(f" [{each}]" for each in dict.fromkeys(_LINES["unit"].findall(text)))  # of several none is known
-    whole = all(text.count(opens) == text.count(closes) for opens, closes in ("{}", "[]"))
-    for found in _LINES["json"].finditer(text) if whole else ():
-        line, end = line + text.count("\n", end, found.start(1)), found.start(1)
-        with suppress(ValueError, RecursionError):
-            held = json.loads(found[1], parse_float=str, parse_int=str, parse_constant=str)
-            if isinstance(held, dict) and {*"XYZ"} <= {column_of(key, words=_WORDS).stem for key in held}:
-                head = head or [*held]
-                points = points or [(line, "\t".join(key + unit for key in head))]
-                held = [held.get(key, "") for key in head]
-            points += [(line, "\t".join(map(str, held)))] * isinstance(held, list)
-    return points or [*enumerate(file.lines, 1)]
-
-
 def _refuse_unlike(table: CsvTable, found: Found, names: list[str]) -> None:
     """Raise ReadingError where lines without header are places with two readings each, or the heights of a map.
 
@@ -175,8 +127,7 @@ def _refuse_unlike(table: CsvTable, found: Found, names: list[str]) -> None:
 
 def listed(file: TextFile, around: Around, after: int = 0) -> Found:
     """Return the readings of a list behind some lines, other axes at 0; raises ReadingError."""
-    told = _told(file)
-    points = [[] if _LINES["remark"].match(line) else _cells(line) for _, line in told[after:]]
+    points = [[] if _LINES["remark"].match(line) else _cells(line) for line in file.lines[after:]]
     first = _numbers(next(filter(None, points), []))
     names = ["\t".join(each[: -len(first)]) for each in points if each and first]
     cells = ["\t".join((first and _numbers(each)) or each) for each in points]
@@ -187,8 +138,7 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
         raise table.fail("the header names its unit, and --unit names another", "leave --unit out")
     table, readings = table.with_columns(replace(column, mark=mark) for column in table.columns), list[RawReading]()
     others = [axis for axis in _AXES[3:] + _NORMAL[3:] if table.all_of(axis)]
-    for each, time in zip(table.rows, read_times(table), strict=True):
-        row = replace(each, line=told[each.line - 1][0])
+    for row, time in zip(table.rows, read_times(table), strict=True):
         if aside := [axis for axis in others if row.of(axis).number() != (axis == "K")]:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed along Z alone"
             raise row.fail(what, remedy, axes=", ".join(aside))
@@ -198,6 +148,6 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
         low = height(replace(file, unit=unit), x, y, plain(z.text, mark), row.line)
         readings += [replace(reading, time=time) for reading in low]
     found = probed_of(file, readings, len(table.rows), table.rows[-1].line)
-    if first and not _LINES["letters"].match(told[table.line - 1][1]):
+    if first and not _LINES["letters"].match(file.lines[table.line - 1]):
         _refuse_unlike(table, found, names)
     return found if all(table.one_of(axis, axis).unit for axis in "XYZ") else noted(file, found)

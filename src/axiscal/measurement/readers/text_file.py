@@ -29,7 +29,7 @@ LINES_OF = {kind: {name: re.compile(each) for name, each in these.items()} for k
 """How lines of a kind of files look, by what they are."""
 _TIME = r"(?:[\d./-]{8,10},? )?(\d\d?):(\d\d)(?::(\d\d))?(?:[.,]\d+)?\s*(?:([AP])M\s*)?(?:[-|] )?"
 _LOG = re.compile(rf"^\s*(?:\[?{_TIME}\]?\s*(?::\s+)?)?(?:(?:Recv:|READ:|->|[<>])\s*)*(?:[Ee]cho:|//)?\s*")
-_PAGES, _HEAD = ("latin-1", "cp1250", "cp1251", "gb18030", "cp932"), 5000
+_PAGES, _HEAD = ("latin-1", "cp1250", "cp1251"), 5000
 """Pages of codes in which spreadsheets save, and bytes that decide: the one in which most words are known."""
 _BEYOND = re.compile("|".join(re.escape(word) for word in STEMS if not word.isascii()))
 _LARGEST = 1e9

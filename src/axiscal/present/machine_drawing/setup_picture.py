@@ -17,7 +17,7 @@ from axiscal.numerics import Array
 from axiscal.present.drawing.scene import RIGHT, Arrow, Part, Stroke, Viewport, drawn, flat
 from axiscal.present.drawing.strokes import text, wrapped
 from axiscal.present.drawing.svg_picture import SCREENS, Drawing, picture_file
-from axiscal.present.machine_drawing.instruments import DRAWN, MountedSetup, own_drawing, owner_of, reading_parts
+from axiscal.present.machine_drawing.instruments import MountedSetup, instrument_parts, reading_parts
 from axiscal.present.machine_drawing.machine_scene import box_corners, edges, machine_parts, reach_edges
 from axiscal.present.machine_drawing.standing_machine import Measures, StandingMachine, name_of, up
 
@@ -68,14 +68,12 @@ def setup_scene(
     own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
     shown = at or _best_seen(campaign, setup, own)
     room = StandingMachine(campaign.machine, np.array(shown.pose if shown else setup.park, dtype=float))
-    owner = owner_of(setup)
-    together = [each for each in campaign.setups if owner and each is not setup and owner_of(each) == owner]
-    stand = MountedSetup(Measures(room), setup, _tips(room, [*own, *later]), together)
+    stand = MountedSetup(Measures(room), setup)
     parts = [
         *machine_parts(room),
         *reach_edges(room),
         *_outlines(campaign, room),
-        *DRAWN.get(setup.instrument, own_drawing)(stand),
+        *instrument_parts(stand),
     ]
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts += reading_parts(stand, _tips(room, later), _sides(room, later), "soft", size)
