@@ -19,10 +19,6 @@ from tests.generators.texts import artefact_text, machine_text, setup_text
 MILL = setup_text(
     "laser", "interferometer", direction="x", moves=["X"], park={"Y": "250 mm", "Z": "100 mm"}
 ) + setup_text("dial", "straightedge", direction="y", moves=["X"])
-LEVELS = "".join(
-    f'[[setups]]\nname = "level {k}"\ninstrument = "level"\ndirection = "y"\nmoves = ["X"]\n{base}\n'
-    for k, base in enumerate(("", 'base = "100 mm"'))
-)
 BALLS = artefact_text("balls", balls={"low": ["200 mm", "0 mm", "-80 mm"]}) + setup_text(
     "nest", "rtest", artefact="balls"
 )
@@ -96,14 +92,6 @@ def test_a_circular_test_names_its_set_up_or_its_only_one_and_stays_on_the_arc()
         (RawReading("up", {"": 0.1}, {"": 1}, 1e-6, None, "length", 3, test="circle"),), both, "r.csv"
     )
     assert reading.setup == "up"
-
-
-def test_levels_are_told_apart_by_their_base() -> None:
-    campaign = built_in(LEVELS)
-    (reading,) = placed_readings(
-        (RawReading("", {"X": 0.1}, {}, 1e-6, None, "angle", 3, error="slope", base=0.1),), campaign, "r.csv"
-    )
-    assert reading.setup == "level 1"
 
 
 def test_where_a_ball_is_held_the_slides_follow_and_a_place_beside_it_is_named() -> None:
