@@ -24,6 +24,7 @@ class Created:
     prior_text : the campaign whose result is its prior, as `heritage` writes it; empty for none
     usual_doubts : what nothing is stated of is doubted as is usual; records of before could not say it
     fine_knots : knots of which nothing is said are as close as is cheap; records of before could not say it
+    whole_lengths : a length is one reading, and not one at each end; records of before could not say it
     by : who wrote it, which stands beside the fields; "" where nobody knows
     """
 
@@ -35,6 +36,7 @@ class Created:
     prior_text: str = ""
     usual_doubts: bool = False
     fine_knots: bool = False
+    whole_lengths: bool = False
     by: str = field(default="", compare=False, repr=False)
 
 
