@@ -160,7 +160,8 @@ def _drawn(rng: np.random.Generator, runs: int) -> Array:
     curve = rng.normal(0, 0.01) * x + rng.uniform(1, 8) * np.sin(x / rng.uniform(60, 200) + rng.uniform(0, 6))
     curve += rng.uniform(0, 1) * np.sin(2 * np.pi * x / rng.uniform(5, 40))
     sides = np.array([0.0, rng.uniform(-6, 6)])[:, None]
-    return np.round(curve + sides + rng.normal(0, 0.3, (runs, 2, len(x))), 1)
+    found: Array = np.round(curve + sides + rng.normal(0, 0.3, (runs, 2, len(x))), 1)
+    return found
 
 
 def _warned(shown: Array) -> list[str]:
