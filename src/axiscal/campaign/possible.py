@@ -11,10 +11,11 @@ from pathlib import Path
 
 from axiscal.campaign.agreement_words import jump_before
 from axiscal.campaign.ending import refuse_finished
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.description.campaign import CampaignDescription, with_mounted
 from axiscal.description.fields import WARM
 from axiscal.description.stated_type_b import takes_temperature
 from axiscal.estimation.case import Case
+from axiscal.estimation.inheritance import created_description
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError, UnitError
 from axiscal.language.spoken import said
@@ -65,16 +66,8 @@ def beginning_of(description: CampaignDescription) -> Created:
     one("Campaign.create", "description", description, CampaignDescription, 'read_campaign("campaign.toml")')
     refuse_unmade(Case(description))
     texts = description.machine.text, description.text, description.machine_source, description.source
-    held = description.usual_doubts, description.machine.fine_knots
+    held = description.usual_doubts, description.machine.fine_knots, description.whole_lengths
     return Created(*texts, versions(), description.prior_text, *held)
-
-
-def created_description(created: Created) -> CampaignDescription:
-    """Return the description that a campaign began with; raises DescriptionError."""
-    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
-    return campaign_from_texts(
-        *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
-    )
 
 
 def kept_text(text: str, what: str, remedy: str) -> str:

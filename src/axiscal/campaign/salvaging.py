@@ -12,9 +12,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-from axiscal.campaign.possible import Possible, created_description
+from axiscal.campaign.possible import Possible
 from axiscal.document.consent import asking
 from axiscal.document.quoting import shown
+from axiscal.estimation.inheritance import created_description
 from axiscal.exceptions import CodeError, NewerError, RecordError
 from axiscal.record import events
 from axiscal.record.accepted import Accepted

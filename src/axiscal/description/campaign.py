@@ -96,6 +96,7 @@ class CampaignDescription:
         where nobody said
     particulars : who measured, with which instruments, for the report
     usual_doubts : what nothing is stated of is doubted as is usual: zeros wander, the tool is not quite as stated
+    whole_lengths : as of `Surroundings`
     controls : those whose files a finished campaign gets, the first one first
     unsourced : what is stated of the tool without a source, and does not count
     screws : under the bed of a printer; None where nobody states them
@@ -117,6 +118,7 @@ class CampaignDescription:
     compensation_active: bool | tuple[str, ...] | None = None
     particulars: Particulars = NOTHING_SAID
     usual_doubts: bool = True
+    whole_lengths: bool = True
     controls: tuple[str, ...] = ("linuxcnc",)
     unsourced: tuple[Unsourced, ...] = ()
     screws: BedScrews | None = None
@@ -192,20 +194,22 @@ def campaign_from_texts(
     prior_text: str = "",
     usual_doubts: bool = True,
     fine_knots: bool = True,
+    whole_lengths: bool = True,
     anew: bool = False,
 ) -> CampaignDescription:
     """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does.
 
     One that does not say where its set-ups can be read opens: readings of an earlier time are no less true.
     usual_doubts : what nothing is stated of is doubted as is usual; in records of before it was not
-    fine_knots : as in `Machine`; anew : no record has it yet, and keys of which nothing comes are refused
+    fine_knots : as in `Machine`; whole_lengths : as of `Surroundings`
+    anew : no record has it yet, and keys of which nothing comes are refused
     """
     document = Document.parse(text, source)
     document = document if anew else without_gone(document)
     machine = machine_from_text(machine_text, machine_source, fine_knots=fine_knots)
     of_type = TYPE in prior_text[:200]
     prior_text = "" if of_type else prior_text
-    found = _described(document, machine, machine_source, False, prior_text, False, usual_doubts, anew)
+    found = _described(document, machine, machine_source, False, prior_text, False, usual_doubts, whole_lengths, anew)
     return replace(found, prior_gone=of_type)
 
 
@@ -236,7 +240,11 @@ def _with_line(described: CampaignDescription, line: int, said: str) -> Campaign
     lines = described.text.split("\n")
     text = "\n".join([*lines[:line], said, *lines[line:]])
     machine, prior = described.machine, described.prior_text
-    kept = {"usual_doubts": described.usual_doubts, "fine_knots": machine.fine_knots}
+    kept = {
+        "usual_doubts": described.usual_doubts,
+        "fine_knots": machine.fine_knots,
+        "whole_lengths": described.whole_lengths,
+    }
     return campaign_from_texts(text, described.source, machine.text, described.machine_source, prior_text=prior, **kept)
 
 
@@ -264,6 +272,7 @@ def _described(
     prior_text: str,
     asking: bool,
     usual_doubts: bool = True,
+    whole_lengths: bool = True,
     anew: bool = False,
 ) -> CampaignDescription:
     table = read_model(document, CampaignTable, context=TableContext(machine, document, anew))
@@ -273,7 +282,7 @@ def _described(
     printer = usual_doubts and set(table.controls) <= _PRINTERS  # records of before know no such probe
     at_20 = refers_to_20(table, artefacts, document)
     target = replace(target, refers_to="20 degC" if at_20 else "as read")
-    around = Surroundings(machine, document, artefacts, tool, asking, anew, usual_doubts, printer, at_20)
+    around = Surroundings(machine, document, artefacts, tool, asking, anew, usual_doubts, printer, at_20, whole_lengths)
     setups = read_setups(table.setups, around)
     if anew:
         refuse_idle_artefacts(table.artefacts, document)
@@ -305,6 +314,7 @@ def _described(
         compensation_active=table.compensation_active,
         particulars=read_particulars(table, machine),
         usual_doubts=usual_doubts,
+        whole_lengths=whole_lengths,
         controls=tuple(dict.fromkeys(table.controls)),
         unsourced=tools,
         screws=None if table.screws is None else table.screws.screws(),

@@ -25,7 +25,7 @@ from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import joined, said
 from axiscal.machine import Axis
 from axiscal.measurement.charts.kinds import Line
-from axiscal.measurement.instrument import PRINTER_PROBE, model_of
+from axiscal.measurement.instrument import HALVES, PRINTER_PROBE, model_of
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.written import Foreign
@@ -54,7 +54,9 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
                 refuse_stray_keys(stated)
             printed = around.printer and table.instrument.name == "probe"
             usual = PRINTER_PROBE if printed else table.instrument
-            setups += [_Reader(document, each, stated.keys, around, usual).setup() for each in each_alone(table)]
+            halved = table.lengths and not around.whole_lengths
+            usual, each_one = (HALVES, _halved(table)) if halved else (usual, each_alone(table))
+            setups += [_Reader(document, each, stated.keys, around, usual).setup() for each in each_one]
     with faults.noted():
         _refuse_same_name(setups, document)
     faults.refuse()
@@ -77,6 +79,13 @@ def each_alone(table: SetupTable) -> list[SetupTable]:
         name = f"{table.name} at {where}"
         tables.append(table.model_copy(update={"name": name, key: place, "mounted": table.mounted + number}))
     return tables
+
+
+def _halved(table: SetupTable) -> list[SetupTable]:
+    """Return a set-up for each length as records of before read it: at both ends, each with its part of the noise."""
+    noise = (table.instrument.noise if table.noise is None else table.noise) / math.sqrt(2.0)
+    steps = ((each, {"along": math.dist(*each.along)}) for each in each_alone(table) if each.along)
+    return [each.model_copy(update={"noise": noise, "raster": raster}) for each, raster in steps]
 
 
 def _refuse_choice(stated: Stated[SetupTable], places: Sequence[Vector]) -> None:
@@ -239,7 +248,9 @@ class _Reader(SiteReader):
         usual, kinds = self.usual, self.usual.model.unknown_reads
         if name not in kinds and not (name == "slope" and usual.model.reads == "angle"):  # refused for its own reason
             what = "{name} is not an unknown of a set-up with a {instrument}"
-            raise self.misstated(("unknowns", name), what, meant(name, kinds), name=shown(name), instrument=usual.name)
+            length = usual.site == "length" and name == "zero"
+            remedy = "Take it out: a length is the difference of two places" if length else meant(name, kinds)
+            raise self.misstated(("unknowns", name), what, remedy, name=shown(name), instrument=usual.name)
         return Unknown(name, std)
 
     def _refuse_slope(self, moves: tuple[int, ...], by_default: bool) -> None:

@@ -21,6 +21,7 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
+from axiscal.measurement.instruments.displacement import Length
 from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.instruments.kind import Instrument
 from axiscal.measurement.instruments.written import Foreign
@@ -53,6 +54,7 @@ class Surroundings:
     usual_doubts : zeros of which nothing is stated may wander as those of their instrument do
     printer : the probe is that of a 3D printer
     at_20 : what is found refers to 20 °C
+    whole_lengths : a length between two places is one reading; in records of before it was one at each end
     """
 
     machine: Machine
@@ -64,6 +66,7 @@ class Surroundings:
     usual_doubts: bool
     printer: bool = False
     at_20: bool = False
+    whole_lengths: bool = True
 
 
 def evened(table: SetupTable) -> bool:
@@ -131,7 +134,9 @@ class SiteReader(Stated[SetupTable]):
 
     def _line(self, ends: tuple[Vector, Vector]) -> Setup:
         step, park = self.table.raster.get("along", 0.0), self._park()
-        line = Line.between_ends(self._room(None), np.array(ends), park, step, self._overrun())
+        # nobody says how the ends of a length are met
+        overrun = 0.0 if self.usual.site == "length" else self._overrun()
+        line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
             if not there:
@@ -141,7 +146,7 @@ class SiteReader(Stated[SetupTable]):
                 raise self.misstated("along", what, "Let it end within the travels: {lacking}", lacking=lacks)
         x, y, z = line.direction.tolist()
         given, start = self.table.direction, None
-        if self.usual.site == "length":  # nobody says how its ends are met
+        if issubclass(self.usual.model, Length):
             line, start = line.at_its_end(), tuple(poses[0].tolist())
         return replace(
             self._standing(linear_axes(self.around.machine), park),

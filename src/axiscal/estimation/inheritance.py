@@ -33,6 +33,20 @@ def case_of(description: CampaignDescription) -> Case:
     return Case(description, drifted(found, stated.errors.prior_covariance(), description.kept))
 
 
+def created_description(created: Created) -> CampaignDescription:
+    """Return the description that a campaign began with; raises DescriptionError."""
+    return campaign_from_texts(
+        created.campaign_text,
+        created.campaign_source,
+        created.machine_text,
+        created.machine_source,
+        prior_text=created.prior_text,
+        usual_doubts=created.usual_doubts,
+        fine_knots=created.fine_knots,
+        whole_lengths=created.whole_lengths,
+    )
+
+
 def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
     """Return description and readings of the campaign in a heritage text; raises RecordError if it is none."""
     try:
@@ -45,11 +59,8 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
         remedy = "Start the campaign anew"
         raise RecordError("the last campaign cannot be read: {reason}", remedy, reason=error) from None
     assert isinstance(created, Created)
-    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
     readings = tuple(event.reading for event in events if isinstance(event, Recorded))
-    description = campaign_from_texts(
-        *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
-    )
+    description = created_description(created)
     mounted = [each for each in anew if isinstance(each, Mounted)]
     return with_mounted(description, mounted, [each for each in warm if isinstance(each, Warmed)]), readings
 

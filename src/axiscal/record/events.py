@@ -21,10 +21,9 @@ class Created:
 
     machine_text, campaign_text : the two descriptions, word for word
     machine_source, campaign_source : where they were read; versions : of axiscal and of what it computes with
-    prior_text : the campaign whose result is its prior, as `heritage` writes it; empty for none
-    usual_doubts : what nothing is stated of is doubted as is usual; records of before could not say it
-    fine_knots : knots of which nothing is said are as close as is cheap; records of before could not say it
-    by : who wrote it, which stands beside the fields; "" where nobody knows
+    prior_text : the campaign whose result is its prior, as `heritage` writes it; by : who wrote it; "" for none
+    usual_doubts, fine_knots, whole_lengths : what nothing is stated of is doubted as is usual, knots are as close as
+        is cheap, and a length is one reading, not one at each end; records of before could not say these
     """
 
     machine_text: str
@@ -35,6 +34,7 @@ class Created:
     prior_text: str = ""
     usual_doubts: bool = False
     fine_knots: bool = False
+    whole_lengths: bool = False
     by: str = field(default="", compare=False, repr=False)
 
 

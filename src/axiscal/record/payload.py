@@ -121,9 +121,10 @@ def _created(fields: Mapping[str, Any]) -> events.Created:
     versions = {_is(str, name): _is(str, value) for name, value in _is(dict, fields["versions"]).items()}
     machine, campaign = _is(str, fields["machine_text"]), _is(str, fields["campaign_text"])
     sources = _is(str, fields["machine_source"]), _is(str, fields["campaign_source"])
-    doubts, knots = (_is(bool, fields.get(name, False)) for name in ("usual_doubts", "fine_knots"))  # not in older ones
+    names = "usual_doubts", "fine_knots", "whole_lengths"  # not in older ones
+    doubts, knots, whole = (_is(bool, fields.get(name, False)) for name in names)
     prior = _is(str, fields.get("prior_text", ""))
-    return events.Created(machine, campaign, *sources, versions, prior, doubts, knots, fields["person"])
+    return events.Created(machine, campaign, *sources, versions, prior, doubts, knots, whole, fields["person"])
 
 
 def _recorded(fields: Mapping[str, Any]) -> events.Recorded:

@@ -44,18 +44,20 @@ class Displacement(Kind):
         if self.setup.offset is not None:
             arm = at.tool @ np.array(self.setup.offset)
             moved = moved + rigid.turned(arm, at.turned) - arm
-        shown: Array = moved @ np.array(self.setup.direction) + u["zero"]
+        shown: Array = moved @ np.array(self.setup.direction)
         for name, size in u.items():
-            if size and name != "zero":
+            if size:
                 shown = shown + (np.tan(size) if name == "slope" else size) * self._effect(name, at)
         return [shown]
 
     def _effect(self, unknown: str, at: At) -> Array:
         """Return what a unit of an unknown adds, (m,).
 
-        The travel for the slope, the travel along the direction for the growth, of a square the turn about x, y or z;
-        of the lag the side from which the linear axis that moves came, along the direction.
+        One for the zero, the travel for the slope, the travel along the direction for the growth, of a square the turn
+        about x, y or z; of the lag the side from which the linear axis that moves came, along the direction.
         """
+        if unknown == "zero":
+            return np.ones(len(at.poses))
         direction, travelled = np.array(self.setup.direction), self.travelled(at.poses)
         if unknown == "slope":
             return travelled
@@ -74,11 +76,10 @@ class Displacement(Kind):
 class Length(Displacement):
     """How much farther the tool is from a first place than it should be, along the line to the second.
 
-    y = dᵀ(δp − δp₁) + zero + growth · L, where at.moved is the difference, L the length. Its zero is that of what
-    measures it; where nothing is said it has none.
+    y = dᵀ(δp − δp₁) + growth · L, where at.moved is the difference, L the length.
     """
 
-    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "length", "growth": "angle"})
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({"growth": "angle"})
 
     def middle(self, at: At) -> Array:
         """Return its first end."""
