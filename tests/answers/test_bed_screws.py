@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.docs.result import faults
@@ -32,6 +33,8 @@ screw3: 183, 316
 screw_thread: CCW-M5
 """
 PLACES = [20.0 + 57.5 * k for k in range(5)]
+NOISE = 5.0
+"""um, of a printer's probe."""
 
 
 def begun(folder: Path, screws: str) -> str:
@@ -44,7 +47,12 @@ def begun(folder: Path, screws: str) -> str:
 
 def answer_of_map(folder: Path, campaign: str, x_slope: float, y_slope: float, along_x: Sequence[float]) -> Answer:
     """Return the answer to a map of a tilted bed, mm in mm, and a plain table.  along_x : where it was probed, mm"""
-    rows = [f"probe,{x},{y},{-1000 * (x_slope * x + y_slope * y):.3f}" for x in along_x for y in PLACES]
+    noise = np.random.default_rng(5)
+    rows = [
+        f"probe,{x},{y},{-1000 * (x_slope * x + y_slope * y) + noise.normal(0, NOISE):.3f}"
+        for x in along_x
+        for y in PLACES
+    ]
     (folder / "map.csv").write_text("\n".join(["setup,X_mm,Y_mm,value_um", *rows]))
     text = campaign.replace("# compensation_active", "compensation_active = false #")
     text = text.replace('["klipper", "marlin", "reprapfirmware"]', '["csv"]')

@@ -142,7 +142,8 @@ def test_undo_takes_back_and_asks_again(start: Start) -> None:
 def test_the_first_target_reached_stops(start: Start, target: str, because: str, readings: int) -> None:
     campaign = start(target)
     seen: list[Milestone] = []
-    assert campaign.run(Listed(*[Answer(1e-6)] * 100), seen.append) == because
+    values = np.random.default_rng(1).normal(0, 10e-6, 100).tolist()
+    assert campaign.run(Listed(*map(Answer, values)), seen.append) == because
     assert campaign.state.finished == because
     assert [milestone.number for milestone in seen] == list(range(readings + 1))
     assert [m.accuracy.rms for m in seen] == pytest.approx([std_after(n) for n in range(readings + 1)], rel=1e-6)

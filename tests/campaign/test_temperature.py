@@ -24,6 +24,8 @@ WARM = 5.0
 """K above 20 degC."""
 PLACES = np.linspace(0.05, 0.55, 12)
 """m, on X."""
+NOISE = 0.5e-6
+"""m: as the set-up states."""
 
 
 def _described(said: str = "", text: str = CAMPAIGN) -> CampaignDescription:
@@ -33,8 +35,12 @@ def _described(said: str = "", text: str = CAMPAIGN) -> CampaignDescription:
 def _readings(described: CampaignDescription, strain: float = WARM * STEEL) -> tuple[Reading, ...]:
     """Return what a laser shows of a machine whose scale is warm and right at 20 degC, from both sides."""
     low, high = described.machine.axes[0].travel
-    places = low + PLACES / 0.6 * (high - low)
-    return tuple(Reading("laser", (at,), (side,), strain * at) for side in (1, -1) for at in places.tolist())
+    places, rng = low + PLACES / 0.6 * (high - low), np.random.default_rng(1)
+    return tuple(
+        Reading("laser", (at,), (side,), strain * at + rng.normal(0, NOISE))
+        for side in (1, -1)
+        for at in places.tolist()
+    )
 
 
 def _scale(campaign: Campaign) -> tuple[float, float]:

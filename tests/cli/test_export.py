@@ -137,10 +137,8 @@ def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
         line for line in command("export", record, *made_from, "--out", out).printed.splitlines() if "verify" in line
     )
     assert again.split() == ["axiscal", "verify", str(record), *made_from]
-    assert (
-        f"axiscal verify {record} {' '.join(made_from)}"
-        in command("verify", record, *made_from, "--source", "sim:3", "--tolerance", "10 um").printed
-    )
+    printed = command("verify", record, *made_from, "--source", "sim:3", "--tolerance", "10 um").printed
+    assert printed.startswith("AS PROMISED")
 
 
 def test_a_folder_in_place_of_the_record_is_answered_with_the_record(record: Path, command: Command) -> None:

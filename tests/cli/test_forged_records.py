@@ -16,6 +16,8 @@ from axiscal.record.signing import KEY, PERSON
 from tests.commands import Command
 from tests.generators.plain_records import CAMPAIGN, MACHINE, START, lines_in, write_record
 
+VALUES = 0.3, 0.6, 2.0, 3.4, 3.7, 5.4, 5.8, 6.9, 8.6, 8.7, 10.4, 10.8
+"""um: an even slope and half a um of noise."""
 GIVEN = {
     "VALUE": ["1 um"],
     "TEXT": ["warm"],
@@ -40,7 +42,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) ->
     (tmp_path / "machine.toml").write_text(MACHINE)
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     with Campaign.create(tmp_path / "signed.axiscal", read_campaign(tmp_path / "campaign.toml")) as campaign:
-        campaign.adopt(tuple(Reading("along x", (0.02 * n,), (1,), 1e-6 * n) for n in range(12)))
+        campaign.adopt(tuple(Reading("along x", (0.02 * n,), (1,), 1e-6 * value) for n, value in enumerate(VALUES)))
     assert command("data", "sign", "signed.axiscal").status == 0
     content = (tmp_path / "signed.axiscal").read_bytes()
     lines = lines_in(content)

@@ -11,6 +11,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
@@ -217,13 +218,14 @@ def test_a_zero_that_was_set_anew_is_asked_about_at_once_and_may_be_told_at_any_
 
     A minute passes between the first eight, so that it is no matter how fast this computer types the others.
     """
+    noise = np.random.default_rng(6)
     begun(tmp_path, {"campaign.toml": STEPPED}, ("start", "campaign.toml", "mill.axiscal"))
     monkeypatch.setattr("axiscal.campaign.campaign.seconds_since", lambda _, readings: 60.0 * len(readings))
     with Campaign.open(tmp_path / "mill.axiscal") as campaign:
         for _ in range(8):
             asked = campaign.next()
             assert isinstance(asked, Asked)
-            campaign.record(1e-6 * asked.place.pose[0])
+            campaign.record(1e-6 * asked.place.pose[0] + noise.normal(0, 0.5e-6))
     terminal = Terminal(tmp_path)
     terminal.until("reading [um] > ")
     terminal.type("140.5")

@@ -67,4 +67,4 @@ def test_a_bench_that_shares_with_others_finds_them_from_any_folder(path: Path, 
 
 
 def test_there_are_such() -> None:
-    assert len(OF_OURS) >= 5
+    assert len(OF_OURS) >= 4

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.evaluation.standards import circular, evaluate, positioning_test
+from axiscal.evaluation.circles import circular
+from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.files import recognised
 from axiscal.numerics import Array

@@ -18,12 +18,14 @@ PLACES = [
     *(Place("laser", (x,), (1,)) for x in np.linspace(0.05, 0.95, OUT).tolist()),
     *(Place("laser", (x,), (-1,)) for x in np.linspace(0.95, 0.05, OUT).tolist()),
 ]
+NOISE = np.random.default_rng(4).normal(0, 0.5e-6, len(PLACES)).tolist()
+"""m, of the reading at each: as the set-up states."""
 
 
 def value_at(place: Place, step: float) -> float:
     """Return what a laser shows at a place, m.  step : by how much less on the way back, m"""
     (x,), (side,) = place.pose, place.approach
-    return 20e-6 * x - (step if side < 0 else 0.0)
+    return 20e-6 * x - (step if side < 0 else 0.0) + float(NOISE[PLACES.index(place)])
 
 
 def begun_out_and_back(record: Path, count: int, step: float) -> Path:

@@ -80,8 +80,10 @@ def test_each_set_up_is_looked_at_by_itself() -> None:
 def test_estimate_names_the_lines_of_the_file(tmp_path: Path) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE)
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
-    lines = [f"laser,{each.pose[0] * 1e3:.3f},{each.value * 1e6:.2f}" for each in taken(8, 14, 2)]
-    (tmp_path / "readings.csv").write_text("\n".join(["setup,X_mm,value_um", *lines, *lines]) + "\n")
+    """Others that were taken anew tell its noise."""
+    lines = [f"laser,{each.pose[0] * 1e3:.3f},{each.value * 1e6:.2f}" for each in taken(8, 14, 2, runs=3)]
+    once, others = lines[:14], lines[14:]
+    (tmp_path / "readings.csv").write_text("\n".join(["setup,X_mm,value_um", *once, *once, *others]) + "\n")
     command = ["estimate", *(str(tmp_path / name) for name in ("campaign.toml", "readings.csv"))]
     assert CliRunner().invoke(app, [*command, "--out", str(tmp_path / "out")]).exit_code == 0
     warned = json.loads((tmp_path / "out" / "result.json").read_text())["warnings"]

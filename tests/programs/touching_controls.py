@@ -5,13 +5,19 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+import numpy as np
+
 from tests.generators import touched_table as table
 
 
 class TouchingMachine:
-    """The axes of the machine, in mm and deg, and the log; they begin where nothing is near."""
+    """The axes of the machine, in mm and deg, and the log; they begin where nothing is near.
 
-    def __init__(self) -> None:
+    noise : of what it logs of an axis, mm
+    """
+
+    def __init__(self, noise: float = 0.0) -> None:
+        self._noise, self._rng = noise, np.random.default_rng(3)
         self.at = {"X": 0.0, "Y": 0.0, "Z": 200.0, "A": 0.0, "C": 0.0}
         self.log = list[str]()
         self.touches = 0
@@ -22,6 +28,10 @@ class TouchingMachine:
         turning = any(there[axis] != self.at[axis] for axis in "AC")
         assert turning or table.met(self.at, there) is None, f"ran into a sphere on the way to {to}"
         self.at = there
+
+    def stood(self, axis: str) -> float:
+        """Return where it says that an axis stands, mm."""
+        return self.at[axis] + float(self._rng.normal(0, self._noise))
 
     def probe(self, to: Mapping[str, float]) -> bool:
         """Go straight until something is met, and return whether it was."""
@@ -45,7 +55,7 @@ def run_linuxcnc(text: str, machine: TouchingMachine) -> list[str]:
                     machine.log.append(f"MISS R{numbers[0]:f} T{numbers[1]:f}")
                     return machine.log
                 machine.move({} if step is None else {axis: machine.at[axis] + by for axis, by in step.items()})
-            stood = " ".join(f"{axis}{machine.at[axis]:f}" for axis in "XYZ")
+            stood = " ".join(f"{axis}{machine.stood(axis):f}" for axis in "XYZ")
             machine.log.append(f"R{numbers[0]:f} T{numbers[1]:f} {stood}")
             machine.move(beside)
         elif found := re.fullmatch(r"G53 G1 (.*) F\d+", line):

@@ -517,9 +517,9 @@ def test_a_plan_reads_its_description_once(tmp_path: Path, monkeypatch: pytest.M
     """Rows and picture of an instrument have read its own before."""
     read = list[str]()
 
-    def described(text: str, *others: str) -> CampaignDescription:
+    def described(text: str, *others: str, **how: Any) -> CampaignDescription:
         read.append(text)
-        return campaign_from_texts(text, *others)
+        return campaign_from_texts(text, *others, **how)
 
     monkeypatch.setattr("axiscal.description.first_files.campaign_from_texts", described)
     draft.keep(tmp_path, shapes.DraftShape(machine="one-axis", instruments=["interferometer"], budget="60 min"))

@@ -153,8 +153,7 @@ class Aims(NamedTuple):
     @property
     def met(self) -> bool:
         """Whether all rows are reached, and one of the accuracies of the volume if there are any."""
-        volume = not self.volume or any(aim.reached for aim in self.volume)
-        return volume and all(aim.reached for aim in self.lines)
+        return (not self.volume or any(aim.reached for aim in self.volume)) and all(aim.reached for aim in self.lines)
 
     @property
     def hopeless(self) -> list[Aim]:

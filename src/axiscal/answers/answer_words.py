@@ -15,6 +15,7 @@ from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedAnswer, Plan
 from axiscal.answers.row_words import (
     half_read_sentence,
     lacking,
+    overruled_sentence,
     reason,
     row_names,
     said_row,
@@ -23,7 +24,7 @@ from axiscal.answers.row_words import (
     signs_sentence,
     warmth_sentence,
 )
-from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, quoted, said
+from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 from axiscal.units import digits
 from axiscal_core.theta import MANY
@@ -87,7 +88,7 @@ def answer_text(
     found = [
         *spare,
         _agreement(answer, agreement),
-        _overruled(answer.overruled),
+        overruled_sentence(answer.overruled),
         said(_UNTOLD, many=MANY) if _unchecked(answer) else "",
         _unmeasured(answer, cut),
         _beside(answer),
@@ -228,12 +229,6 @@ def _agreement(answer: ResultAnswer, words: str) -> str:
     return put("{agree} {checks}", agree=agree, checks=kept)
 
 
-def _overruled(setups: Sequence[str]) -> str:
-    """Return which set-ups were read although their test failed, "" for none."""
-    what = "Taken all the same: the test at mounting {setups} failed. Mount it, pass the test and read again."
-    return said(what, setups=listed(", ", [quoted(each) for each in setups])) if setups else ""
-
-
 def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
     """Return what is not measured, why, and what one reading would bring; "" for nothing.  cut : as far as lines go"""
     rows = [] if answer.verdict == "contradict" else [row for row in answer.rows if not row.measured]
@@ -347,10 +342,8 @@ def screen(
     untabled : why there is no table, "" where there is one
     """
     text = answer_text(answer, agreement, record, results, evidence, cut=True)
-    first, below = (
-        first_lines(text.first),
-        [line for sentence in [*text.sentences, untabled] for line in wrapped(sentence)],
-    )
+    first = first_lines(text.first)
+    below = [line for sentence in [*text.sentences, untabled] for line in wrapped(sentence)]
     last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
     groups = measured_rows(answer, room)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from axiscal.answers.answer import AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.description.target import Kind
-from axiscal.language.spoken import WORDS, counted, joined, listed, put, said
+from axiscal.language.spoken import WORDS, counted, joined, listed, put, quoted, said
 from axiscal.units import digits
 
 _KINDS: dict[Kind, str] = WORDS["rows"]
@@ -156,3 +156,9 @@ def half_read_sentence(parts: Mapping[str, tuple[float, float]]) -> str:
     ]
     text = "Half of the volume or more was not read: no reading tests U beyond {read}."
     return said(text, read=joined(each)) if each else ""
+
+
+def overruled_sentence(setups: Sequence[str]) -> str:
+    """Return which set-ups were read although their test failed, "" for none."""
+    what = "Taken all the same: the test at mounting {setups} failed. Mount it, pass the test and read again."
+    return said(what, setups=listed(", ", [quoted(each) for each in setups])) if setups else ""

@@ -101,6 +101,7 @@ class Campaign(Closing):
         cls, path: str | Path, planner: Planner = _next_places, *, write: bool = True, changed: bool = False
     ) -> Self:
         """Return the campaign recorded at `path`, `changed` since it was signed or not; raises RecordError."""
+        one("Campaign.open", "path", path, (str, Path), '"mill.axiscal"')
         record = opened_log(path, write=write, changed=changed)
         try:
             return cls(record, described(record), planner)
