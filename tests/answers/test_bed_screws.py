@@ -33,8 +33,8 @@ screw3: 183, 316
 screw_thread: CCW-M5
 """
 PLACES = [20.0 + 57.5 * k for k in range(5)]
-NOISE = 5.0
-"""um, of a printer's probe."""
+NOISE = 1.0
+"""um, of a good probe."""
 
 
 def begun(folder: Path, screws: str) -> str:
@@ -55,6 +55,7 @@ def answer_of_map(folder: Path, campaign: str, x_slope: float, y_slope: float, a
     ]
     (folder / "map.csv").write_text("\n".join(["setup,X_mm,Y_mm,value_um", *rows]))
     text = campaign.replace("# compensation_active", "compensation_active = false #")
+    text = text.replace('noise = "5 um"', f'noise = "{NOISE} um"')
     text = text.replace('["klipper", "marlin", "reprapfirmware"]', '["csv"]')
     (folder / "bed" / "campaign.toml").write_text(text, encoding="utf-8")
     command = ("data", "estimate", folder / "bed" / "campaign.toml", folder / "map.csv", "--out", folder / "out")
