@@ -302,11 +302,12 @@ def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
     """
     starts = Places.joined([old, pool.lattice.within(ranked(gains, ALIKE, _CANDIDATES))])
-    setups = [setup for setup, _ in starts.by_setup()]
-    climbs = [_climb(scorer, setup, *starts.in_setup(setup)) for setup in setups]
-    best = first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)
-    top = first_best(climbs[best].gains, ALIKE)
-    return Places.one(setups[best], *(part[top] for part in climbs[best].readings))
+    found = [(setup, _climb(scorer, setup, *starts.in_setup(setup))) for setup, _ in starts.by_setup()]
+    if not (climbs := [each for each in found if len(each[1].gains)]):  # places of a raster may leave nothing to climb
+        return old
+    setup, climb = climbs[first_best(np.array([each.gains.max() for _, each in climbs]), ALIKE)]
+    top = first_best(climb.gains, ALIKE)
+    return Places.one(setup, *(part[top] for part in climb.readings))
 
 
 def climb_from(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
