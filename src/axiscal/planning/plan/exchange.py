@@ -306,8 +306,7 @@ def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
     if not (climbs := [each for each in found if len(each[1].gains)]):  # places of a raster may leave nothing to climb
         return old
     setup, climb = climbs[first_best(np.array([each.gains.max() for _, each in climbs]), ALIKE)]
-    top = first_best(climb.gains, ALIKE)
-    return Places.one(setup, *(part[top] for part in climb.readings))
+    return Places.one(setup, *(part[first_best(climb.gains, ALIKE)] for part in climb.readings))
 
 
 def climb_from(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
