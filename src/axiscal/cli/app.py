@@ -94,7 +94,7 @@ class AllCommands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return a command by the words that follow, or end with what to use instead of one that is gone."""
-        if instead := instead_of("commands", args[0]):
+        if args[0] not in self.places and (instead := instead_of("commands", args[0])):
             ctx.fail(said(_GONE, name=args[0], instead=instead))
         return super().resolve_command(ctx, args)
 
