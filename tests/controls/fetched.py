@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import os
 import shutil
@@ -37,14 +38,17 @@ def built(archive: str, own: Sequence[str], build: Callable[[Path], None]) -> Pa
             raise MissingError(f"{tool} is not installed")
     seen = hashlib.sha256(packed.read_bytes() + b"".join((HERE / name).read_bytes() for name in own))
     made = ROOT / "build" / "controls" / f"{archive.partition('.')[0]}-{seen.hexdigest()[:12]}"
-    if not (made / "done").exists():
-        shutil.rmtree(made, ignore_errors=True)
-        made.mkdir(parents=True)
-        subprocess.run(["tar", "xJf", packed, "-C", made], check=True)
-        for name in own:
-            shutil.copy(HERE / name, made)
-        build(made)
-        (made / "done").touch()
+    made.parent.mkdir(parents=True, exist_ok=True)
+    with made.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # tests beside each other ask for one control
+        if not (made / "done").exists():
+            shutil.rmtree(made, ignore_errors=True)
+            made.mkdir()
+            subprocess.run(["tar", "xJf", packed, "-C", made], check=True)
+            for name in own:
+                shutil.copy(HERE / name, made)
+            build(made)
+            (made / "done").touch()
     return made
 
 

@@ -67,16 +67,8 @@ def motors(files: Mapping[str, str], codes: list[str], poses: Array) -> Array:
         here = Path(folder)
         for name, text in files.items():
             (here / name).write_text(text)
-        words: list[str | Path] = [
-            "-i",
-            "/dev/stdin",
-            "-o",
-            here / "sent",
-            "-d",
-            at / "out" / "klipper.dict",
-            "-l",
-            here / "log",
-        ]
+        words: list[str | Path] = ["-i", "/dev/stdin", "-o", here / "sent", "-l", here / "log"]
+        words += ["-d", at / "out" / "klipper.dict"]
         start: list[str | Path] = [python(), "klippy/klippy.py", here / "printer.cfg", *words]
         with Popen(start, cwd=at, stdin=PIPE, stdout=DEVNULL, stderr=DEVNULL) as host:
             assert host.stdin is not None

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from tests.controls.fetched import built
+from tests.controls.klipper_host import klipper
 
 _ASKED = """
 import collections, json, sys, types
@@ -42,8 +42,8 @@ def held(text: str, place: tuple[float, float]) -> tuple[dict[str, Any], list[li
 
 def asked(heights: Sequence[object] = (), nodes: Sequence[object] = ()) -> list[Any]:
     """Return heights, mm, of (keys, points, place), and lists of nodes of (low, high, counts, radius, origin)."""
-    at = built("klipper.tar.xz", [], lambda folder: None) / "klipper" / "klippy"
-    words, given = [sys.executable, "-c", _ASKED, str(at)], json.dumps({"heights": heights, "nodes": nodes})
+    given = json.dumps({"heights": heights, "nodes": nodes})
+    words = [sys.executable, "-c", _ASKED, str(klipper() / "klippy")]
     done = subprocess.run(words, input=given, capture_output=True, text=True, timeout=60, check=True)
     found: list[Any] = json.loads(done.stdout)
     return found

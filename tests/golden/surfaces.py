@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 Row = Mapping[str, Any]
 """A row of a document: of `result.json`, of `status --json`, of the page's state."""
-_NEXT = ("Next", "Report", "Weiter", "Bericht")
+_NEXT = ("Next", "Report", "No table for", "Weiter", "Bericht", "Keine Tabelle für")
 
 
 class Shown(NamedTuple):

@@ -15,6 +15,7 @@ from tests.linuxcnc.lab import Session, Settings
 from tests.linuxcnc.needed import WITH_SPHERES
 
 pytestmark = WITH_SPHERES
+_LATE = "Queue is not empty after probing"
 
 
 @pytest.mark.parametrize(("unit", "scale", "count"), [("mm", 1.0, 3), ("in", 25.4, 1)])
@@ -28,11 +29,15 @@ def test_the_log_of_the_running_control_is_read_back_as_what_the_machine_does(
     settings = Settings(
         bench.hal(scale), unit=unit, beside={"p.ngc": text}, sources={"axiscal_balls.comp": bench.BALLS}
     )
-    with Session(bench.joints(scale), settings, timeout=240) as session:
-        session.move(["run p.ngc"])
-        assert session.errors == ()
-        (name,) = [line.split(",")[1][:-1] for line in text.splitlines() if line.startswith("(LOGAPPEND,")]
-        (tmp_path / name).write_text(session.written(name), encoding="utf-8")
+    (name,) = [line.split(",")[1][:-1] for line in text.splitlines() if line.startswith("(LOGAPPEND,")]
+    errors: tuple[str, ...] = (_LATE,)
+    for _ in range(3):  # a simulated control on a loaded computer may hear too late that its motion has ended
+        if errors == (_LATE,):
+            with Session(bench.joints(scale), settings, timeout=240) as session:
+                session.move(["run p.ngc"])
+                errors, written = session.errors, session.written(name)
+    assert errors == ()
+    (tmp_path / name).write_text(written, encoding="utf-8")
     logged = logged_readings(tmp_path / name, tmp_path, campaign)
     assert logged.said == ()
     assert [reading.number for reading in logged.readings] == list(range(1, len(places) + 1))

@@ -312,7 +312,6 @@ def test_a_lathe_with_a_laser_to_the_loaded_table(browser: Browser, start: Serve
     person.press("Stop here")
     person.press("End it here")
     person.sees("Report to sign (PDF)")
-    person.sees("Measure again: ")
     looked_at(page)
     page.value(ORDER)
     person.press("Open the report")
