@@ -10,7 +10,8 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.estimation.belief import Belief
-from axiscal.machine import Axis, Machine, load_machine
+from axiscal.machine import Machine, load_machine
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
@@ -22,7 +23,7 @@ from benchmarks.peers.problems import Stacked
 def stacked(case: Stacked, candidates: int, volume: bool = False) -> Task:
     """Return one of the cases under the criterion `joint`, or `volume`."""
     names = "XYZUV"[: case.axes]
-    axes = tuple(Axis(name, False, (0.0, 10.0)) for name in names)
+    axes = tuple(iso_axis(name, False, (0.0, 10.0)) for name in names)
     errors = tuple(ErrorEntry(f"EZ{name}", 1.0, knots=case.knots) for name in names)
     machine = Machine("stacked", axes, 0.0, errors, "", "")
     count = case.axes

@@ -10,9 +10,10 @@ workpiece side, read in this direction, it is the other way round.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,9 @@ from axiscal_core.refusals import Array, InputError, finite, named, one, one_of,
 from axiscal_core.units import METRES, RADIANS, Of, Quantity, quantities, si
 
 DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-Link = Any  # an axis of whoever has `rotary`, `direction`, `origin` and `workpiece_side`, ours or the product's
+Counting = Literal["iso", "reversed"]  # a positive coordinate moves the tool positively past the workpiece, or not
+LINEAR_SPEED, LINEAR_ACCELERATION = 10.0 / 60.0, 1.0  # m/s, m/s²: the traverse of a carriage of which nothing is said
+ROTARY_SPEED, ROTARY_ACCELERATION = math.radians(60.0), math.radians(360.0)  # rad/s, rad/s²: of a rotor
 _LONGEST = {METRES: 200.0, RADIANS: 40.0}  # no axis goes farther
 Direction = str | Sequence[float]
 """ "x", "-y", or three numbers."""
@@ -40,21 +43,34 @@ def unit_vector(direction: Direction, function: str, argument: str) -> Array:
     return vector / length
 
 
-@dataclass(frozen=True, eq=False)
+Three = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
 class Axis:
     """One axis.  Make it with `linear` or `turning`.
 
-    direction : (3,) of travel or turn; origin : (3,) a point on a rotary axis, m; travel : from, to, m or rad
-    workpiece_side : it carries the workpiece; overrun : how far beyond a place it goes before it turns, m or rad
+    direction : of travel or turn, a unit vector in the machine frame; origin : a point on a rotary axis, m
+    travel : from, to, m or rad; workpiece_side : it carries the workpiece
+    overrun : how far beyond a place it goes before it turns, m or rad
+    speed, acceleration : m/s or rad/s, m/s² or rad/s²
+    turns : whole ones below and above a travel of one turn that the control allows, None where nobody said
+    counting : as stated, None where nothing is said, which means ISO 841
+    diameters : a cross slide of a lathe whose display shows diameters; coordinates here are radii all the same
     """
 
     name: str
     rotary: bool
-    direction: Array
+    direction: Three
     travel: tuple[float, float]
     workpiece_side: bool
-    origin: Array
+    origin: Three
     overrun: float
+    speed: float = LINEAR_SPEED
+    acceleration: float = LINEAR_ACCELERATION
+    turns: tuple[int, int] | None = None
+    counting: Counting | None = None
+    diameters: bool = False
 
     @classmethod
     def linear(
@@ -85,12 +101,55 @@ class Axis:
         if high - low > _LONGEST[of]:
             remedy = 'Numbers are m and rad: write "400 mm", "90 deg"'
             raise InputError(function, "travel", f"goes from {low:g} to {high:g} {of[0]}", remedy)
-        # 1 mm or 1 deg is usual, but no more than a hundredth of the travel
-        usual = min(np.pi / 180 if rotary else 1e-3, (high - low) / 100)
-        over = usual if overrun is None else within(function, "overrun", si(overrun, function, "overrun", of), 0.0)
-        way = unit_vector(direction, function, "about" if rotary else "along")
-        at = quantities(origin, function, "origin", (3,), [METRES])
-        return cls(named(function, "name", name), rotary, way, (low, high), on_workpiece, at, over)
+        stated = None if overrun is None else within(function, "overrun", si(overrun, function, "overrun", of), 0.0)
+        over = usual_overrun(rotary, high - low) if stated is None else stated
+        x, y, z = unit_vector(direction, function, "about" if rotary else "along").tolist()
+        at_x, at_y, at_z = quantities(origin, function, "origin", (3,), [METRES]).tolist()
+        quick = (ROTARY_SPEED, ROTARY_ACCELERATION) if rotary else (LINEAR_SPEED, LINEAR_ACCELERATION)
+        name = named(function, "name", name)
+        return cls(name, rotary, (x, y, z), (low, high), on_workpiece, (at_x, at_y, at_z), over, *quick)
+
+    @property
+    def letter(self) -> str:
+        """Its kind by ISO 841: the name without the digit."""
+        return self.name[:1]
+
+    @property
+    def sign(self) -> int:
+        """+1 on the tool side, −1 on the workpiece side: s_k of the error model (conventions, Errors)."""
+        return -1 if self.workpiece_side else 1
+
+    @property
+    def reversed(self) -> bool:
+        """Whether its coordinate grows against the direction of ISO 841."""
+        return self.counting == "reversed"
+
+    @property
+    def turned(self) -> Axis:
+        """The axis if its coordinate grows the other way."""
+        x, y, z = (0.0 - each for each in self.direction)
+        return replace(self, direction=(x, y, z), counting="iso" if self.reversed else "reversed")
+
+    @property
+    def positioning_error(self) -> str:
+        """Name of the error along (about) the axis itself: "EXX", "EXU", "ECC"."""
+        along = max(range(3), key=lambda way: abs(self.direction[way]))
+        return f"E{('ABC' if self.rotary else 'XYZ')[along]}{self.name}"
+
+    @property
+    def dimension(self) -> Literal["length", "angle"]:
+        """What its coordinates are."""
+        return "angle" if self.rotary else "length"
+
+    @property
+    def unit(self) -> str:
+        """The unit in which its coordinates are written and shown: "mm" or "deg"."""
+        return "deg" if self.rotary else "mm"
+
+    @property
+    def column(self) -> str:
+        """The column of its coordinates in a file, "X_mm", or "X_radius_mm" where a display shows diameters."""
+        return f"{self.name}{'_radius' * self.diameters}_{self.unit}"
 
     @property
     def length(self) -> float:
@@ -105,7 +164,12 @@ class Axis:
     @property
     def cyclic(self) -> bool:
         """True for one whole turn: both ends are one place."""
-        return self.rotary and abs(self.length - 2 * np.pi) < 1e-9
+        return self.rotary and abs(self.length - math.tau) <= 1e-9
+
+
+def usual_overrun(rotary: bool, length: float) -> float:
+    """Return 1 mm or 1 deg, but no more than a hundredth of the travel, m or rad."""
+    return min(math.radians(1.0) if rotary else 1e-3, length / 100)
 
 
 class Frames(NamedTuple):
@@ -125,7 +189,7 @@ class Frames(NamedTuple):
         return self.tool[:, :, 2]
 
 
-def chain(axes: Sequence[Link], poses: Array, tool: Array, held: Array | None = None) -> Frames:
+def chain(axes: Sequence[Axis], poses: Array, tool: Array, held: Array | None = None) -> Frames:
     """Return the nominal frames.
 
     poses : (m, q); tool : (3,) the tool point where all axes stand at zero, m; held : (3, 3) the tool's turn there
@@ -141,7 +205,7 @@ def chain(axes: Sequence[Link], poses: Array, tool: Array, held: Array | None = 
     return Frames(np.array(rotations), np.array(origins), motion.apply(tool), turned)
 
 
-def to_frame(axis: Link, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+def to_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
     """Return the motion up to the frame of an axis.  tilt : (m, 3, 3) of the direction of travel, None for none"""
     if axis.rotary:
         motion = motion.shifted(np.array(axis.origin))
@@ -149,7 +213,7 @@ def to_frame(axis: Link, motion: rigid.Motion, coordinate: Array, tilt: Array | 
     return motion if axis.workpiece_side else motion.shifted(_travel(axis, coordinate, tilt))
 
 
-def from_frame(axis: Link, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+def from_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
     """Return the motion from the frame of an axis to that of the next one; arguments as for `to_frame`."""
     if axis.rotary:
         motion = motion if axis.workpiece_side else motion.then(_turn(axis, coordinate))
@@ -157,10 +221,10 @@ def from_frame(axis: Link, motion: rigid.Motion, coordinate: Array, tilt: Array 
     return motion.shifted(_travel(axis, coordinate, tilt)) if axis.workpiece_side else motion
 
 
-def _travel(axis: Link, coordinate: Array, tilt: Array | None) -> Array:
+def _travel(axis: Axis, coordinate: Array, tilt: Array | None) -> Array:
     straight = np.outer(coordinate, axis.direction)
     return straight if tilt is None else np.einsum("mij,mj->mi", tilt, straight)
 
 
-def _turn(axis: Link, coordinate: Array) -> Array:
+def _turn(axis: Axis, coordinate: Array) -> Array:
     return rigid.turned_about(np.array(axis.direction), coordinate)

@@ -15,7 +15,6 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.setup_of_reading import setup_of
 from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames, turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
@@ -23,6 +22,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.summarising import iso230_blocks
+from axiscal_core.axes import Axis
 from tests.generators.campaigns import on
 from tests.generators.texts import Said, campaign_text, setup_text
 

@@ -11,7 +11,7 @@ import pytest
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import EVERY_WAY, Box, Counted, VolumeMoments, volume_moments, whole_travel
 from axiscal.machine import Machine
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.entry import ErrorEntry
 from tests.generators.machines import every_error, random_machine
 from tests.generators.planes import bed, table
@@ -66,13 +66,13 @@ def _small(machine: Machine) -> Machine:
 
 def _rotary(length: float, primed: bool) -> Machine:
     """Return a machine whose rotary axis turns by so much."""
-    turn = Axis("B", primed, (0.3, 0.3 + length), origin=(0.1, 0.0, -0.2))
-    carriage = Axis("X", False, (-0.1, 0.4))
+    turn = iso_axis("B", primed, (0.3, 0.3 + length), origin=(0.1, 0.0, -0.2))
+    carriage = iso_axis("X", False, (-0.1, 0.4))
     rng = np.random.default_rng(1)
     return Machine("m", (turn, carriage), 0.1, tuple(every_error(turn, rng) + every_error(carriage, rng)), "", "")
 
 
-_TURN = Axis("C", True, (0.0, 2 * np.pi), origin=(0.1, 0.2, 0.0))
+_TURN = iso_axis("C", True, (0.0, 2 * np.pi), origin=(0.1, 0.2, 0.0))
 _FULL_TURN = Machine("m", (_TURN,), 0.1, (ErrorEntry("ECC", 1.0, knots=7), ErrorEntry("X0C", 1.0)), "", "")
 _WHOLE = (0.0, 1.0)
 CASES = {

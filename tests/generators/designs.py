@@ -8,7 +8,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.estimation.belief import Belief
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import spread
@@ -23,7 +23,7 @@ from axiscal.planning.plan.task import Goal, Task
 def splines(axes: int, knots: int, noise: float, candidates: int = 2000) -> Task:
     """Return stacked natural splines on [0, 10] m, C0 = I, criterion `joint`."""
     names = "XYZUV"[:axes]
-    machine = Machine("m", tuple(Axis(n, False, (0.0, 10.0)) for n in names), 0.0, _errors(names, knots), "", "")
+    machine = Machine("m", tuple(iso_axis(n, False, (0.0, 10.0)) for n in names), 0.0, _errors(names, knots), "", "")
     setup = _setup("s", machine, noise, (), "+")
     return problem(machine, (setup,), candidates, joint=True)
 
@@ -31,9 +31,9 @@ def splines(axes: int, knots: int, noise: float, candidates: int = 2000) -> Task
 def levered(candidates: int = 300) -> Task:
     """Return a table that turns under two slides: levers, reversal, rests, and two set-ups with a zero each."""
     axes = (
-        Axis("C", True, (-1.0, 2.0), origin=(0.1, 0.2, 0.0)),
-        Axis("X", False, (0.0, 0.6)),
-        Axis("Z", False, (0.0, 0.4)),
+        iso_axis("C", True, (-1.0, 2.0), origin=(0.1, 0.2, 0.0)),
+        iso_axis("X", False, (0.0, 0.6)),
+        iso_axis("Z", False, (0.0, 0.4)),
     )
     errors = (
         ErrorEntry("EXX", 1e-5, knots=5, rest=1e-6),

@@ -16,9 +16,10 @@ from scipy.linalg import expm
 
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import Machine
-from axiscal.machine.axis import Axis, Counting
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.entry import COMPONENTS, ErrorEntry
 from axiscal.numerics import Array
+from axiscal_core.axes import Axis, Counting
 
 Matrix = NDArray[Any]
 LETTERS = "XYZABC"
@@ -43,11 +44,11 @@ def _counting(name: str, seed: int) -> Counting | None:
 def _axis(name: str, workpiece_side: bool, counting: Counting | None, rng: np.random.Generator) -> Axis:
     if name not in "ABC":
         start = rng.uniform(-0.5, 0.1)
-        return Axis(name, workpiece_side, (start, start + rng.uniform(0.2, 0.8)), counting=counting)
+        return iso_axis(name, workpiece_side, (start, start + rng.uniform(0.2, 0.8)), counting=counting)
     start, length = rng.uniform(-np.pi, 0), rng.choice([0.7, 2.5, 2 * np.pi])
     origin = tuple(map(float, rng.uniform(-0.3, 0.3, 3)))
     place = (origin[0], origin[1], origin[2])
-    return Axis(name, workpiece_side, (start, start + float(length)), origin=place, counting=counting)
+    return iso_axis(name, workpiece_side, (start, start + float(length)), origin=place, counting=counting)
 
 
 def every_error(axis: Axis, rng: np.random.Generator, smooth: bool = False) -> list[ErrorEntry]:

@@ -6,12 +6,12 @@ import math
 
 from axiscal.campaign.sources.source import Request
 from axiscal.machine import Machine
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 
-AXES = (Axis("X", True, (0.0, 0.6)), Axis("C", True, (0.0, math.tau)))
+AXES = (iso_axis("X", True, (0.0, 0.6)), iso_axis("C", True, (0.0, math.tau)))
 SETUP = Setup("laser along X", "interferometer", (1, 0, 0), (0,), (0.3, 0), 1e-6, (), 60, 1, 3, (0, 0), "both")
 REQUEST = Request(7, SETUP, AXES, (0.12, math.radians(30)), (1, 0))
 SIMULATOR = Simulator(Machine("table", AXES, 0.0, (ErrorEntry("EXX", 1e-5, knots=4),), "", ""), (SETUP,))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import inward
 from axiscal.measurement.reading import Place
@@ -61,8 +61,8 @@ def test_a_name_adds_no_call(name: str, tmp_path: Path) -> None:
 
 
 def test_a_running_linuxcnc_goes_to_the_very_ends_of_the_travel_and_nowhere_else() -> None:
-    axes = [Axis(name, False, (-0.0123, 0.0456), speed=0.5) for name in "XYZ"]
-    table = Axis("C", True, (0.0, 2 * np.pi), speed=20.0)
+    axes = [iso_axis(name, False, (-0.0123, 0.0456), speed=0.5) for name in "XYZ"]
+    table = iso_axis("C", True, (0.0, 2 * np.pi), speed=20.0)
     machine = Machine("m", (table, *axes), 0.0, (), "", "")
     low, high = np.array([axis.travel for axis in machine.axes]).T
     rng = np.random.default_rng(3)

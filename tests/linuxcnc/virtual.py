@@ -13,13 +13,13 @@ from typing import Self
 
 import numpy as np
 
-from axiscal.machine import Axis
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.tables.surface import CommandedMachine
 from axiscal.units import to_unit
+from axiscal_core.axes import Axis
 from tests.linuxcnc.lab import Joint, Session, Settings
 
 _ORDER = "XYZABCUVW"

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import DescriptionError
-from axiscal.machine import Axis, ErrorEntry, Machine, builtin_names, load_machine, machine_from_text
+from axiscal.machine import ErrorEntry, Machine, builtin_names, load_machine, machine_from_text
+from axiscal.machine.axis import iso_axis
 
 TEXT = """\
 name = "Mill"
@@ -68,7 +69,7 @@ def test_knots_stand_twice_as_far_apart_where_there_would_be_many() -> None:
     ],
 )
 def test_spacing_and_length_give_equidistant_knots(entry: ErrorEntry, count: int) -> None:
-    axis = Axis("X", False, (0.1, 0.7))
+    axis = iso_axis("X", False, (0.1, 0.7))
     knots = entry.knot_positions(axis)
     assert len(knots) == entry.knot_count(axis) == count
     assert (knots[0], knots[-1]) == (0.1, 0.7)
@@ -77,9 +78,9 @@ def test_spacing_and_length_give_equidistant_knots(entry: ErrorEntry, count: int
 
 
 def test_a_full_turn_is_cyclic_to_a_nanoradian_and_a_linear_axis_never() -> None:
-    assert Axis("C", True, (1.0, 1.0 + math.tau + 5e-10)).cyclic
-    assert not Axis("C", True, (1.0, 1.0 + math.tau - 5e-9)).cyclic
-    assert not Axis("X", True, (0.0, math.tau)).cyclic
+    assert iso_axis("C", True, (1.0, 1.0 + math.tau + 5e-10)).cyclic
+    assert not iso_axis("C", True, (1.0, 1.0 + math.tau - 5e-9)).cyclic
+    assert not iso_axis("X", True, (0.0, math.tau)).cyclic
 
 
 @pytest.mark.parametrize(
@@ -87,7 +88,7 @@ def test_a_full_turn_is_cyclic_to_a_nanoradian_and_a_linear_axis_never() -> None
     [("X", 0), ("U", 0), ("P", 0), ("A", 0), ("Y", 1), ("V2", 1), ("Q", 1), ("B", 1), ("Z", 2), ("W", 2), ("R", 2)],
 )
 def test_letters_have_the_directions_of_iso_841(name: str, direction: int) -> None:
-    axis = Axis(name, False, (0.0, 1.0))
+    axis = iso_axis(name, False, (0.0, 1.0))
     assert axis.direction == tuple(float(place == direction) for place in range(3))
     assert axis.rotary == (name in "ABC")
     assert axis.letter == name[0]
@@ -96,7 +97,7 @@ def test_letters_have_the_directions_of_iso_841(name: str, direction: int) -> No
 @pytest.mark.parametrize("name", ["", "D", "x"])
 def test_a_letter_that_is_no_axis_is_refused(name: str) -> None:
     with pytest.raises(DescriptionError, match="not an axis name"):
-        Axis(name, False, (0.0, 1.0))
+        iso_axis(name, False, (0.0, 1.0))
 
 
 def test_a_machine_is_read_from_a_path_and_named_after_it_if_need_be(tmp_path: Path) -> None:

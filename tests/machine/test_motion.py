@@ -10,12 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.machine import Machine, machine_from_text
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.motion import Driving, approach_seconds, inward, move_groups, travel_seconds, turning
+from axiscal_core.axes import Axis
 
-X = Axis("X", False, (0.0, 0.6), speed=0.2, acceleration=1.0)
-Y = Axis("Y", True, (0.0, 0.4), speed=0.1, acceleration=3.0)
-C = Axis("C", True, (0.0, math.tau), speed=1.0, acceleration=5.0)
+X = iso_axis("X", False, (0.0, 0.6), speed=0.2, acceleration=1.0)
+Y = iso_axis("Y", True, (0.0, 0.4), speed=0.1, acceleration=3.0)
+C = iso_axis("C", True, (0.0, math.tau), speed=1.0, acceleration=5.0)
 MACHINE = Machine("m", (C, Y, X), 0.1, (), "", "")
 
 TOML = """
@@ -99,8 +100,8 @@ def test_room_is_the_whole_overrun_at_the_ends_of_a_full_turn_too() -> None:
 
 
 def test_the_usual_overrun_is_a_hundredth_of_a_short_travel() -> None:
-    assert Axis("X", False, (0.0, 0.02)).overrun == pytest.approx(0.0002)
-    assert Axis("A", False, (0.0, 0.2)).overrun == pytest.approx(0.002)
+    assert iso_axis("X", False, (0.0, 0.02)).overrun == pytest.approx(0.0002)
+    assert iso_axis("A", False, (0.0, 0.2)).overrun == pytest.approx(0.002)
     assert C.overrun == pytest.approx(math.radians(1.0))
 
 

@@ -11,7 +11,7 @@ import axiscal_core as ac
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
 from axiscal.machine import Machine, load_machine
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import breaks_along
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -138,7 +138,7 @@ def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
 
 
 def test_breaks_are_knots_and_edges_of_visited_cells() -> None:
-    axis = Axis("X", False, (0.0, 0.4))
+    axis = iso_axis("X", False, (0.0, 0.4))
     machine = Machine("m", (axis,), 0.0, (ErrorEntry("EXX", 1e-6, knots=3, rest=1e-6),), "", "")
     observation = Observation(ErrorModel(machine), (mounted(machine, "probe", (1.0, 0.0, 0.0)),))
     assert breaks_along(observation, 0, 0) == pytest.approx([0.0, 0.2, 0.4])

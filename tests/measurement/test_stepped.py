@@ -17,7 +17,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import ReadingError
 from axiscal.machine import Machine
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.candidates import breaks_along
@@ -68,7 +68,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, bas
 
 
 def test_a_way_that_rises_along_x_turns_the_level_about_minus_y() -> None:
-    machine = Machine("m", (Axis("X", False, (0.0, 1.0)),), 0.0, (ErrorEntry("EZX", 1e-5, knots=5),), "", "")
+    machine = Machine("m", (iso_axis("X", False, (0.0, 1.0)),), 0.0, (ErrorEntry("EZX", 1e-5, knots=5),), "", "")
     setup = replace(stepped(machine, 0, 0.2), direction=(0.0, 1.0, 0.0), unknowns=())
     rows = Observation(ErrorModel(machine), (setup,)).rows(0, np.array([[0.3], [0.9]]), np.ones((2, 1))).rows
     rising = 10e-6 * np.linspace(0.0, 1.0, 5)
@@ -83,7 +83,7 @@ def _slide(knots: int = 9) -> ErrorModel:
         ErrorEntry("EBX", 2e-5, knots=5, rest=1e-6),
         ErrorEntry("EZX_reversal", 2e-6),
     )
-    return ErrorModel(Machine("m", (Axis("X", False, (0.0, 1.0)),), 0.1, entries, "", ""))
+    return ErrorModel(Machine("m", (iso_axis("X", False, (0.0, 1.0)),), 0.1, entries, "", ""))
 
 
 def along(positions: list[float]) -> Places:

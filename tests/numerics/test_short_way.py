@@ -7,7 +7,7 @@ import pytest
 from ortools.sat.python import cp_model
 
 from axiscal.machine import load_machine
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import approach_seconds
 from axiscal.numerics import Array
@@ -16,7 +16,7 @@ from axiscal.numerics.short_way import _GAIN, _moved_segment, route, route_secon
 TICK = 1e-4
 """Seconds in which OR-tools counts: it wants whole numbers."""
 
-MILL = Machine("m", tuple(Axis(n, False, (0.0, 0.6)) for n in "XYZ"), 0.1, (), "", "")
+MILL = Machine("m", tuple(iso_axis(n, False, (0.0, 0.6)) for n in "XYZ"), 0.1, (), "", "")
 
 
 def shortest_by_or_tools(table: Array, first: Array) -> tuple[float, float]:

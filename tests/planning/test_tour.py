@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.exceptions import PlanError
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.reading import Places
@@ -32,7 +32,7 @@ def gantry(candidates: int, speed: float, zero: float = 0.0, reading: float = 1.
 
     speed : m/s; zero : of each set-up, m; reading : s; settings : set-ups, each takes a minute more to mount
     """
-    axes = tuple(Axis(name, False, (0.0, far), speed, 1.0) for name, far in (("X", 2.0), ("Y", 1.5)))
+    axes = tuple(iso_axis(name, False, (0.0, far), speed, 1.0) for name, far in (("X", 2.0), ("Y", 1.5)))
     errors = tuple(ErrorEntry(name, 2e-5, knots=4) for name in ("EZX", "EZY", "EAX"))
     machine, unknowns = Machine("m", axes, 0.0, errors, "", ""), (Unknown("zero", zero),) if zero else ()
     way, still, noises = (0.0, 0.0, 1.0), ((0, 1), (1.0, 0.75)), 1e-6 / np.arange(1, settings + 1)

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import Driving
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import Program, dialect, programs
+from axiscal_core.axes import Axis
 from tests.programs.readers import (
     READERS,
     Event,
@@ -81,11 +82,11 @@ def _axis(rng: np.random.Generator, name: str) -> Axis:
     if name in "ABC":
         low, length = rng.choice([0.0, -math.pi, rng.uniform(-3, 1)]), rng.choice([math.tau, rng.uniform(0.2, 6)])
         speed = float(rng.uniform(0.1, 5))
-        return Axis(name, True, (float(low), float(low + length)), speed, stated_overrun=_overrun(rng, length))
+        return iso_axis(name, True, (float(low), float(low + length)), speed, overrun=_overrun(rng, length))
     low, length = rng.uniform(-1, 0.3), 10 ** rng.uniform(-2, 0.5)
     low, length = (low, length) if rng.random() < 0.5 else (round(low, 3), round(length, 2))
     speed = float(rng.uniform(0.01, 3))
-    return Axis(name, False, (float(low), float(low + length)), speed, stated_overrun=_overrun(rng, length))
+    return iso_axis(name, False, (float(low), float(low + length)), speed, overrun=_overrun(rng, length))
 
 
 def _overrun(rng: np.random.Generator, length: float) -> float | None:
@@ -202,7 +203,7 @@ class Judge:
                 self.faults.append(f"{axis.name} comes to {here} over {self.run.get(axis.name)} instead of {overrun}")
 
     def _overrun(self, axis: Axis) -> float:
-        asked = axis.stated_overrun
+        asked = axis.overrun
         return min(math.radians(1) if axis.rotary else 1e-3, axis.length / 100) if asked is None else asked
 
     def _pause(self, events: list[Event]) -> None:

@@ -12,10 +12,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.programs import controllers
 from axiscal.programs.program import plain, program_name
 from axiscal.programs.scale import AxisScale
+from axiscal_core.axes import Axis
 from tests.programs.judge import Plan, random_plan, read_back
 
 seeds = st.integers(10**6, 2 * 10**6)
@@ -83,7 +84,7 @@ def test_any_set_up_makes_a_name_that_every_control_takes(text: str, number: int
 def test_a_written_coordinate_is_the_nearest_within_the_travel(
     low: float, length: float, share: float, decimals: int, turns: bool
 ) -> None:
-    axis = Axis("A" if turns else "X", False, (low, low + length))
+    axis = iso_axis("A" if turns else "X", False, (low, low + length))
     scale = AxisScale.of_axis(axis, decimals)
     value = min(low + share * length, low + length)
     number = scale.nearest(value)

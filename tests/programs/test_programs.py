@@ -12,7 +12,7 @@ import pytest
 
 from axiscal.exceptions import InputError, ProgramError
 from axiscal.machine import Machine
-from axiscal.machine.axis import Axis
+from axiscal.machine.axis import iso_axis
 from axiscal.machine.motion import USUAL, Driving, inward
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place
@@ -22,8 +22,8 @@ from axiscal.programs.scale import AxisScale
 from tests.programs.judge import Judge, Plan, judged
 from tests.programs.readers import READERS, Halt, Move
 
-TABLE = Axis("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
-SLIDE = Axis("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)
+TABLE = iso_axis("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
+SLIDE = iso_axis("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)
 MACHINE = Machine("Mill (old)", (TABLE, SLIDE), 0.1, (), "w-C'-b-X-t", "")
 SETUP = Setup("laser 1", "interferometer", (1, 0, 0), (1,), (0.0, 0.25), 1e-6, (), 0, 1.5, 3.0, (0.0, 0.0), "both")
 UP, DOWN = Place(SETUP.name, (0.0, 0.1), (0, 1)), Place(SETUP.name, (0.0, 0.3), (0, -1))
@@ -50,7 +50,7 @@ def refusal(*places: Place, driving: Driving = USUAL, machine: Machine = MACHINE
 
 def single(name: str) -> Machine:
     """Return a machine of one axis."""
-    return Machine("m", (Axis(name, False, (0.0, 0.5)),), 0.0, (), "", "")
+    return Machine("m", (iso_axis(name, False, (0.0, 0.5)),), 0.0, (), "", "")
 
 
 def test_an_approach_without_room_is_refused_and_named() -> None:
@@ -60,7 +60,7 @@ def test_an_approach_without_room_is_refused_and_named() -> None:
     assert "less than the overrun of 1 mm" in why
     assert "from the other side, or give the axis a smaller overrun" in why
     assert refusal(replace(DOWN, pose=(0.0, 0.5)))
-    longer = replace(MACHINE, axes=(TABLE, replace(SLIDE, stated_overrun=0.02)))
+    longer = replace(MACHINE, axes=(TABLE, replace(SLIDE, overrun=0.02)))
     assert "X+ at X" in refusal(replace(UP, pose=(0.0, 0.001)), machine=longer)
 
 
@@ -93,7 +93,7 @@ def test_a_number_is_read_again_before_it_is_written(value: str) -> None:
 
 
 def test_a_travel_without_any_number_that_can_be_written_is_refused() -> None:
-    sliver = Machine("m", (Axis("X", False, (0.10000004, 0.10000006)),), 0.0, (), "", "")
+    sliver = Machine("m", (iso_axis("X", False, (0.10000004, 0.10000006)),), 0.0, (), "", "")
     assert "no number with 4 decimals" in refusal(Place(SETUP.name, (0.10000005,), (0,)), machine=sliver)
 
 
@@ -225,7 +225,7 @@ def test_the_judge_of_the_random_plans_sees_what_is_spoilt(what: str) -> None:
 
 def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
     """Wherever X or Y go further than an overrun, Z is at its clearance; so it is when the program ends."""
-    axes = tuple(Axis(name, False, (0.0, 0.5)) for name in "XYZ")
+    axes = tuple(iso_axis(name, False, (0.0, 0.5)) for name in "XYZ")
     mill = Machine("m", axes, 0.0, (), "", "")
     probe = Setup("p", "probe", (1, 0, 0), (0, 1, 2), (0.0,) * 3, 1e-6, (), 0, 0.001, 0, (0.0,) * 3, "both")
     rng = np.random.default_rng(3)

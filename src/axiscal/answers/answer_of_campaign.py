@@ -45,7 +45,6 @@ from axiscal.estimation.functionals.functional import AxisLine, SignedSize, sign
 from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, warmth, with_one_more
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
-from axiscal.machine.axis import Axis
 from axiscal.measurement.reading import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
@@ -54,6 +53,7 @@ from axiscal.tables.offer import places
 from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
 from axiscal.units import digits, to_unit
+from axiscal_core.axes import Axis
 from axiscal_core.threads import one_thread
 
 _COSTS = 1.01

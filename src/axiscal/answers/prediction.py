@@ -13,6 +13,7 @@ from axiscal.estimation.functionals.asked import beside_the_line
 from axiscal.estimation.knowledge import taken
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
+from axiscal.machine.axis import travel_text
 from axiscal.machine.description import Machine
 from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.readers.csv_table import RawPose
@@ -109,7 +110,7 @@ def pose_and_sides(
         at = position.get(axis.name, (low + high) / 2)
         if not low - _SLACK <= at <= high + _SLACK:
             what, shown = "{axis} = {shown} is outside the travel", f"{to_unit(at, axis.unit):g} {axis.unit}"
-            raise ReadingError(what, "{axis} goes from {travel}", axis=axis.name, shown=shown, travel=axis.travel_text)
+            raise ReadingError(what, "{axis} goes from {travel}", axis=axis.name, shown=shown, travel=travel_text(axis))
         pose.append(at)
     return pose, [float(approach.get(name, 0)) for name in names]
 

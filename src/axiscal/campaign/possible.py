@@ -19,7 +19,6 @@ from axiscal.estimation.inheritance import created_description
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError, UnitError
 from axiscal.language.spoken import said
-from axiscal.machine import Axis
 from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit, refuse_other_values
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
@@ -28,6 +27,7 @@ from axiscal.record.events import Asked, Created, Event, Mounted, Noted, Planned
 from axiscal.record.log import EventLog
 from axiscal.record.store import restoring
 from axiscal.units import format_quantity, parse_quantity, within
+from axiscal_core.axes import Axis
 from axiscal_core.refusals import one
 
 LONGEST_TEXT = 2000

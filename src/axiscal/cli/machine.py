@@ -12,6 +12,7 @@ from axiscal.cli.printing import say, say_either
 from axiscal.errors.gauge import machine_check, undescribed
 from axiscal.language.spoken import said
 from axiscal.machine import builtin_names, load_machine
+from axiscal.machine.axis import travel_text
 from axiscal.machine.questions import questions, which_way
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
@@ -77,7 +78,7 @@ def check(
     all_seen = "Readings of the tool point can see every error."
     lines = [
         f"{machine.name}: {machine.chain}, " + said("errors described: {count}.", count=len(machine.error_names)),
-        *(f"  {axis.name:3} {axis.travel_text}, {carries[axis.workpiece_side]}" for axis in machine.axes),
+        *(f"  {axis.name:3} {travel_text(axis)}, {carries[axis.workpiece_side]}" for axis in machine.axes),
         *(said("Mind: {sentence}", sentence=question) for question in open_ones),
         said("What no reading of the tool point can see:" if hidden else all_seen),
         *(f"- {sentence}" for sentence in hidden),

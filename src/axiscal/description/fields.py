@@ -15,12 +15,14 @@ from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import LANGUAGES, later, said
-from axiscal.machine import Axis, Machine
+from axiscal.machine import Machine
+from axiscal.machine.axis import travel_text
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.kind import Instrument
 from axiscal.measurement.instruments.written import PORTS, named
 from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.units import parse_quantity
+from axiscal_core.axes import Axis
 
 Ends = tuple[float, float]
 _PLANES = ("xy", "yz", "zx")
@@ -127,7 +129,7 @@ def coordinate(text: str, axis: Axis) -> float:
     slack = 1e-9 * axis.length
     if not low - slack <= value <= high + slack:
         what = '"{text}" is outside the travel of {axis}'
-        raise DescriptionError(what, "It goes from {travel}", text=text, axis=axis.name, travel=axis.travel_text)
+        raise DescriptionError(what, "It goes from {travel}", text=text, axis=axis.name, travel=travel_text(axis))
     return min(max(value, low), high)
 
 
@@ -135,7 +137,7 @@ def ends_on(texts: Sequence[str], axis: Axis) -> tuple[float, float]:
     """Return two increasing coordinates within the travel, m or rad; raises DescriptionError or UnitError."""
     if len(texts) != 2:
         remedy = "The axis goes from {travel}"
-        raise DescriptionError("{text} has not two ends", remedy, text=shown(texts), travel=axis.travel_text)
+        raise DescriptionError("{text} has not two ends", remedy, text=shown(texts), travel=travel_text(axis))
     low, high = (coordinate(text, axis) for text in texts)
     if not low < high:
         raise DescriptionError("{text} does not increase", "Give the lower end first", text=shown(texts))

@@ -12,13 +12,14 @@ import numpy as np
 from axiscal.document.ports import templates
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later
-from axiscal.machine import Axis, Machine
+from axiscal.machine import Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.bodies import CLEAR, parts
 from axiscal.measurement.touched import Cycle
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
+from axiscal_core.axes import Axis
 
 if TYPE_CHECKING:
     from jinja2 import Environment

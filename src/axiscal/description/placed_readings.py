@@ -20,7 +20,8 @@ from axiscal.description.campaign import CampaignDescription, with_offset, with_
 from axiscal.description.setup_of_reading import setup_of
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.language.spoken import joined, said
-from axiscal.machine import Axis, Machine
+from axiscal.machine import Machine
+from axiscal.machine.axis import travel_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.candidates import arrivals_of
 from axiscal.measurement.charts.kinds import Circle, Held
@@ -35,6 +36,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import TOUCHES, met_from, off_ball, read_as
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
+from axiscal_core.axes import Axis
 
 
 @dataclass(frozen=True, slots=True)
@@ -283,7 +285,7 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: _ByAxis, roundin
         if moves:
             what = '{axis} moves in the set-up "{setup}", and its position is not given'
             remedy = "Say where it stood, anywhere from {travel}"
-            raise ReadingError(what, remedy, axis=axis.name, setup=setup.name, travel=axis.travel_text)
+            raise ReadingError(what, remedy, axis=axis.name, setup=setup.name, travel=travel_text(axis))
         return setup.park[index]
     value, unit = position[axis.name], axis.unit
     slack, (low, high) = _STILL[False] if setup.base else 1e-9 * axis.length, setup.span(axis, index)
@@ -315,7 +317,7 @@ def _refuse_outside(setup: Setup, axis: Axis, index: int, value: float) -> NoRet
         remedy = "Its reach is {travel}: correct the reading, or the reach in campaign.toml"
     shown, base = (format_quantity(each, axis.unit, 9) for each in (value, setup.base or 0.0))
     whose = {"axis": axis.name, "setup": setup.name, "instrument": setup.instrument, "base": base, "shown": shown}
-    raise ReadingError(what, remedy, None, None, travel=replace(axis, travel=limit).travel_text, **whose)
+    raise ReadingError(what, remedy, None, None, travel=travel_text(replace(axis, travel=limit)), **whose)
 
 
 def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:

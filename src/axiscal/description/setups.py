@@ -23,7 +23,7 @@ from axiscal.document import Document, meant, shown
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import joined, said
-from axiscal.machine import Axis
+from axiscal.machine.axis import travel_text
 from axiscal.measurement.charts.kinds import Line
 from axiscal.measurement.instrument import HALVES, PRINTER_PROBE, model_of
 from axiscal.measurement.instruments.displacement import SQUARE
@@ -31,6 +31,7 @@ from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.setup import Nodes, Setup, Unknown, Vector
 from axiscal.units import format_quantity, to_unit
+from axiscal_core.axes import Axis
 from axiscal_core.instrument import TOOL
 
 _SHORTEST_REACH = 4.0
@@ -300,4 +301,4 @@ def _refuse_no_multiple(step: float, axis: Axis, reach: tuple[float, float] | No
         raise DescriptionError(what, remedy, text=size, axis=axis.name)
     what = "no multiple of {text} lies in the travel of {axis}"
     remedy = "Give a smaller step; the axis goes from {travel}"
-    raise DescriptionError(what, remedy, text=size, axis=axis.name, travel=axis.travel_text)
+    raise DescriptionError(what, remedy, text=size, axis=axis.name, travel=travel_text(axis))

@@ -20,7 +20,7 @@ from axiscal.document.validation import Stated
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
-from axiscal.machine import Axis, Machine
+from axiscal.machine import Machine
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
@@ -31,6 +31,7 @@ from axiscal.measurement.instruments.kind import Rotation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
+from axiscal_core.axes import Axis
 from axiscal_core.points import even_points
 
 _LOOKED_AT = 1000

@@ -17,6 +17,7 @@ from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
 from axiscal.machine import Machine
+from axiscal.machine.axis import travel_text
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
@@ -346,7 +347,7 @@ class SiteReader(Stated[SetupTable]):
             if not axis.travel[0] <= place <= axis.travel[1]:
                 what, at = '"{text}" is outside the travel of {axis}', format_quantity(place, axis.unit)
                 raise self.misstated(
-                    ("park", name), what, "It goes from {travel}", text=at, axis=name, travel=axis.travel_text
+                    ("park", name), what, "It goes from {travel}", text=at, axis=name, travel=travel_text(axis)
                 )
             places[index] = place
         return tuple(places)

@@ -23,11 +23,11 @@ from itertools import combinations
 
 import numpy as np
 
-from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry, Sure, side_name
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
+from axiscal_core.axes import Axis
 from axiscal_core.left_out import OFF
 from axiscal_core.theta import SURE, Kind, Size, Sizes
 

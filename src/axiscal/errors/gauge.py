@@ -18,11 +18,12 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.term import Term
 from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
 from axiscal.language.spoken import capital, counted, joined, later, listed, put, said
-from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.axis import letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import COMPONENTS
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
+from axiscal_core.axes import Axis
 from axiscal_core.from_scipy import solution, triangle_over
 from axiscal_core.splines import NaturalSpline, gauss
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from axiscal.machine.axis import Axis
 from axiscal.machine.entry import JOINT, KNOTS_PER_WAVE, ErrorEntry
 from axiscal.numerics import Array
+from axiscal_core.axes import Axis
 from axiscal_core.splines import (
     Constant,
     CyclicSpline,

@@ -15,7 +15,6 @@ import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import later, listed, said
-from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.cells import wandered
@@ -27,6 +26,7 @@ from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
+from axiscal_core.axes import Axis
 
 _LEARNABLE = 4.0
 """How many times larger than stated an error may be where its std is to be learnt."""

@@ -15,10 +15,11 @@ from axiscal.errors.volume import EVERY_WAY, Box, Counted, deviation_of
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
-from axiscal.machine import Axis, Machine
+from axiscal.machine import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal_core.axes import Axis
 
 _SILENT = 0.95
 Grid = tuple[Array, Array]

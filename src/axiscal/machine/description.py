@@ -19,11 +19,12 @@ from axiscal.document.quoting import meant
 from axiscal.document.validation import Stated
 from axiscal.exceptions import ChainError, DescriptionError, Faults, InputError
 from axiscal.language.spoken import said
-from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, Axis
+from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, iso_axis
 from axiscal.machine.entry import ErrorEntry, as_fine_as_is_cheap
 from axiscal.machine.errors_table import read_errors
 from axiscal.machine.machine_schema import AxisTable, MachineFile
 from axiscal.units import Dimension, format_quantity
+from axiscal_core.axes import Axis
 from axiscal_core.refusals import one
 
 Span = tuple[float, float]
@@ -115,7 +116,7 @@ def _check_tables(document: Document, tables: MachineFile, names: list[str]) -> 
 
 def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> Axis | None:
     """Return an axis; None where something in its table is wrong, which is noted, all of it."""
-    axis, before = Axis(link.name, link.workpiece_side, (0.0, 1.0)), len(faults.found)
+    axis, before = iso_axis(link.name, link.workpiece_side, (0.0, 1.0)), len(faults.found)
     stated, turns = Stated(document, table, ("axes", link.name)), axis.rotary
     speed = faults.tried(stated.within, "speed", "rotation_speed" if turns else "speed", 1e-9, 1e4)
     rate: Dimension = "rotation_acceleration" if turns else "acceleration"
@@ -128,7 +129,7 @@ def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> A
     travel, overrun, beyond = spans
     said = table.direction, table.shows == "diameter"
     fast = speed or 0.0, acceleration or 0.0
-    return Axis(axis.name, axis.workpiece_side, travel, *fast, origin, overrun, beyond, *said)
+    return iso_axis(axis.name, axis.workpiece_side, travel, *fast, origin, overrun, beyond, *said)
 
 
 def _refuse_diameter(stated: Stated[AxisTable], axis: Axis) -> None:

@@ -16,7 +16,7 @@ from typing import Literal
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
-from axiscal.machine.axis import Axis
+from axiscal_core.axes import Axis
 
 Kind = Literal["motion", "location", "reversal"]
 Shape = Literal["curve", "pitch", "step", "plane"]

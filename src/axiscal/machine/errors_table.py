@@ -13,7 +13,7 @@ from axiscal.document import Document, shown
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.language.spoken import joined, later, said
-from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.axis import letter_direction, travel_text
 from axiscal.machine.entry import (
     COMPONENTS,
     JOINT,
@@ -30,6 +30,7 @@ from axiscal.machine.entry import (
 )
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.units import Dimension
+from axiscal_core.axes import Axis
 
 MOST_PRODUCTS = 1600
 """Control values of one plane: 40 x 40; an update with more takes seconds."""
@@ -281,5 +282,5 @@ def _joints(stated: Stated[ErrorTable], axis: Axis) -> tuple[float, ...]:
     if any(after - before < 2 * JOINT for before, after in pairwise([low, *places, high])):
         what = "{places}: joints lie within the travel, one after the other"
         remedy, shown_places = "{axis} goes from {travel}; leave 2 mm between them", ", ".join(map(shown, texts))
-        raise DescriptionError(what, remedy, places=shown_places, axis=axis.name, travel=axis.travel_text)
+        raise DescriptionError(what, remedy, places=shown_places, axis=axis.name, travel=travel_text(axis))
     return places

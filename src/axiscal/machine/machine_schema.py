@@ -10,7 +10,7 @@ from pydantic_core import PydanticKnownError
 
 from axiscal.document import QuantityText
 from axiscal.document.validation import QuantityOf
-from axiscal.machine.axis import Counting
+from axiscal_core.axes import Counting
 
 Twice = tuple[str, str]
 

@@ -17,9 +17,9 @@ import numpy as np
 
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
-from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
+from axiscal_core.axes import Axis
 
 FAMILIES = ("XYZ", "UVW", "PQR", "ABC")
 """Letters that one feed counts for; LinuxCNC takes a feed for XYZ alone when U moves too."""

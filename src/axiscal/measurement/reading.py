@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
-from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.instruments.kind import Reads
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from axiscal_core.axes import Axis
 
 
 @dataclass(frozen=True, slots=True)

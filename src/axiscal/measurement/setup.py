@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
-from axiscal.machine.axis import Axis
 from axiscal.machine.motion import USUAL, Driving
+from axiscal_core.axes import Axis
 
 if TYPE_CHECKING:
     from axiscal.measurement.artefact import Artefact

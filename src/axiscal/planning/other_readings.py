@@ -28,7 +28,6 @@ from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.exceptions import PlanError
-from axiscal.machine.axis import Axis
 from axiscal.machine.motion import inward
 from axiscal.measurement.candidates import distinct, drawn_places
 from axiscal.measurement.reading import Place, Places, Reading
@@ -39,6 +38,7 @@ from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import EVERY
 from axiscal.record.events import Gap
 from axiscal.units import from_unit, to_unit
+from axiscal_core.axes import Axis
 from axiscal_core.theta import MANY
 
 Pose = tuple[float, ...]

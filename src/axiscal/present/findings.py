@@ -21,7 +21,6 @@ from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import WORDS, capital, listed, put, said
-from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading, place_text, reading_unit, sense, units_of
 from axiscal.measurement.setup import Setup
@@ -31,6 +30,7 @@ from axiscal.planning.unseen import FEWEST, hidden_of, seeing, sees, unseen_peri
 from axiscal.present.beside import beside_the_tool, lagging
 from axiscal.present.summary import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
+from axiscal_core.axes import Axis
 from axiscal_core.theta import Kind
 
 _BY_CHANCE = 1e-4

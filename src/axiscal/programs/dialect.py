@@ -11,8 +11,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from axiscal.exceptions import ProgramError
-from axiscal.machine.axis import Axis
 from axiscal.programs.steps import Touched
+from axiscal_core.axes import Axis
 
 LETTERS = "XYZABCUVW"
 Lines = tuple[str, ...]

@@ -12,7 +12,6 @@ import numpy as np
 from axiscal.document import shown
 from axiscal.document.ports import rendered
 from axiscal.exceptions import ProgramError
-from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back, frames
 from axiscal.measurement.instrument import instrument_of
@@ -26,6 +25,7 @@ from axiscal.programs.kept_out import refuse_kept_out
 from axiscal.programs.scale import ReadingTarget, target
 from axiscal.programs.sphere_cycle import SphereCycle
 from axiscal.programs.standing import standing
+from axiscal_core.axes import Axis
 
 LONGEST = 60
 """Characters of a remark that every control shows."""

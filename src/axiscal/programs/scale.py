@@ -10,9 +10,9 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError, TravelError
 from axiscal.language.spoken import said
-from axiscal.machine.axis import Axis
 from axiscal.machine.motion import near
 from axiscal.units import format_quantity, to_unit
+from axiscal_core.axes import Axis
 
 Decimals = tuple[Decimal, ...]
 _ROUNDED = 3

@@ -19,6 +19,7 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.machine.axis import travel_text
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames, solved
 from axiscal.measurement.readers.text_file import TextFile
@@ -245,7 +246,7 @@ def _refuse_outside(file: TextFile, moving: Sequence[PartLine], sent: Sent, mach
                 far = format_quantity(float(at.min() if at.min() < low else at.max()), "mm", 7)
                 what = "{axis} goes to {far} of the machine, outside the travel"
                 remedy = "It goes from {travel}: say by --origin where the program's zero lies"
-                told = {"axis": axis.name, "far": far, "travel": axis.travel_text}
+                told = {"axis": axis.name, "far": far, "travel": travel_text(axis)}
                 raise file.fail(what, remedy, block.line, **told)
 
 

@@ -28,11 +28,11 @@ from numpy.typing import NDArray
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.axis import Axis
 from axiscal.numerics import Array
 from axiscal.tables.conditional import mean_along, turned
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.units import format_quantity
+from axiscal_core.axes import Axis
 
 SAMPLES = 1025
 """Places at which curve and line are compared; a table has some tens of points."""

@@ -19,7 +19,7 @@ from axiscal.errors.volume import EVERY_WAY, Box, Counted
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.axis import iso_axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, frames, solved, turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
@@ -236,7 +236,7 @@ def with_height(estimate: Estimate) -> Estimate:
     machine = estimate.machine
     if sorted(axis.name for axis in machine.axes) != ["X", "Y"]:
         return estimate
-    upright = Axis("Z", False, (0.0, 1e-3))
+    upright = iso_axis("Z", False, (0.0, 1e-3))
     taller = replace(machine, axes=(*machine.axes, upright), chain=f"{machine.chain.removesuffix('-t')}-Z-t")
     return Estimate(ErrorModel(taller), estimate.belief, (*estimate.box, (0.0, 0.0)), estimate.grid)
 

@@ -15,13 +15,14 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.term import Term
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.axis import letter_direction
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.vcomp_applying import KNOTS, MOTIONS, VcompAxis, VcompFile, at_zero, component_control, fnv1a
 from axiscal.units import to_unit
+from axiscal_core.axes import Axis
 
 _FORM = "axiscal-vcomp 1"
 _AGAIN = "export it again; nothing in it may be changed"

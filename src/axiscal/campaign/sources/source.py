@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from axiscal.document.ports import of_class
 from axiscal.exceptions import ReadingError, SourceError
 from axiscal.language.spoken import said
-from axiscal.machine import Axis
 from axiscal.measurement.readers.csv_readings import Around, RawReading
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import approach_text, refuse_other_values, shown_approach, shown_pose
 from axiscal.measurement.setup import Setup
 from axiscal.units import format_quantity
+from axiscal_core.axes import Axis
 
 if TYPE_CHECKING:
     from axiscal.measurement.simulation import VirtualMachine

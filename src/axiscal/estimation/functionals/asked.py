@@ -22,10 +22,11 @@ from axiscal.estimation.functionals.functional import (
     through_the_volume,
     ways_of,
 )
-from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.axis import letter_direction
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal_core.axes import Axis
 
 _LETTERS = "XYZ"
 EACH = 0.1

@@ -27,7 +27,7 @@ from axiscal.description.target import ABOUT, ANGLES, Kind
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.belief import Belief
-from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.axis import letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames, in_frame
 from axiscal.measurement.instrument import model_of, values_of
@@ -35,6 +35,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
+from axiscal_core.axes import Axis
 
 NOUGHT = 1e-12
 """m or rad: rounding. No error that the machine describes makes such a number."""

@@ -22,6 +22,7 @@ import numpy as np
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
+from axiscal.machine.axis import travel_text
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Deviation, frames
 from axiscal.measurement.setup import Figures, Setup
@@ -209,7 +210,7 @@ class Rotation(Kind):
         base, axis = setup.base, machine.axes[setup.moves[0]]
         if base >= axis.length:
             what = "a base of {base} is not shorter than the travel of {axis}"
-            remedy, travel = "Both feet stand within the travel, which is {travel}", axis.travel_text
+            remedy, travel = "Both feet stand within the travel, which is {travel}", travel_text(axis)
             raise DescriptionError(what, remedy, base=format_quantity(base, "mm", 6), axis=axis.name, travel=travel)
         slope_seen = across(machine, setup, np.array([setup.park]))[0]
         if abs(np.linalg.norm(slope_seen) - 1) > _ALONG:

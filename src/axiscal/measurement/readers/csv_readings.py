@@ -18,7 +18,6 @@ from typing import Literal
 
 from axiscal.document import meant, shown
 from axiscal.exceptions import Faults, UnitError
-from axiscal.machine.axis import Axis
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, TIMES, Column, Units, whole
@@ -28,6 +27,7 @@ from axiscal.measurement.readers.text_file import TextFile
 from axiscal.measurement.reading import Places, Reading, approach_text, columns_of
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import parse_quantity, to_unit
+from axiscal_core.axes import Axis
 
 _DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
 _NO_YEAR = 1900

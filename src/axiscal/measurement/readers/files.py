@@ -12,7 +12,6 @@ from axiscal.document.gone import instead_of
 from axiscal.document.ports import names, of_class, one_of
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import counted, joined, later, put, said
-from axiscal.machine.axis import Axis
 from axiscal.measurement.readers import bed_map, marlin_map, point_lists
 from axiscal.measurement.readers.axis_tests import axis_named, axis_test, test_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
@@ -22,6 +21,7 @@ from axiscal.measurement.readers.renishaw import file_type, laser_test
 from axiscal.measurement.readers.text_file import LINES_OF, TextFile, telling
 from axiscal.measurement.setup import Setup
 from axiscal.units import to_unit
+from axiscal_core.axes import Axis
 
 PORTS = "axiscal.readers"
 """Group of the entry points by which packages bring readers."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, said
-from axiscal.machine import Axis, Machine
+from axiscal.machine import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
@@ -20,6 +20,7 @@ from axiscal.present.drawing.svg_picture import SCREENS, Drawing, picture_file
 from axiscal.present.machine_drawing.instruments import MountedSetup, instrument_parts, reading_parts
 from axiscal.present.machine_drawing.machine_scene import box_corners, edges, machine_parts, reach_edges
 from axiscal.present.machine_drawing.standing_machine import Measures, StandingMachine, name_of, up
+from axiscal_core.axes import Axis
 
 _LINE = 20.0
 """Pixels from one line of text to the next."""

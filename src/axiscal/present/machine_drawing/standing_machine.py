@@ -12,12 +12,12 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import EYE, Arrow, Part
 from axiscal_core import rigid
+from axiscal_core.axes import Axis
 
 BED = -1
 """The part that nothing moves."""

@@ -23,7 +23,6 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.numerics import Array
@@ -34,6 +33,7 @@ from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError, anchored, curves, tip_control
 from axiscal.units import from_unit, to_unit
+from axiscal_core.axes import Axis
 
 _UNIT = 1e-4
 """One unit of a list in mm or deg."""

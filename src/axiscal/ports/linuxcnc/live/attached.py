@@ -16,6 +16,7 @@ from axiscal.campaign.sources.source import Answer, Request, Skip, at_the_termin
 from axiscal.document import shown
 from axiscal.exceptions import InputError, SourceError, TravelError
 from axiscal.language.spoken import said
+from axiscal.machine.axis import travel_text
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back, frames
 from axiscal.measurement.instrument import instrument_of
@@ -378,4 +379,4 @@ def _refuse_other_machine(status: dict[str, Any], machine: Machine) -> None:
             ends = said("{low} to {high}", low=low_text, high=high_text)
             what = "LinuxCNC lets {axis} go from {ends}, and machine.toml says {travel}"
             remedy = "Keep the travel within the limits of the INI file; or its units are others"
-            raise SourceError(what, remedy, axis=axis.name, ends=ends, travel=axis.travel_text)
+            raise SourceError(what, remedy, axis=axis.name, ends=ends, travel=travel_text(axis))

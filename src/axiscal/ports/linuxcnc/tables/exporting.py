@@ -18,7 +18,6 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import said
-from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.ports.linuxcnc.tables import cross, pivots
 from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
@@ -28,6 +27,7 @@ from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit
+from axiscal_core.axes import Axis
 
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
@@ -189,7 +189,7 @@ def over_turns(table: CompensationTable, machine: Machine) -> CompensationTable:
 
 def turns(axis: Axis) -> tuple[int, int]:
     """Return the turns below and above the travel that a table holds: two each where nobody said, never over five."""
-    below, above = axis.stated_turns or (MOST_TURNS // 2, MOST_TURNS // 2)
+    below, above = axis.turns or (MOST_TURNS // 2, MOST_TURNS // 2)
     spare = MOST_TURNS - 1
     low = min(below, max(spare // 2, spare - above))
     return low, min(above, spare - low)
