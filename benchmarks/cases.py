@@ -6,17 +6,17 @@ import numpy as np
 
 import axiscal_core as ac
 from axiscal.errors.gauge import unseen_factor
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.estimation.belief import Belief
-from axiscal.machine import Machine, load_machine
+from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.planning.plan.task import Task
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 from benchmarks.peers.problems import Stacked
 
 
@@ -24,8 +24,8 @@ def stacked(case: Stacked, candidates: int, volume: bool = False) -> Task:
     """Return one of the cases under the criterion `joint`, or `volume`."""
     names = "XYZUV"[: case.axes]
     axes = tuple(iso_axis(name, False, (0.0, 10.0)) for name in names)
-    errors = tuple(ErrorEntry(f"EZ{name}", 1.0, knots=case.knots) for name in names)
-    machine = Machine("stacked", axes, 0.0, errors, "", "")
+    errors = tuple(Error(f"EZ{name}", 1.0, knots=case.knots) for name in names)
+    machine = Machine(axes, errors, 0.0, name="stacked")
     count = case.axes
     moves, park, raster = tuple(range(count)), (5.0,) * count, (0.0,) * count
     setup = Setup("s", "indicator", (0.0, 0.0, 1.0), moves, park, case.noise, (), 0.0, 0.0, 1.0, raster, "+")
@@ -55,7 +55,7 @@ def five_axis(candidates: int) -> Task:
 
 
 def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint: bool) -> Task:
-    model = ErrorModel(machine)
+    model = machine
     observation = Observation(model, setups)
     belief = Belief(np.zeros(observation.size), observation.prior_covariance())
     coarse = spread(machine, setups, 1000)

@@ -13,17 +13,16 @@ import axiscal as ac
 def main() -> dict[str, object]:
     """Return the standard deviation of the TCP as C turns, and what a tilt of the axis of C contributes."""
     machine = ac.load_machine("dmu60")
-    model = ac.ErrorModel(machine)
-    belief = ac.Belief(np.zeros(model.size), model.prior_covariance())
+    before = ac.Normal(np.zeros(machine.size), machine.covariance())
     turn = np.radians(np.arange(0.0, 361.0, 3.0))
     poses = np.tile([0.1, 0.05, 0.2, 0.0, 0.0], (len(turn), 1))  # X, Y, Z in m; B, C in rad
     poses = poses[:, [("X", "Y", "Z", "B", "C").index(axis.name) for axis in machine.axes]]
     poses[:, machine.index("C")] = turn
-    rows = model.rows(poses, np.ones_like(poses))  # (m, 3, size)
-    std = np.stack([belief.predict(rows[:, k]).std for k in range(3)]) * 1e6
-    tilt = rows[:, :, model.names["A0C"].columns][:, :, 0] * 30e-6 * 1e6  # for 30 urad
+    rows = machine.rows(poses, np.ones_like(poses)).displacement  # (m, 3, size)
+    std = np.stack([before.through(rows[:, k]).std for k in range(3)]) * 1e6
+    tilt = rows[:, :, machine.by_name["A0C"].columns][:, :, 0] * 30e-6 * 1e6  # for 30 urad
     return {
-        "unknowns": model.size,
+        "unknowns": machine.size,
         "x at C = 0, um": float(std[0, 0]),
         "z at C = 0, um": float(std[2, 0]),
         "a tilt of 30 urad moves the TCP in z by up to, um": float(np.abs(tilt[:, 2]).max()),

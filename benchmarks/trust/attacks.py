@@ -13,14 +13,13 @@ from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import ReadingError
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
+from axiscal_core.machine import Machine
 from axiscal_core.threads import one_thread
 from benchmarks.trust.benches import BENCHES, Changes, Name, case_of, visits
 
@@ -110,7 +109,7 @@ def _sag(x: Array) -> Array:
 
 
 def _longer(machine: Machine) -> Machine:
-    return replace(machine, tool=machine.tool + _MOVED)
+    return replace(machine, tool=(0.0, 0.0, -machine.tool_length - _MOVED))
 
 
 def _elsewhere(name: str) -> Moved:
@@ -216,7 +215,7 @@ class Attacked:
         left = self.machine.deviation(where, ways) - estimated
         left[:, self.column] += 1e-6 * self.attack.field(where, ways[:, 0], self.own)
         left += _aside(self.stated.description.machine, (self.attack.chain,), where)
-        moved = _moves(frames(self.stated.description.machine, where).tcp)
+        moved = _moves(self.stated.description.machine.frames(where).tcp)
         fitted = np.linalg.lstsq(moved.reshape(-1, 6), left.ravel(), rcond=None)[0]
         size: Array = np.linalg.norm(left - moved @ fitted, axis=1)
         return size
@@ -283,8 +282,8 @@ def _with_tool(attack: Attack, offsets: Offsets) -> Offsets:
 
 def _aside(machine: Machine, moves: tuple[Moved, ...], poses: Array) -> Array:
     """Return how far the tool point stands off for another tool or other axis lines, workpiece frame, (m, 3) m."""
-    stated = frames(machine, poses).tcp
+    stated = machine.frames(poses).tcp
     total: Array = np.zeros_like(stated)
     for moved in moves:
-        total += frames(moved(machine), poses).tcp - stated
+        total += moved(machine).frames(poses).tcp - stated
     return total

@@ -12,17 +12,16 @@ from functools import cache
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine import load_machine
-from axiscal.machine.description import Machine
 from axiscal.measurement.simulation import Simulator, TruthCurve
 from axiscal.numerics import Array
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import places
 from axiscal.tables.surface import left_by
+from axiscal_core.machine import Machine
 from benchmarks.trust.curves import CASES
 from benchmarks.trust.kept import Keeping, Trial
 from benchmarks.trust.virtual import READINGS, SETUPS, read_evenly
@@ -50,7 +49,7 @@ def _alike(positions: Array, values: Array) -> Array:
 def carried_over(machine: Machine, rng: np.random.Generator) -> dict[str, TruthCurve]:
     """Return a curve for each error of a machine, in the mean of the prior's size; constants are drawn from it."""
     found = {}
-    for entry, function in zip(machine.errors, ErrorModel(machine).functions, strict=True):
+    for entry, function in ((term.error, term) for term in machine.curves):
         if entry.kind != "motion":
             found[entry.name] = TruthCurve(np.zeros(1), np.array([entry.std * rng.standard_normal()]))
             continue

@@ -14,11 +14,13 @@ from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.machine import ErrorEntry, Machine, load_machine
+from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.findings import findings
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 from benchmarks.trust.kept import Trial, Tried, one_by_one
 
 _LENGTH = '[[setups]]\nname = "length {0}"\ninstrument = "indicator"\ndirection = "{0}"\napproach = "both"\n'
@@ -62,15 +64,12 @@ def described(name: str, wrong: float, scales: str) -> tuple[CampaignDescription
     description = campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
     true = load_machine(name)
 
-    def stated(entry: ErrorEntry) -> ErrorEntry:
-        rest = None if entry.rest is None else entry.rest * wrong
+    def stated(entry: Error) -> Error:
+        rest = entry.rest if entry.rest is None or entry.sides else entry.rest * wrong
         return replace(entry, std=entry.std * wrong, rest=rest)
 
     machine = description.machine
-    planes = tuple(replace(entry, std=entry.std * wrong) for entry in machine.planes)
-    return replace(
-        description, machine=replace(machine, errors=tuple(map(stated, machine.errors)), planes=planes)
-    ), true
+    return replace(description, machine=replace(machine, errors=tuple(map(stated, machine.stated)))), true
 
 
 def covered(name: str, wrong: float, scales: str, machines: int, tried: Tried = one_by_one) -> Coverage:
@@ -118,8 +117,8 @@ def curves_held(estimation: Estimation, machine: VirtualMachine) -> float:
 
 
 def _curve(estimation: Estimation, name: str, truth: Curve) -> Array:
-    function = estimation.case.errors.names[name]
-    positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], _POSITIONS)
+    function = estimation.case.errors.by_name[name]
+    positions = np.linspace(function.spline.knots[0], function.spline.knots[-1], _POSITIONS)
     mean, std = estimation.estimate().curve(name, positions)
     return (np.abs(truth(positions) - mean) <= BAND * std).astype(float)
 
@@ -208,8 +207,8 @@ def _vouched_for(readings: Sequence[Reading]) -> list[Reading]:
 def _shift(clean: Estimation, other: Estimation) -> float:
     """Return the largest distance between two estimates, in units of the second one's σ."""
     largest = 0.0
-    for function in clean.case.errors.functions:
-        positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)
+    for function in clean.case.errors.curves:
+        positions = np.linspace(function.spline.knots[0], function.spline.knots[-1], 101)
         was, now = (each.estimate().curve(function.name, positions) for each in (clean, other))
         largest = max(largest, float(np.max(np.abs(now.mean - was.mean) / now.std)))
     return largest

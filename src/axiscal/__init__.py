@@ -11,8 +11,8 @@
 or with an `Instrument` of one's own. It plans, judges `Places` of one's own, and goes on after `Readings`. `estimate`
 takes readings to curves, deviations and tables. For whoever builds on the method:
 
-- `load_machine` reads a machine. Its errors are splines (`NaturalSpline`, `CyclicSpline`, `Constant`), stacked by
-  `ErrorModel`. A `Machine` of one's own has each `Axis` and `Error` in Python: its case is the core's; see `report`.
+- `load_machine` reads a machine. Its errors are splines (`NaturalSpline`, `CyclicSpline`, `Constant`). A `Machine` of
+  one's own has each `Axis` and `Error` in Python: its case is the core's; see `report`.
 - A `Belief` is what is known of them.
 - `Case.next` is the reading that sharpens it most.
 
@@ -35,7 +35,6 @@ _HOMES = {
     "Curve": "axiscal.python.estimated",
     "CyclicSpline": "axiscal_core.splines",
     "Error": "axiscal_core",
-    "ErrorModel": "axiscal.errors.model",
     "Instrument": "axiscal_core",
     "Machine": "axiscal_core",
     "NaturalSpline": "axiscal_core.splines",

@@ -6,10 +6,9 @@ from typing import Any, Literal, Self, overload
 
 from axiscal.campaign.campaign import Campaign as Campaign
 from axiscal.description.campaign import read_campaign as read_campaign
-from axiscal.errors.model import ErrorModel as ErrorModel
 from axiscal.estimation.belief import Belief as Belief
 from axiscal.estimation.knowledge import Knowledge as Knowledge
-from axiscal.machine.description import Machine as _Machine
+from axiscal.machine.description import DescribedMachine as _Machine
 from axiscal.machine.description import load_machine as load_machine
 from axiscal.measurement.observation import Observation as Observation
 from axiscal.measurement.setup import Setup as Setup
@@ -39,7 +38,6 @@ from axiscal_core import Normal as Normal
 from axiscal_core import Offset as Offset
 from axiscal_core import Places as Places
 from axiscal_core import Plan as Plan
-from axiscal_core import Plane as Plane
 from axiscal_core import Readings as Readings
 from axiscal_core import RTest as RTest
 from axiscal_core import Tracker as Tracker
@@ -57,16 +55,6 @@ class Case(_Case):
     """The case of a machine of `load_machine`; one of a machine that is made in Python is the core's."""
 
     @overload
-    def __new__(  # type: ignore[misc]
-        cls,
-        machine: Machine,
-        setups: Sequence[Instrument],
-        *,
-        usual: Literal["on", "off"] = "on",
-        sure: Literal["exactly", "well", "roughly"] = "well",
-        aligned: bool = True,
-    ) -> _OwnCase: ...
-    @overload
     def __new__(
         cls,
         machine: _Machine,
@@ -77,6 +65,16 @@ class Case(_Case):
         usual: Literal["on", "off"] = "on",
         sure: Literal["exactly", "well", "roughly"] | None = None,
     ) -> Self: ...
+    @overload
+    def __new__(  # type: ignore[misc]
+        cls,
+        machine: Machine,
+        setups: Sequence[Instrument],
+        *,
+        usual: Literal["on", "off"] = "on",
+        sure: Literal["exactly", "well", "roughly"] = "well",
+        aligned: bool = True,
+    ) -> _OwnCase: ...
 
 @overload
 def estimate(campaign: _OwnCase, readings: Readings | Mapping[str, Sequence[object]]) -> Known: ...
@@ -93,7 +91,6 @@ __all__ = [
     "Curve",
     "CyclicSpline",
     "Error",
-    "ErrorModel",
     "Instrument",
     "Machine",
     "NaturalSpline",

@@ -19,7 +19,7 @@ from importlib import import_module
 
 __all__ = [
     "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",
-    "Known", "Laser", "Level", "Machine", "Mounting", "Normal", "Offset", "Places", "Plan", "Plane", "RTest",
+    "Known", "Laser", "Level", "Machine", "Mounting", "Normal", "Offset", "Places", "Plan", "RTest",
     "Readings", "Tracker", "Unknowns", "angle", "cross", "length",
 ]  # fmt: skip
 

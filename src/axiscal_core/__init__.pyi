@@ -6,7 +6,6 @@ from axiscal_core.curve import Curve as Curve
 from axiscal_core.errors import Basis as Basis
 from axiscal_core.errors import Error as Error
 from axiscal_core.errors import Offset as Offset
-from axiscal_core.errors import Plane as Plane
 from axiscal_core.instrument import At as At
 from axiscal_core.instrument import Instrument as Instrument
 from axiscal_core.instrument import Mounting as Mounting
@@ -31,6 +30,6 @@ from axiscal_core.rigid import cross as cross
 
 __all__ = [
     "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",
-    "Known", "Laser", "Level", "Machine", "Mounting", "Normal", "Offset", "Places", "Plan", "Plane", "RTest",
+    "Known", "Laser", "Level", "Machine", "Mounting", "Normal", "Offset", "Places", "Plan", "RTest",
     "Readings", "Tracker", "Unknowns", "angle", "cross", "length",
 ]  # fmt: skip

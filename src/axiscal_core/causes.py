@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike
 
 from axiscal_core.columns import Scale
 from axiscal_core.eigen import of_rank
-from axiscal_core.errors import CELLS, Curved
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places
 from axiscal_core.refusals import Array
 from axiscal_core.splines import matern
+from axiscal_core.terms import CELLS, Term
 from axiscal_core.theta import Kind
 
 DRIFT, CYCLE, GROWTH, WAY = 2.0, 0.5, 2.0, 0.06
@@ -141,9 +141,9 @@ def columns_of(case: Model, places: Places, n: Numbers, clock: Array) -> Columns
         place, part = n.place[mine], n.part[mine]
         read = OfOneSetup(case.setups[i], len(n.rows), mine, part, clock[place], of.sigma[part], of.wander)
         growing = (
-            n.reach[mine, k] * (places.poses[place, term.at] - np.mean(axis.travel)) / axis.length
-            for k, (_, term) in enumerate(case.machine.curves)
-            if term.error.positioning and _moves(case, i, term) and (axis := case.machine.axes[term.at])
+            n.reach[mine, k] * (places.poses[place, term.axis] - np.mean(axis.travel)) / axis.length
+            for k, term in enumerate(case.machine.curves)
+            if _moves(case, i, term) and term.name == (axis := case.machine.axes[term.axis]).positioning_error
         )
         turning = _turning(case, places, clock, i, np.unique(place))
         lacking = ((t.name, WAY * t.std * n.reach[mine, k, None] * some[1, place]) for k, t, some in turning)
@@ -156,8 +156,8 @@ def adding_to_curves(case: Model, places: Places, n: Numbers, clock: Array) -> I
     for i in np.unique(n.setup).tolist() if case.usual else ():
         for k, _, some in _turning(case, places, clock, i, np.unique(n.place[n.setup == i])):
             missing[k] += some[0]
-    for (at, term), lost in zip(case.machine.curves, missing, strict=True):
-        part = case.machine.columns[at]
+    for term, lost in zip(case.machine.curves, missing, strict=True):
+        part = term.columns
         if term.ramp is not None:
             yield term.name, Scale("scale", part, term.ramp), np.ones(len(n.rows))
         if np.any(lost):
@@ -167,25 +167,26 @@ def adding_to_curves(case: Model, places: Places, n: Numbers, clock: Array) -> I
 
 def _turning(
     case: Model, places: Places, clock: Array, index: int, mine: np.ndarray
-) -> Iterator[tuple[int, Curved, Array]]:
+) -> Iterator[tuple[int, Term, Array]]:
     """Yield reversals that an instrument reads from both sides, and what is `absent` at its places, (2, m, ways)."""
     order, found = np.argsort(clock[mine], kind="stable"), np.zeros((2, len(places), len(WAYS)))
-    for k, (_, term) in enumerate(case.machine.curves):
-        if term.error.kind == "reversal" and len(case.instruments[index].sides) > 1 and _moves(case, index, term):
-            at, sides = places.poses[mine, term.at], places.sides[mine, term.at]
-            found[:, mine] = absent(at, sides, order, case.machine.axes[term.at].overrun)
+    for k, term in enumerate(case.machine.curves):
+        if term.kind == "reversal" and len(case.instruments[index].sides) > 1 and _moves(case, index, term):
+            at, sides = places.poses[mine, term.axis], places.sides[mine, term.axis]
+            found[:, mine] = absent(at, sides, order, case.machine.axes[term.axis].overrun)
             yield k, term, found.copy()
 
 
-def _moves(case: Model, index: int, term: Curved) -> bool:
+def _moves(case: Model, index: int, term: Term) -> bool:
     """Return whether an instrument is read while the linear axis of a curve moves."""
-    return term.linear and case.machine.names[term.at] in case.instruments[index].moves
+    return term.linear and case.machine.names[term.axis] in case.instruments[index].moves
 
 
 def _rests(case: Model, n: Numbers) -> Columns:
-    for i, (_, term) in enumerate(case.machine.curves):
+    for i, term in enumerate(case.machine.terms):
         if term.rest:
             cells, which = np.unique(n.cell[:, i], return_inverse=True)
             wide = cells // max(1, round(WIDE * CELLS * (len(term.spline.knots) - 1)))
-            alike = 0.5 * np.eye(len(cells)) + 0.5 * (wide[:, None] == wide) if case.usual else np.eye(len(cells))
+            common = case.usual and len(term.sides) == 1  # of two axes together a cell is a patch of its own
+            alike = 0.5 * np.eye(len(cells)) + 0.5 * (wide[:, None] == wide) if common else np.eye(len(cells))
             yield "rest", term.name, term.rest * n.reach[:, i, None] * np.linalg.cholesky(alike)[which]

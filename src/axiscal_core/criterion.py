@@ -8,13 +8,11 @@ function    of C (size, size); the smaller, the better
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from axiscal_core.axes import Axis
-from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 from axiscal_core.refusals import Array, InputError, computed, finite, one_of
@@ -55,11 +53,11 @@ def goal(criterion: Criterion, size: int, words: Mapping[str, Callable[[], Array
 def volume(machine: Machine, size: int, aligned: bool) -> Goal:
     """Return V with VᵀV the mean square over the travels; of an aligned case, of what no rigid motion explains."""
     n = machine.size
-    poses, weights = _over(machine.axes, machine.terms)
+    poses, weights = _over(machine)
     total = np.zeros((n, n))
-    reversals = any(term.error.kind == "reversal" for _, term in machine.curves)
+    reversals = bool(machine.reversing)
     for side in (1.0, -1.0) if reversals else (1.0,):
-        rows = machine.rows(poses, np.full(poses.shape, side)).displacement
+        rows = machine.rows_at(poses, np.full(poses.shape, side))
         rows = rows * np.sqrt(weights)[:, None, None] / (np.sqrt(2.0) if reversals else 1.0)
         flat = rows.reshape(-1, n)
         if aligned:
@@ -82,9 +80,8 @@ def joint(machine: Machine, size: int) -> Goal:
     """Return V of the paper's own criterion: one Gram matrix for each spline."""
     reach = float(np.linalg.norm([axis.length for axis in machine.axes if not axis.rotary])) / 2
     total = np.zeros((machine.size, machine.size))
-    for term, columns in zip(machine.terms, machine.columns, strict=True):
-        if isinstance(term, Curved):
-            total[columns, columns] = term.spline.gram() * (reach**2 if term.error.component >= 3 else 1.0)
+    for term in machine.curves:
+        total[term.columns, term.columns] = term.spline.gram() * (reach**2 if term.angular else 1.0)
     return _rooted(total, size)
 
 
@@ -96,10 +93,11 @@ def _rooted(weight: Array, size: int) -> Goal:
     return Goal(np.hstack([root, np.zeros((len(root), size - len(weight)))]))
 
 
-def _over(axes: Sequence[Axis], terms: Sequence[object]) -> tuple[Array, Array]:
+def _over(machine: Machine) -> tuple[Array, Array]:
     """Return poses all over the travels, (m, q), and their weights, (m,), whose sum is 1."""
+    axes = machine.axes
     if len(axes) == 1:
-        knots = [term.spline.knots for term in terms if isinstance(term, Curved) and term.error.period is None]
+        knots = [term.spline.knots for term in machine.curves if not term.error.repeats]
         nodes, weights = gauss(np.unique(np.concatenate([*knots, axes[0].travel])), _NODES)
         return nodes.reshape(-1, 1), weights.ravel() / weights.sum()
     low, high = np.array([axis.travel for axis in axes]).T

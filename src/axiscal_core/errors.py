@@ -1,8 +1,11 @@
-"""What may be wrong with a machine: curves by their ISO 230 names, planes, offsets, or a basis of one's own.
+"""What may be wrong with a machine, before any reading: curves by their ISO 230 names, what two axes do together,
+offsets, or a basis of one's own.
 
     >>> error = Error("EXX", std="10 um", knots=7, length="200 mm")
     >>> error.kind, error.axis, error.component
     ('motion', 'X', 0)
+    >>> Error("EZXY", "5 um", knots=(5, 5), length=("150 mm", "150 mm")).axes
+    ('X', 'Y')
 
 A basis of one's own has `name`, `frame`, `rows(poses)` and `covariance()`: see `Basis`.
 """
@@ -10,39 +13,29 @@ A basis of one's own has `name`, `frame`, `rows(poses)` and `covariance()`: see 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Literal, Protocol, cast
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from axiscal_core.axes import Axis
-from axiscal_core.refusals import Array, InputError, computed, finite, listed, named, one_of, spread, whole, within
-from axiscal_core.splines import (
-    Constant,
-    CyclicSpline,
-    NaturalSpline,
-    Repeated,
-    Spline,
-    distances,
-    even_knots,
-    matern,
-    ramp,
-)
+from axiscal_core.refusals import Array, InputError, computed, finite, named, one_of, spread, whole, within
 from axiscal_core.theta import SURE, Sure
-from axiscal_core.units import EITHER, METRES, RADIANS, Quantity, quantities, si
+from axiscal_core.units import EITHER, METRES, RADIANS, Of, Quantity, quantities, si
 
 Kind = Literal["motion", "reversal", "location"]
 COMPONENTS = "XYZABC"
 _NAME = re.compile(
-    r"(?:E(?P<component>[XYZABC])(?P<axis>.+?)(?P<reversal>_reversal)?|(?P<place>[XYZABC])0(?P<of>.+?))(?:_pitch)?"
+    r"(?:E(?P<component>[XYZABC])(?P<axis>.+?)(?P<reversal>_reversal)?|(?P<place>[XYZABC])0(?P<of>.+?))"
+    r"(?P<shape>_pitch|_step)?"
 )
-CELLS, ASIDE = 8, 2e-4
-"""Cells of a knot interval, within which a rest is one value; they begin so far before a knot, m or rad.
-
-Places are round numbers, and stand at knots: a correction must not leave a cell."""
+_PLANE = re.compile(r"E[XYZABC]([A-Z][1-9]?)([A-Z][1-9]?)")
+SMOOTH, ROUGH = 2.5, 1.5  # ν of the Matérn correlation: a curve with two derivatives, or with one (kinks are likelier)
+_KNOTS = 7  # of a motion of which nothing is said (B&H section V)
+_GUESSED = 0.05  # of std: a rest that is to be learnt begins as this share
 _ALONG = "length", "period"  # what is measured along the axis
-_WAVE_KNOTS = 8  # a cyclic spline of so many follows a sine to 1.2 thousandths
 
 
 class Basis(Protocol):
@@ -67,193 +60,190 @@ class Basis(Protocol):
 
 
 class Own:
-    """A basis of one's own, of which every answer is looked at."""
+    """A basis of one's own, of which every answer is looked at.
+
+    covariance : C (n, n); columns : where its coefficients stand among those of the machine
+    """
 
     def __init__(self, basis: Basis) -> None:
         self.basis, self.frame = basis, basis.frame
         self.name = named("Machine", "errors", basis.name)
         prior = computed(self.name, "covariance()", basis.covariance)
-        self._prior = spread(self.name, "covariance()", prior, None)
+        self.covariance = spread(self.name, "covariance()", prior, None)
+        self.columns = slice(0, len(self.covariance))
+
+    def behind(self, start: int) -> Own:
+        """Return it with its coefficients from column `start` on."""
+        other = copy(self)
+        other.columns = slice(start, start + len(self.covariance))
+        return other
 
     def rows(self, poses: Array) -> Array:
         """Return B, (m, 6, n)."""
         found = computed(self.name, "rows(poses)", self.basis.rows, poses)
-        return finite(self.name, "rows(poses)", found, (len(poses), 6, len(self._prior)), posed=True)
-
-    def covariance(self) -> Array:
-        """Return C, (n, n)."""
-        return self._prior
+        return finite(self.name, "rows(poses)", found, (len(poses), 6, len(self.covariance)), posed=True)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Error:
-    """One error by its ISO 230 name: EXX, ECY, C0Y, EXX_reversal, EXX_pitch.
+    """One error by its ISO 230 name, EXX, ECY, C0Y, EXX_reversal, EXX_pitch, EXX_step; or of two axes together, EZXY.
 
-    std : before any reading, m or rad; knots : of its spline; None: seven of a motion (B&H section V), else one number
+    std : before any reading, m or rad; of two axes together that of a plane that held both curves as well
+    knots : of its spline; None: seven of a motion (B&H section V), else one number
     length : over which its values are alike, m or rad along the axis; None: a quarter of the travel is usual
     rest : std of detail finer than the spline, m or rad; None: three hundredths of std are usual
     scale : std of the strain of a linear axis, in its positioning error; None: 30 um/m are usual
-    period : of what repeats along the axis, m or rad, with `waves` sines in it
+    period : of what repeats along the axis, m or rad, with `waves` sines in it; of a curve beside such one 0 waves
     sure : how well size and length are known; None: as the case says
+    smoothness : ν of the Matérn correlation, 2.5 or 1.5; joints : where a scale made of pieces steps, m or rad
+    learnt_rest : the rest is to be learnt; free_knots : they follow from the length, so that readings may ask for more
+    sides : of two axes together, what is known along each, as of an error of std 1; knots and lengths of a pair say it
+    stretch : factor on the length along each that readings have taught; usual : nobody stated it, its lengths stay
     """
 
     name: str
-    std: Quantity
-    knots: int | None = None
-    length: Quantity | None = None
-    rest: Quantity | None = None
-    scale: Quantity | None = None
-    period: Quantity | None = None
-    waves: int = 1
-    sure: Sure | None = None
+    std: float
+    knots: int | None
+    length: float | None
+    rest: float | None
+    scale: float | None
+    period: float | None
+    waves: int
+    sure: Sure | None
+    smoothness: float
+    joints: tuple[float, ...]
+    learnt_rest: bool
+    free_knots: bool
+    sides: tuple[Error, ...]
+    stretch: tuple[float, ...]
+    usual: bool
+    kind: Kind = field(init=False, repr=False, compare=False)
+    axis: str = field(init=False, repr=False, compare=False)
+    component: int = field(init=False, repr=False, compare=False)
+    texts: Mapping[str, str] = field(init=False, repr=False, compare=False)
+    """What was said of `length` and `period` as texts: the axis may contradict."""
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not _NAME.fullmatch(self.name):
-            raise InputError("Error", "name", f"= {self.name!r} is none", "Names are EXX, C0Y, EXX_reversal")
-        whole("Error", "knots", self.count, 1)
-        whole("Error", "waves", self.waves, 1)
-        if self.sure is not None:
-            one_of("Error", "sure", self.sure, [*SURE])
-        size = RADIANS if self.component >= 3 else METRES
-        every = {"std": size, "length": EITHER, "rest": size, "scale": RADIANS, "period": EITHER}
-        for field, of in every.items():
-            value, along = getattr(self, field), field in _ALONG
-            if value is not None or field == "std":
-                number = within("Error", field, si(value, "Error", field, of), 0.0, open_end=along)
-                # quantities become numbers once, here; those along an axis where that is known
-                object.__setattr__(self, field, value if along else number)
-        wave, more = self.period is not None, (self.knots or 1) > 1
+    def __init__(
+        self, name: str, std: Quantity, knots: int | Sequence[int] | None = None,
+        length: Quantity | Sequence[Quantity] | None = None, rest: Quantity | None = None,
+        scale: Quantity | None = None, period: Quantity | None = None, waves: int = 1, sure: Sure | None = None, *,
+        smoothness: float = SMOOTH, joints: Sequence[float] = (), learnt_rest: bool = False, free_knots: bool = False,
+        sides: Sequence[Error] = (), stretch: Sequence[float] = (1.0, 1.0), usual: bool = False,
+    ) -> None:  # fmt: skip
+        if not isinstance(name, str) or not (found := _NAME.fullmatch(name)):
+            raise InputError("Error", "name", f"= {name!r} is none", "Names are EXX, C0Y, EXX_reversal, EZXY")
+        kind: Kind = "location" if found["place"] else "reversal" if found["reversal"] else "motion"
+        component = COMPONENTS.index(found["component"] or found["place"])
+        told: dict[str, object] = {"name": name, "kind": kind, "component": component, "sure": sure}
+        if isinstance(knots, Sequence) or (isinstance(length, Sequence) and not isinstance(length, str)):
+            sides, knots, length = _sides(name, knots, length), None, None
+        told |= {"axis": sides[0].axis if sides else str(found["axis"] or found["of"]), "sides": tuple(sides)}
+        told |= {"joints": tuple(joints), "learnt_rest": learnt_rest, "free_knots": free_knots}
+        told |= {"smoothness": smoothness, "stretch": tuple(stretch), "usual": usual}
+        told["knots"] = None if knots is None else whole("Error", "knots", knots, 1)
+        told["waves"] = whole("Error", "waves", waves, 0)
+        size = RADIANS if component >= 3 else METRES
+        every: dict[str, tuple[Any, Of]] = {"std": (std, size), "rest": (rest, size), "scale": (scale, RADIANS)}
+        every |= {"length": (length, EITHER), "period": (period, EITHER)}
+        for key, (value, of) in every.items():
+            if value is None and key != "std":
+                told[key] = None
+                continue
+            told[key] = within("Error", key, si(value, "Error", key, of), 0.0, open_end=key in _ALONG)
+        if sure is not None:
+            one_of("Error", "sure", sure, [*SURE])
+        told["texts"] = {key: value for key, (value, _) in every.items() if key in _ALONG and isinstance(value, str)}
+        for key, each in told.items():
+            object.__setattr__(self, key, each)
+        self._refuse_idle()
+
+    def _refuse_idle(self) -> None:
+        wave, more = self.repeats, (self.knots or 1) > 1
         idle = {"knots": more and (wave or self.kind == "location"), "waves": self.waves > 1 and not wave}
         idle["length"] = self.length is not None and (wave or self.count < 2)
-        idle["scale"] = bool(self.scale) and not self.positioning
+        idle["scale"] = bool(self.scale) and (self.kind != "motion" or self.component >= 3)
         if self.name.endswith("_pitch") and not wave:
             raise InputError("Error", "period", f"of {self.name} is not stated", "Say after what way it repeats")
-        for field in (field for field, stated in idle.items() if stated):
-            raise InputError("Error", field, f"changes nothing of {self.name}", "Leave it out")
+        for key in (key for key, stated in idle.items() if stated):
+            raise InputError("Error", key, f"changes nothing of {self.name}", "Leave it out")
 
     @property
-    def kind(self) -> Kind:
-        """What it is: a motion over the travel, a reversal, or where an axis stands."""
-        found = self._parts
-        return "location" if found["place"] else "reversal" if found["reversal"] else "motion"
-
-    @property
-    def axis(self) -> str:
-        """The name of its axis."""
-        return str(self._parts["axis"] or self._parts["of"])
-
-    @property
-    def component(self) -> int:
-        """0 to 2 along x, y, z and 3 to 5 about them."""
-        return COMPONENTS.index(self._parts["component"] or self._parts["place"])
+    def repeats(self) -> bool:
+        """Whether it is a wave along its axis."""
+        return self.period is not None and self.waves > 0
 
     @property
     def count(self) -> int:
         """The number of its knots; 1 for one number."""
         if self.kind == "location":
             return 1
-        return self.knots if self.knots is not None else 7 if self.kind == "motion" else 1
+        return self.knots if self.knots is not None else _KNOTS if self.kind == "motion" else 1
 
     @property
-    def positioning(self) -> bool:
-        """Whether it is how far a linear axis goes."""
-        return self.name == f"E{self.axis}{self.axis}" and self.component < 3
+    def angular(self) -> bool:
+        """Whether it is a rotation (rad) rather than a displacement (m)."""
+        return self.component >= 3
 
     @property
-    def _parts(self) -> re.Match[str]:
-        return cast("re.Match[str]", _NAME.fullmatch(self.name))
-
-
-@dataclass(frozen=True, eq=False)
-class Curved:
-    """An error on its axis.  at : index of the axis"""
-
-    error: Error
-    at: int
-    spline: Spline
-    linear: bool
+    def axes(self) -> tuple[str, ...]:
+        """The name of the axis that it belongs to, or of both."""
+        return tuple(side.axis for side in self.sides) or (self.axis,)
 
     @property
-    def name(self) -> str:
-        """The name of the error."""
-        return self.error.name
+    def bare(self) -> str:
+        """The name without the words for shape or sides."""
+        return self.name.partition("_")[0]
 
     @property
-    def std(self) -> float:
-        """Before any reading, m or rad."""
-        return cast(float, self.error.std)
+    def first_rest(self) -> float:
+        """The rest before any reading, m or rad: as stated, a guess where it is to be learnt, else none."""
+        return _GUESSED * self.std if self.rest is None and self.learnt_rest else self.rest or 0.0
 
-    @property
-    def rest(self) -> float:
-        """Standard deviation of the rest, detail finer than the spline, m or rad."""
-        return cast(float, self.error.rest or 0.0)
-
-    @property
-    def length(self) -> float | None:
-        """Over which its control values are alike; None where that is not so, and where they are nothing."""
-        alike = self.spline.size > 1 and self.error.period is None and self.std > 0
-        return cast("float | None", self.error.length) if alike else None
-
-    @property
-    def ramp(self) -> Array | None:
-        """The effect of one standard deviation of the scale on the control values, (n,); None without scale."""
-        if not self.error.scale:
-            return None
-        return np.asarray(cast(float, self.error.scale) * ramp(self.spline))
-
-    def correlation(self, longer: float = 1.0) -> Array:
-        """Return R of the control values, (n, n), without the scale.  longer : factor on the length
-
-        Independent ones (eq. 16) without a length, else Matérn-5/2; of a wave, cosine and sine of k turns have 1/k².
-        """
-        if self.length is not None:
-            return matern(distances(self.spline) / (self.length * longer))
-        if self.error.period is not None:
-            turns = 2 * np.pi * np.arange(self.spline.size) / self.spline.size
-            each = [np.cos(k * (turns[:, None] - turns)) / k**2 for k in range(1, self.error.waves + 1)]
-            return np.asarray(np.sum(each, axis=0))
-        return np.eye(self.spline.size)
-
-    def covariance(self) -> Array:
-        """Return C before any reading, (n, n)."""
-        result: Array = self.std**2 * self.correlation()
-        return result if self.ramp is None else result + np.outer(self.ramp, self.ramp)
+    def refuse_foreign(self, axes: Sequence[Axis]) -> None:
+        """Raise InputError unless its axes are among these, and lengths along them are of their kind."""
+        names = [axis.name for axis in axes]
+        for name in self.axes:
+            if name not in names:
+                what = f"hold {self.name}, of none of its axes"
+                raise InputError("Machine", "errors", what, f"They are {', '.join(names)}")
+        own = axes[names.index(self.axis)]
+        for side in self.sides:
+            side.refuse_foreign(axes)
+        for key, text in self.texts.items():
+            si(text, "Error", key, own.of)
+        if self.scale and (own.rotary or self.name != own.positioning_error):
+            raise InputError("Error", "scale", f"changes nothing of {self.name}", "Leave it out")
 
 
-def curved(error: Error, axes: Sequence[Axis]) -> Curved:
-    """Return an error on its axis: a constant, cyclic on a full turn or along a wave, else a natural spline."""
-    names = [axis.name for axis in axes]
-    if error.axis not in names:
-        raise InputError("Machine", "errors", f"hold {error.name}, of none of its axes", f"They are {', '.join(names)}")
-    at = names.index(error.axis)
-    axis, (low, high) = axes[at], axes[at].travel
-    length, period = (
-        None if (stated := getattr(error, field)) is None else si(stated, "Error", field, axis.of) for field in _ALONG
-    )
-    error = replace(error, length=length, period=period)
-    spline: Spline
-    if error.period is not None:
-        spline = Repeated(low, high, cast(float, error.period), _WAVE_KNOTS * error.waves)
-    elif error.count < 2:
-        spline = Constant(low, high)
-    else:
-        spline = (CyclicSpline if axis.cyclic else NaturalSpline)(even_knots(low, high, error.count))
-    return Curved(error, at, spline, not axis.rotary)
+def _sides(
+    name: str, knots: int | Sequence[int] | None, length: Quantity | Sequence[Quantity] | None
+) -> tuple[Error, ...]:
+    """Return what is known along each of two axes; one value for both counts for each."""
+    found = _PLANE.fullmatch(name)
+    if found is None or found[1] == found[2]:
+        raise InputError("Error", "name", f"= {name!r} does not name two axes", "EZXY is z over X and Y")
+    counts = knots if isinstance(knots, Sequence) else (knots, knots)
+    lengths = length if isinstance(length, Sequence) and not isinstance(length, str) else (length, length)
+    for key, each in (("knots", counts), ("length", lengths)):
+        if len(each) != 2:
+            raise InputError("Error", key, f"= {each!r} are not two", "Give one along each axis")
+    pairs = zip(found.groups(), counts, lengths, strict=True)
+    return tuple(Error(name[:2] + axis, 1.0, count, far) for axis, count, far in pairs)
 
 
-WHITE, ROUGH, SCALE, LENGTH = 0.03, 0.045, 30e-6, 0.25
+WHITE, ROUGHNESS, SCALE, LENGTH = 0.03, 0.045, 30e-6, 0.25
 """Usual shares of std, strain, and share of the travel, where nothing is stated."""
 
 
 def as_usual(error: Error, axis: Axis) -> Error:
     """Return a curve with what curves usually have and nobody stated: a length, a rest, a scale.  See `causes`."""
-    if error.kind != "motion" or error.period is not None or error.count < 2:
+    if error.kind != "motion" or error.repeats or error.count < 2 or error.sides or error.joints:
         return error
-    std, rest = cast(float, error.std), error.rest
-    white = WHITE * std if rest is None else cast(float, rest)
-    scale = SCALE if error.scale is None and error.positioning and not axis.rotary else error.scale
+    white = WHITE * error.std if error.rest is None else error.rest
+    positioning = not axis.rotary and error.name == axis.positioning_error
+    scale = SCALE if error.scale is None and positioning else error.scale
     length = LENGTH * axis.length if error.length is None else error.length
-    return replace(error, rest=float(np.hypot(white, ROUGH * std)), scale=scale, length=length)
+    return replace(error, rest=float(np.hypot(white, ROUGHNESS * error.std)), scale=scale, length=length)
 
 
 class Offset:
@@ -274,52 +264,3 @@ class Offset:
     def covariance(self) -> Array:
         """Return the variance, (1, 1)."""
         return np.array([[self.std**2]])
-
-
-class Plane:
-    """An error of two axes together, EZXY, beside the curves of each: products of their splines.
-
-    std : m or rad, of a plane that held both curves as well; lengths : over which it is alike along each axis
-    """
-
-    def __init__(
-        self, name: str, std: Quantity, axes: Sequence[Axis], lengths: Sequence[Quantity], knots: Sequence[int] = (5, 5)
-    ) -> None:
-        counts = listed("Plane", "knots", knots)
-        if [len(listed("Plane", "axes", axes)), len(counts)] != [2, 2] or not all(isinstance(a, Axis) for a in axes):
-            raise InputError("Plane", "axes", "or knots are not two", "Give two axes, and two counts")
-        if not re.fullmatch(r"E[XYZABC].+", name) or name[2:] != "".join(axis.name for axis in axes):
-            raise InputError("Plane", "name", f"= {name!r} does not name both axes", "EZXY is z over X and Y")
-        self.name, self.frame = name, axes[1].name
-        self.component = COMPONENTS.index(name[1])
-        size = si(std, "Plane", "std", RADIANS if self.component >= 3 else METRES)
-        self.std = within("Plane", "std", size, 0.0)
-        every = [even_knots(*axis.travel, whole("Plane", "knots", n, 2)) for axis, n in zip(axes, counts, strict=True)]
-        self.splines = [NaturalSpline(each) for each in every]
-        self.lengths = quantities(lengths, "Plane", "lengths", (2,), [axis.of for axis in axes])
-        within("Plane", "lengths", float(self.lengths.min()), 0.0, open_end=True)
-        self.axes = tuple(axes)
-        self._columns: tuple[int, int] = (0, 1)
-
-    def on(self, axes: Sequence[Axis]) -> None:
-        """Find its axes among the columns of poses; it moves the frame of the one nearer to the tool."""
-        names = [axis.name for axis in axes]
-        for axis in self.axes:
-            one_of("Plane", "axes", axis.name, names)
-        self._columns = names.index(self.axes[0].name), names.index(self.axes[1].name)
-        self.frame = names[max(self._columns)]
-
-    def rows(self, poses: Array) -> Array:
-        """Return the products, (m, 6, n)."""
-        first, second = (spline.rows(poses[:, k]) for spline, k in zip(self.splines, self._columns, strict=True))
-        result = np.zeros((len(poses), 6, first.shape[1] * second.shape[1]))
-        result[:, self.component] = (first[:, :, None] * second[:, None, :]).reshape(len(poses), -1)
-        return result
-
-    def covariance(self) -> Array:
-        """Return the product of two centred kernels: means along each side are the curves' (Gu and Wahba 1993)."""
-        each = []
-        for spline, length in zip(self.splines, self.lengths, strict=True):
-            centre = np.eye(spline.size) - 1 / spline.size
-            each.append(centre @ matern(distances(spline) / length) @ centre)
-        return np.asarray(self.std**2 * np.kron(each[0], each[1]))

@@ -24,10 +24,9 @@ from typing import Literal, NamedTuple, Protocol, TypedDict, Unpack, cast
 import numpy as np
 
 from axiscal_core import rigid
-from axiscal_core.axes import chain
-from axiscal_core.errors import Curved
 from axiscal_core.machine import Machine
 from axiscal_core.refusals import Array, InputError, computed, each_once, listed, named, one, one_of, within
+from axiscal_core.terms import Term
 from axiscal_core.units import SECONDS, WANDER, Quantity, like, quantities, si
 
 Unknowns = Mapping[str, float]
@@ -246,35 +245,36 @@ def sight(
 
     poses, sides : (m, q); errors : (n,) of the machine at which it is linear; unknowns : (u,); zero where not given
     """
-    frames = chain(machine.axes, poses, machine.tool, machine.held)  # a step of a climb may leave the travel
-    rows = machine.rows(poses, sides, frames)
+    frames = machine.frames(poses)
+    straight, angular = (machine.rows_at(poses, sides, turning) for turning in (False, True))
     still = np.zeros((2, len(poses), 3))
-    moved, turned = still if errors is None else (rows.displacement @ errors, rows.rotation @ errors)
+    moved, turned = still if errors is None else (straight @ errors, angular @ errors)
     at = At(poses, sides, frames.tcp, frames.tool, moved, turned)
     values = np.zeros(len(instrument.own)) if unknowns is None else unknowns
     u = dict(zip(instrument.own, values.tolist(), strict=True)) | dict.fromkeys(instrument.considered, 0.0)
     found = slopes(instrument, at, u)
     own, type_b = (own_slopes(instrument, at, u, [*names]) for names in (instrument.own, instrument.considered))
     # a reversal enters with one half of its value or the other, where nobody knows with either
-    levers = machine.levers(poses, np.where(sides == 0, 1, sides), frames)
-    by_moved, by_turned = (each.transpose(1, 2, 0) for each in levers)
+    known = np.where(sides == 0, 1.0, sides)
+    levers = (machine.levers(poses, turning).transpose(2, 0, 1) for turning in (False, True))
+    by_moved, by_turned = (machine.effects(each, known).transpose(2, 0, 1) for each in levers)
     reach = found.moved @ by_moved + found.turned @ by_turned
     blind = np.zeros(reach.shape[:2])
-    for i, (_, term) in enumerate(machine.curves):
-        moves = term.error.kind == "reversal" and machine.names[term.at] in instrument.moves
-        if moves and (unknown := sides[:, term.at] == 0).any():
+    for i, term in enumerate(machine.curves):
+        moves = term.kind == "reversal" and machine.names[term.axis] in instrument.moves
+        if moves and (unknown := sides[:, term.axis] == 0).any():
             blind[unknown] += (reach[unknown, :, i] * _spread(term, poses[unknown])[:, None]) ** 2
             reach[unknown, :, i] = 0.0
     return Sight(
-        found.moved @ rows.displacement + found.turned @ rows.rotation, own,
+        found.moved @ straight + found.turned @ angular, own,
         type_b * np.array([*instrument.considered.values()]), reach, numbers(instrument, at, u), blind,
     )  # fmt: skip
 
 
-def _spread(term: Curved, poses: Array) -> Array:
+def _spread(term: Term, poses: Array) -> Array:
     """Return the standard deviation of a curve and its rest before any reading, (m,)."""
-    rows = term.spline.rows(poses[:, term.at])
-    return np.asarray(np.sqrt(np.sum(rows @ term.covariance() * rows, axis=1) + term.rest**2))
+    rows = term.spline.rows(poses[:, term.axis])
+    return np.asarray(np.sqrt(np.sum(rows @ term.covariance * rows, axis=1) + term.rest**2))
 
 
 def refuse_what_is_not_analytic(instrument: Instrument, at: At) -> None:

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal_core.curve import Curve
-from axiscal_core.machine import come
 from axiscal_core.model import Model, Table
 from axiscal_core.normal import Normal
 from axiscal_core.places import Readings
@@ -110,11 +109,11 @@ class Known:
         """
         one("Known.deviation", "joint", joint, bool, "True or False")
         machine = self.case.machine
-        at, came = come(machine, poses, sides, "Known.deviation")
-        own = machine.rows(at, came).displacement
+        at, came = machine.come(poses, sides, "Known.deviation")
+        own = machine.rows_at(at, came)
         rows = np.concatenate([own, np.zeros((*own.shape[:2], self.case.size - machine.size))], axis=2)
-        rests = np.array([term.rest for _, term in machine.curves])
-        levers = machine.levers(at, came)[0].transpose(1, 2, 0) * rests
+        rests = np.array([term.rest for term in machine.terms])
+        levers = machine.effects(machine.levers(at).transpose(2, 0, 1), came).transpose(2, 0, 1) * rests
         if not joint:
             covariances = rows @ self.covariance @ rows.swapaxes(1, 2) + levers @ levers.swapaxes(1, 2)
             return Normal(rows @ self.mean, covariances)
@@ -125,17 +124,17 @@ class Known:
         return found
 
     def __iter__(self) -> Iterator[str]:
-        return (term.name for _, term in self.case.machine.curves)
+        return (term.name for term in self.case.machine.curves)
 
     def __getitem__(self, name: str) -> Curve:
         """Return one error as a curve: `known["EXX"](positions)` is a normal; bases of one's own: `table`."""
-        terms = {term.name: (term, self.case.machine.columns[i]) for i, term in self.case.machine.curves}
+        machine = self.case.machine
         named("Known", "name", name)
-        if name not in terms and name in (term.name for term in self.case.machine.terms):
-            raise InputError("Known", "name", f"= {name!r} is a basis of one's own, no curve", "See Known.table")
-        term, columns = terms[one_of("Known", "name", name, [*terms])]
-        known = Normal(self.mean[columns], self.covariance[columns, columns])
-        return Curve.of(term.spline, known, self.case.machine.axes[term.at].of)
+        if name not in machine.by_name and name in (part.name for part in machine.parts):
+            raise InputError("Known", "name", f"= {name!r} is no curve along one axis", "See Known.table")
+        term = machine.by_name[one_of("Known", "name", name, [*machine.by_name])]
+        known = Normal(self.mean[term.columns], self.covariance[term.columns, term.columns])
+        return Curve.of(term.spline, known, machine.axes[term.axis].of)
 
     def budget(self, figures: ArrayLike, caused: ArrayLike | None = None) -> dict[str, float]:
         """Return what each source adds to the standard uncertainty of a figure F u: a sum of squares.

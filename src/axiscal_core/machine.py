@@ -1,36 +1,51 @@
-"""A machine: a chain of axes, and what may be wrong with it.
+"""A machine: a chain of axes, what may be wrong with it, and the linear map H(t) from that to the tool.
 
-δp(t) = Σ_k s_k R_k(t) [ δ_k + ε_k × r_k(t) ] = H(t) A        (method of B&H eq. 1 and 28, with lever arms)
+    δp(t) = Σ_k s_k R_k(t) [ δ_k(t_k) + ε_k(t_k) × r_k(t) ] = H(t) A    (method of B&H eq. 1 and 28, with lever arms)
 
 >>> axes = [Axis.linear("X", "x", (0, "600 mm")), Axis.linear("Y", "y", (0, "400 mm"))]
 >>> machine = Machine(axes, [Error("EXX", "10 um"), Error("EYY", "8 um"), Error("C0Y", "30 urad")])
 >>> machine.rows(np.array([[0.3, 0.1]])).displacement.shape
 (1, 3, 15)
+
+Each error acts on the tool through a lever: a vector field over poses times its own value. With displacements only and
+no rotary axis the levers are constant and this is the paper's sum of stacked splines. What two axes do together acts
+like a motion of the later one: δ_k(t_k) becomes δ_k(t_k) + I(t_j, t_k).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from itertools import accumulate, pairwise
-from typing import NamedTuple
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from axiscal_core.axes import Axis, Frames, chain
+from axiscal_core.axes import Axis, Frames, Three, chain
 from axiscal_core.dh import links
-from axiscal_core.errors import Basis, Curved, Error, Own, Plane, as_usual, curved
-from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one, sided
+from axiscal_core.eigen import unique_root
+from axiscal_core.errors import Basis, Error, Own, as_usual
+from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one, one_of, sided
+from axiscal_core.rigid import cross
+from axiscal_core.terms import Term, term_of
 from axiscal_core.units import METRES, Poses, Quantity, quantities, si
 
 _CHECKED = 0.0, 0.3, 0.5, 1.0  # of the travels: where the rows of a basis of one's own are looked at first
 
 
-def _held(held: object) -> Array:
-    """Return how the tool is turned, (3, 3)."""
-    found = finite("Machine", "held", held, (3, 3))
-    if not np.allclose(found @ found.T, np.eye(3), atol=1e-9) or np.linalg.det(found) < 0:
-        raise InputError("Machine", "held", "is no turn", "Give a matrix whose columns are a right-handed frame")
-    return found
+class Nose(NamedTuple):
+    """What is round the tool, m.
+
+    radius : of the tool and what holds it, up to the spindle nose; stylus : diameter of the ball of a probe, or 0
+    reach : how far a stylus stands free below; head : diameter and height of the nose with what carries it, or none
+    """
+
+    radius: float = 0.04
+    stylus: float = 0.0
+    reach: float = 0.05
+    head: tuple[float, ...] = ()
 
 
 class Rows(NamedTuple):
@@ -40,43 +55,70 @@ class Rows(NamedTuple):
     rotation: Array
 
 
-def come(
-    machine: Machine, poses: Poses, sides: Poses | None, function: str, nominal: Frames | None = None
-) -> tuple[Array, Array | None]:
-    """Return poses and sides as arrays, refused where they make no sense; at known frames they are those."""
-    if nominal is not None:
-        return np.asarray(poses), None if sides is None else np.asarray(sides)
-    at = machine.poses(poses, function)
-    return at, None if sides is None else sided(function, sides, at.shape)
+class SameRows(NamedTuple):
+    """Terms of the same axes with the same rows.
+
+    first : one of them; terms : (g,) indices; columns : (g c,) in A, one by one
+    """
+
+    first: Term
+    terms: NDArray[np.intp]
+    columns: NDArray[np.intp] | slice
 
 
+class _Moving(NamedTuple):
+    """How every term moves the tool point.
+
+    axis, along : (terms,) whose frame, and which direction of it; tilted, turning : indices of those that tilt the
+    direction of travel, and that turn the frame; sign : (terms,)
+    """
+
+    axis: NDArray[np.intp]
+    along: NDArray[np.intp]
+    tilted: NDArray[np.intp]
+    turning: NDArray[np.intp]
+    sign: Array
+
+
+@dataclass(frozen=True, repr=False, init=False)
 class Machine:
     """A machine.
 
     axes : from the workpiece to the tool; errors : of `Error`, or bases of one's own
-    tool : its length, m, or the tool point where all axes stand at zero, (3,); held : (3, 3) the tool's turn there
+    tool : the tool point where all axes stand at zero, m, or the length of a tool along -z
+    held : (3, 3) the tool's turn there; name : as its owner calls it; nose : what is round the tool
+    unit : in which its control counts lengths, "mm" or "in"
     """
 
+    axes: tuple[Axis, ...]
+    errors: tuple[Error | Basis, ...]
+    tool: Three
+    held: tuple[Three, ...] | None
+    name: str
+    nose: Nose
+    unit: str
+    own: tuple[Own, ...] = field(init=False, compare=False)
+
     def __init__(
-        self, axes: Sequence[Axis], errors: Sequence[Error | Basis], tool: Quantity | Sequence[Quantity] = 0.0,
-        held: Array | None = None,
+        self, axes: Sequence[Axis], errors: Iterable[Error | Basis] = (),
+        tool: Quantity | Sequence[Quantity] = 0.0, held: Array | Sequence[Three] | None = None, name: str = "",
+        nose: Nose | None = None, unit: str = "mm",
     ) -> None:  # fmt: skip
         made = 'Axis.linear("X", "x", (0, "600 mm"))'
-        self.axes = tuple(one("Machine", "axes", axis, Axis, made) for axis in listed("Machine", "axes", axes))
-        self.errors = tuple(listed("Machine", "errors", errors))
-        self.held = None if held is None else _held(held)
+        axes = tuple(one("Machine", "axes", axis, Axis, made) for axis in listed("Machine", "axes", axes))
+        each_once("Machine", "axes", [axis.name for axis in axes])
         long = isinstance(tool, str | int | float)
         point = [0.0, 0.0, -si(tool, "Machine", "tool", METRES)] if long else tool
-        self.tool = quantities(point, "Machine", "tool", (3,), [METRES])
-        self.names = [axis.name for axis in self.axes]
-        each_once("Machine", "axes", self.names)
-        found = (curved(e, self.axes) if isinstance(e, Error) else self._own(e) for e in self.errors)
-        self.terms: list[Curved | Own] = [*found]
-        each_once("Machine", "errors", [error.name for error in self.errors])
-        self.curves = [(i, term) for i, term in enumerate(self.terms) if isinstance(term, Curved)]
-        sizes = [term.covariance().shape[0] for term in self.terms]
-        self.columns = [slice(*pair) for pair in pairwise(accumulate(sizes, initial=0))]
-        self.size = sum(sizes)
+        x, y, z = quantities(point, "Machine", "tool", (3,), [METRES]).tolist()
+        every = tuple(listed("Machine", "errors", tuple(errors)) if errors else ())
+        told = {"axes": axes, "errors": every, "tool": (x, y, z), "name": name, "nose": nose or Nose()} | {"unit": unit}
+        for key, value in (told | {"held": None if held is None else _held(held)}).items():
+            object.__setattr__(self, key, value)
+        for error in every:
+            if isinstance(error, Error):
+                error.refuse_foreign(axes)
+        object.__setattr__(self, "own", self._own())
+        each_once("Machine", "errors", [error.name for error in every])
 
     @classmethod
     def from_dh(
@@ -89,12 +131,134 @@ class Machine:
         tool : the tool point in the last frame, m
         """
         axes, errors, point, held = links(parameters, std, travel, tool)
-        return cls(axes, errors, point.tolist(), held)
+        return Machine(axes, errors, point.tolist(), held)
 
-    def as_usual(self) -> Machine:
+    def as_usual(self) -> Self:
         """Return the machine with what curves usually have and nobody stated: lengths, rests, scales."""
-        found = [as_usual(t.error, self.axes[t.at]) if isinstance(t, Curved) else t.basis for t in self.terms]
-        return Machine(self.axes, found, self.tool.tolist(), self.held)
+        of = {axis.name: axis for axis in self.axes}
+        found = [as_usual(each, of[each.axis]) if isinstance(each, Error) else each for each in self.errors]
+        return replace(self, errors=tuple(found))
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.axes, self.errors, self.tool))
+
+    @property
+    def chain(self) -> str:
+        """Its axes in the manner of ISO 10791-6, such as "w-X'-Y'-b-Z-t"."""
+        before, after = ([axis for axis in self.axes if axis.workpiece_side is side] for side in (True, False))
+        return "-".join(["w", *(f"{axis.name}'" for axis in before), "b", *(axis.name for axis in after), "t"])
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The names of the axes."""
+        return [axis.name for axis in self.axes]
+
+    def index(self, name: str) -> int:
+        """Return the place of an axis in a pose; raises InputError for an axis that the machine does not have."""
+        return self.names.index(one_of("Machine.index", "name", name, self.names))
+
+    def axis(self, name: str) -> Axis:
+        """Return the axis of that name; raises as `index`."""
+        return self.axes[self.index(name)]
+
+    @property
+    def tool_length(self) -> float:
+        """The length of the tool, m."""
+        return -self.tool[2]
+
+    @property
+    def zero(self) -> tuple[float, ...]:
+        """The pose called machine zero: every axis at 0, or at the end of its travel nearest to it, m or rad."""
+        return tuple(min(max(0.0, axis.travel[0]), axis.travel[1]) for axis in self.axes)
+
+    @property
+    def only(self) -> int | None:
+        """The one linear axis of which displacements alone are described; None where more is, or an axis turns."""
+        axes = {error.axis for error in self.stated}
+        more = len(axes) != 1 or any(error.sides or error.angular for error in self.stated)
+        return None if more or any(axis.rotary for axis in self.axes) else self.index(*axes)
+
+    @cached_property
+    def stated(self) -> tuple[Error, ...]:
+        """The errors that are curves or planes, those of one axis first."""
+        errors = [each for each in self.errors if isinstance(each, Error)]
+        return tuple(sorted(errors, key=lambda error: bool(error.sides)))
+
+    @cached_property
+    def terms(self) -> tuple[Term, ...]:
+        """Curves and planes, curves first: so what is counted by terms is counted by curves as well."""
+        found, size = list[Term](), 0
+        for error in self.stated:
+            found.append(term_of(error, self.axes, size))
+            size = found[-1].columns.stop
+        return tuple(found)
+
+    @property
+    def curves(self) -> tuple[Term, ...]:
+        """The terms of one axis."""
+        return tuple(term for term in self.terms if len(term.sides) == 1)
+
+    @property
+    def planes(self) -> tuple[Term, ...]:
+        """The terms of two axes together."""
+        return tuple(term for term in self.terms if len(term.sides) > 1)
+
+    @cached_property
+    def parts(self) -> tuple[Term | Own, ...]:
+        """Everything that has coefficients, in their order."""
+        at, found = self.terms[-1].columns.stop if self.terms else 0, list[Own]()
+        for each in self.own:
+            found.append(each.behind(at))
+            at = found[-1].columns.stop
+        return *self.terms, *found
+
+    @cached_property
+    def size(self) -> int:
+        """The number of coefficients."""
+        return self.parts[-1].columns.stop if self.parts else 0
+
+    @cached_property
+    def by_name(self) -> dict[str, Term]:
+        """The curves by name."""
+        return {term.name: term for term in self.curves}
+
+    def covariance(self) -> Array:
+        """Return C of all coefficients before any reading, block diagonal over errors, (size, size)."""
+        return self._blocks(lambda part: part.covariance)
+
+    def root(self) -> Array:
+        """Return F with C = F Fᵀ, error by error, (size, size)."""
+        return self._blocks(lambda part: unique_root(part.covariance))
+
+    def _blocks(self, of: Callable[[Term | Own], Array]) -> Array:
+        result = np.zeros((self.size, self.size))
+        for part in self.parts:
+            result[part.columns, part.columns] = of(part)
+        return result
+
+    def knots_along(self, axis: int) -> list[Array]:
+        """Return the knots along an axis of each term that depends on it."""
+        return [side.spline.knots for term in self.terms for side in term.sides if side.axis == axis]
+
+    @cached_property
+    def rests(self) -> Array:
+        """Standard deviation of the rest of each term, (terms,) m or rad; a reversal adds half of itself to a side."""
+        return np.array([term.rest / (2 if term.kind == "reversal" else 1) for term in self.terms])
+
+    @cached_property
+    def reversing(self) -> frozenset[int]:
+        """The axes that have a reversal: what is seen there depends on the side from which they come."""
+        return frozenset(term.axis for term in self.curves if term.kind == "reversal")
+
+    @property
+    def tilts(self) -> list[int]:
+        """The columns of tilted directions of travel, which deviate the more the farther an axis is from its zero."""
+        tilted = (self.curves[number].columns for number in self._moving.tilted)
+        return [column for columns in tilted for column in range(columns.start, columns.stop)]
 
     def poses(self, values: object, function: str = "Machine.poses") -> Array:
         """Return poses as an array, (m, q); refuses those outside the travel."""
@@ -108,87 +272,170 @@ class Machine:
                 raise InputError(function, "poses", what, f"{axis.name} goes from {low:g} to {high:g}", i)
         return poses
 
-    def frames(self, poses: Poses) -> Frames:
-        """Return the nominal chain.  poses : (m, q)"""
-        return chain(self.axes, self.poses(poses, "Machine.frames"), self.tool, self.held)
+    def come(self, poses: Poses, sides: Poses | None, function: str) -> tuple[Array, Array]:
+        """Return poses, and sides from which axes come, nobody knows where nothing is said; refuses what is none."""
+        at = self.poses(poses, function)
+        return at, np.zeros(at.shape) if sides is None else sided(function, sides, at.shape)
 
-    def rows(self, poses: Poses, sides: Poses | None = None, nominal: Frames | None = None) -> Rows:
-        """Return H, what each coefficient does to the tool: displacement and rotation, (m, 3, n) each.
+    def frames(self, poses: Array) -> Frames:
+        """Return the nominal chain.  poses : (m, q) m or rad, also outside the travel"""
+        return chain(self.axes, poses, np.array(self.tool), None if self.held is None else np.array(self.held))
 
-        poses : (m, q); sides : (m, q), from where each axis came: +1, -1, 0 where nobody knows
-        nominal : the frames at these, where somebody has looked at both
+    def levers(self, poses: Array, angular: bool = False) -> Array:
+        """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.
+
+        poses : (m, q); angular : the rotation of the tool relative to the workpiece instead
         """
-        poses, sides = come(self, poses, sides, "Machine.rows", nominal)
-        frames, shape = nominal or self.frames(poses), (len(poses), 3, self.size)
-        result = Rows(np.zeros(shape), np.zeros(shape))
-        alike = dict[tuple[int, int, bytes], Array]()  # most errors of an axis have the same knots
-        for term, columns in zip(self.terms, self.columns, strict=True):
-            if isinstance(term, Curved):
-                key = term.at, term.spline.size, term.spline.knots.tobytes()
-                if key not in alike:
-                    alike[key] = term.spline.rows(poses[:, term.at])
-                parts = [each[:, :, None] * alike[key][:, None] for each in self._lever(term, frames, poses, sides)]
-            else:
-                parts = [*self._moved(term, frames, poses)]
-            for out, part in zip(result, parts, strict=True):
-                out[:, :, columns] = part
+        if not angular and self._unmoved is not None:
+            return np.broadcast_to(self._unmoved, (len(self.terms), len(poses), 3)).copy()
+        nominal = self.frames(poses)
+        return self._turned(nominal) if angular else self._levers(nominal, poses)
+
+    @cached_property
+    def _unmoved(self) -> Array | None:
+        """The levers (terms, 1, 3) where they are the same at every pose: displacements without rotary axes, the
+        paper's case.
+        """
+        if any(f.angular for f in self.terms) or any(axis.rotary for axis in self.axes):
+            return None
+        pose = np.zeros((1, len(self.axes)))
+        return self._levers(self.frames(pose), pose)
+
+    @property
+    def ways(self) -> tuple[bool, bool, bool]:
+        """Whether some error moves the tool along x, y and z; along each where errors or axes turn it."""
+        x, y, z = (True,) * 3 if self._unmoved is None else np.any(self._unmoved, axis=(0, 1)).tolist()
+        return x, y, z
+
+    def _levers(self, nominal: Frames, poses: Array) -> Array:
+        """Return the levers at the frames of poses, (terms, m, 3).
+
+        Along a direction of its axis frame, about it with the arm from there, or by the direction of travel tilted.
+        """
+        how, of = self._moving, self._moving.axis
+        levers: Array = nominal.rotations[of, :, :, how.along]
+        about, tilted = levers[how.tilted], of[how.tilted]
+        travels = [nominal.rotations[axis] @ np.array(self.axes[axis].direction) for axis in tilted]
+        levers[how.tilted] = cross(about, np.array(travels).reshape(about.shape)) * poses.T[tilted][:, :, None]
+        levers[how.turning] = cross(levers[how.turning], (nominal.tcp - nominal.origins)[of[how.turning]])
+        levers *= how.sign[:, None, None]
+        return levers
+
+    @cached_property
+    def _moving(self) -> _Moving:
+        axes = [self.axes[term.axis] for term in self.terms]
+        tilted = [t.kind == "location" and not axis.rotary for t, axis in zip(self.terms, axes, strict=True)]
+        pairs = zip(self.terms, tilted, strict=True)
+        return _Moving(
+            np.array([term.axis for term in self.terms], dtype=np.intp),
+            np.array([term.component % 3 for term in self.terms], dtype=np.intp),
+            np.flatnonzero(tilted),
+            np.flatnonzero([term.angular and not aside for term, aside in pairs]),
+            np.array([1.0 if aside else axis.sign for axis, aside in zip(axes, tilted, strict=True)]),
+        )
+
+    def _turned(self, nominal: Frames) -> Array:
+        how, result = self._moving, np.zeros((len(self.terms), *nominal.tcp.shape))
+        turned = nominal.rotations[how.axis[how.turning], :, :, how.along[how.turning]]
+        result[how.turning] = how.sign[how.turning, None, None] * turned
         return result
 
-    def levers(self, poses: Poses, sides: Poses | None = None, nominal: Frames | None = None) -> tuple[Array, Array]:
-        """Return what a unit of each curve's value does to displacement and rotation of the tool, (curves, m, 3)."""
-        poses, sides = come(self, poses, sides, "Machine.levers", nominal)
-        frames = nominal or self.frames(poses)
-        moved, turned = np.zeros((2, len(self.curves), len(poses), 3))
-        for i, (_, term) in enumerate(self.curves):
-            moved[i], turned[i] = self._lever(term, frames, poses, sides)
-        return moved, turned
+    def rows(self, poses: Poses, sides: Poses | None = None) -> Rows:
+        """Return H (B&H eq. 1, 28), what each coefficient does to the tool; refuses poses outside the travel.
 
-    def covariance(self) -> Array:
-        """Return C of all coefficients before any reading, (n, n)."""
-        result = np.zeros((self.size, self.size))
-        for term, columns in zip(self.terms, self.columns, strict=True):
-            result[columns, columns] = term.covariance()
+        poses : (m, q) m or rad; sides : (m, q), from where each axis came: +1, -1, 0 where nobody knows
+        """
+        at, came = self.come(poses, sides, "Machine.rows")
+        return Rows(self.rows_at(at, came), self.rows_at(at, came, angular=True))
+
+    def rows_at(self, poses: Array, sides: Array, angular: bool = False) -> Array:
+        """Return H of the displacement, (m, 3, size), also outside the travel.  angular : of the rotation instead"""
+        levers = self.levers(poses, angular).transpose(2, 0, 1)
+        rows = self.along(levers, poses, sides).swapaxes(0, 1)
+        if self.own:
+            frames = self.frames(poses)
+            for own in self.parts[len(self.terms) :]:
+                rows[:, :, own.columns] = self._moved(own, frames, poses)[angular]
+        return rows
+
+    def along(self, levers: Array, poses: Array, approaches: Array) -> Array:
+        """Return the rows of scalar readings with the given levers, (..., m, size).
+
+        levers : (..., terms, m), the effect of each term on the readings
+        """
+        signed = self.effects(levers, approaches).swapaxes(-1, -2)
+        result = np.zeros((*signed.shape[:-1], self.size))
+        for group in self.alike:
+            values = group.first.rows(*group.first.at(poses))
+            rows = signed[..., group.terms, None] * values[:, None, :]
+            result[..., group.columns] = rows.reshape(*signed.shape[:-1], math.prod(rows.shape[-2:]))
         return result
 
-    def _lever(self, term: Curved, frames: Frames, poses: Array, sides: Array | None) -> tuple[Array, Array]:
-        """Return what a unit of the value does, (m, 3) each."""
-        k, axis = term.at, self.axes[term.at]
-        along = frames.rotations[k][:, :, term.error.component % 3]
-        if term.error.kind == "reversal":  # it is the difference of both sides, so half of it from each
-            along = along * (0.0 if sides is None else sides[:, [k]] / 2)
-        still, sign = np.zeros_like(along), -1.0 if axis.workpiece_side else 1.0
-        if term.error.kind == "location" and not axis.rotary:
-            # the direction of travel is tilted: the carriage goes where it goes, and turns nothing
-            return np.cross(along, frames.rotations[k] @ axis.direction) * poses[:, k, None], still
-        if term.error.component < 3:
-            return sign * along, still
-        return sign * np.cross(along, frames.tcp - frames.origins[k]), sign * along
+    @cached_property
+    def alike(self) -> tuple[SameRows, ...]:
+        """The terms that share axes, knots and cells, so that their rows are computed once."""
+        groups = dict[object, list[int]]()
+        for i, term in enumerate(self.terms):
+            groups.setdefault(tuple(side.key for side in term.sides), []).append(i)
+        found = list[SameRows]()
+        for members in groups.values():
+            each = [self.terms[i].columns for i in members]
+            columns = np.concatenate([np.arange(one.start, one.stop) for one in each])
+            together = slice(columns[0], columns[-1] + 1) if np.all(np.diff(columns) == 1) else columns
+            found.append(SameRows(self.terms[members[0]], np.array(members), together))
+        return tuple(found)
 
-    def _moved(self, term: Own, frames: Frames, poses: Array) -> tuple[Array, Array]:
+    @cached_property
+    def firsts(self) -> NDArray[np.intp]:
+        """The first of the terms that are alike with each term, (terms,)."""
+        found = np.arange(len(self.terms))
+        for group in self.alike:
+            found[group.terms] = group.terms[0]
+        return found
+
+    def effects(self, levers: Array, approaches: Array) -> Array:
+        """Return what a unit of each term adds to scalar readings, reversals by their sign, (..., terms, m)."""
+        effects, reversals = levers.copy(), self._reversals
+        effects[..., reversals, :] *= 0.5 * approaches.T[self._moving.axis[reversals]]
+        return effects
+
+    @cached_property
+    def _reversals(self) -> NDArray[np.intp]:
+        return np.flatnonzero([term.kind == "reversal" for term in self.terms])
+
+    def _moved(self, own: Term | Own, frames: Frames, poses: Array) -> tuple[Array, Array]:
         """Return what a basis of one's own does, (m, 3, n) each."""
-        rows = term.rows(poses)
-        if term.frame == "tool":
+        assert isinstance(own, Own), "bases of one's own stand behind curves and planes"
+        rows = own.rows(poses)
+        if own.frame == "tool":
             return frames.tool @ rows[:, :3], frames.tool @ rows[:, 3:]
-        k = self.names.index(term.frame)
-        sign = -1.0 if self.axes[k].workpiece_side else 1.0
-        shift, turn = sign * frames.rotations[k] @ rows[:, :3], sign * frames.rotations[k] @ rows[:, 3:]
+        k = self.names.index(own.frame)
+        shift, turn = (self.axes[k].sign * frames.rotations[k] @ part for part in (rows[:, :3], rows[:, 3:]))
         return shift + np.cross(turn, (frames.tcp - frames.origins[k])[:, :, None], axis=1), turn
 
-    def _own(self, error: Basis) -> Own:
-        missing = [each for each in ("name", "frame", "rows", "covariance") if not hasattr(error, each)]
-        if missing:
-            raise InputError("Machine", "errors", f"hold {error!r} without {', '.join(missing)}", "See Basis")
-        if isinstance(error, type):
-            raise InputError("Machine", "errors", f"hold {error!r}, a class", "Give an object of it")
-        if isinstance(error, Plane):
-            error.on(self.axes)
-        if error.frame not in [*self.names, "tool"]:
-            what, known = f"hold {error.name} of an unknown frame {error.frame!r}", ", ".join([*self.names, "tool"])
-            raise InputError("Machine", "errors", what, f"Frames are {known}")
-        found = Own(error)
+    def _own(self) -> tuple[Own, ...]:
+        """Return the bases of one's own, looked at."""
+        found = list[Own]()
         low, high = np.array([axis.travel for axis in self.axes]).T
-        found.rows(low + np.outer(_CHECKED, high - low))
-        return found
+        for error in (each for each in self.errors if not isinstance(each, Error)):
+            if missing := [each for each in ("name", "frame", "rows", "covariance") if not hasattr(error, each)]:
+                raise InputError("Machine", "errors", f"hold {error!r} without {', '.join(missing)}", "See Basis")
+            if isinstance(error, type):
+                raise InputError("Machine", "errors", f"hold {error!r}, a class", "Give an object of it")
+            if error.frame not in [*self.names, "tool"]:
+                what, known = f"hold {error.name} of an unknown frame {error.frame!r}", ", ".join([*self.names, "tool"])
+                raise InputError("Machine", "errors", what, f"Frames are {known}")
+            found.append(Own(error))
+            found[-1].rows(low + np.outer(_CHECKED, high - low))
+        return tuple(found)
 
     def __repr__(self) -> str:
         return f"<Machine {''.join(self.names)}: {len(self.errors)} errors, {self.size} coefficients>"
+
+
+def _held(held: object) -> tuple[Three, ...]:
+    """Return how the tool is turned, (3, 3)."""
+    found = finite("Machine", "held", held, (3, 3))
+    if not np.allclose(found @ found.T, np.eye(3), atol=1e-9) or np.linalg.det(found) < 0:
+        raise InputError("Machine", "held", "is no turn", "Give a matrix whose columns are a right-handed frame")
+    return tuple((x, y, z) for x, y, z in found.tolist())

@@ -14,7 +14,6 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from axiscal_core.criterion import Criterion, Goal, goal, joint, volume
-from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.instrument import At, Instrument, refuse_what_is_not_analytic, sight
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
@@ -108,8 +107,8 @@ class Model:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The name of every unknown: "EXX[3]", "laser.zero"."""
-        pairs = zip(self.machine.terms, self.machine.columns, strict=True)
-        errors = [f"{term.name}[{i}]" for term, columns in pairs for i in range(columns.stop - columns.start)]
+        each = ((part.name, part.columns) for part in self.machine.parts)
+        errors = [f"{name}[{i}]" for name, columns in each for i in range(columns.stop - columns.start)]
         return (*errors, *(f"{each.name}.{unknown}" for each in self.instruments for unknown in each.own))
 
     @cached_property
@@ -202,18 +201,14 @@ class Model:
         return quantities(readings.given, function, "values", (None,), units)
 
     def cells(self, poses: Array) -> Array:
-        """Return in which cell each curve's rest is, (m, curves)."""
-        result = np.zeros((len(poses), len(self.machine.curves)))
-        for i, (_, term) in enumerate(self.machine.curves):
-            low, high, count = term.spline.knots[0], term.spline.knots[-1], CELLS * (len(term.spline.knots) - 1)
-            along = np.floor((poses[:, term.at] - low + ASIDE) / ((high - low) / count))
-            result[:, i] = np.clip(along, 0, count - 1)
-        return result
+        """Return in which cell each term's rest is, (m, terms)."""
+        cells = [term.cells(*term.at(poses)) for term in self.machine.terms]
+        return np.array(cells, dtype=np.float64).reshape(len(cells), len(poses)).T
 
     def shared(self, first: Numbers, second: Numbers) -> Array:
         """Return the covariance of rests between numbers, (n, m): readings in one cell share its value."""
         total = np.zeros((len(first.rows), len(second.rows)))
-        for i, (_, term) in enumerate(self.machine.curves):
+        for i, term in enumerate(self.machine.terms):
             if term.rest:
                 alike = first.cell[:, i, None] == second.cell[:, i]
                 total += term.rest**2 * alike * np.outer(first.reach[:, i], second.reach[:, i])

@@ -6,18 +6,20 @@ elsewhere, which readings cannot improve). Whether readings agree is judged with
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from axiscal_core.causes import adding_to_curves, columns_of
 from axiscal_core.columns import Bent, Curves
 from axiscal_core.eigen import unique_root
-from axiscal_core.errors import Curved
 from axiscal_core.model import Model
 from axiscal_core.places import Readings
 from axiscal_core.problem import Problem
 from axiscal_core.refusals import Array
 from axiscal_core.sizes import sizes_of
 from axiscal_core.splines import distances
+from axiscal_core.terms import Term, covariance
 
 
 def posed(case: Model, readings: Readings, about: Array | None = None) -> Problem:
@@ -49,25 +51,26 @@ def _own(case: Model, start: int) -> tuple[int, np.ndarray, tuple[Bent, ...], tu
     start : where they begin among all columns
     """
     machine, sizes, at = case.machine, sizes_of(case), np.full(case.size, -1, dtype=np.intp)
-    bent, roots = dict[int, list[tuple[Curved, slice]]](), list[tuple[int, Array]]()
-    for term, part in zip(machine.terms, machine.columns, strict=True):
-        if isinstance(term, Curved):
-            at[part] = sizes.index("reversal" if term.error.kind == "reversal" else "std", term.name)
-        if isinstance(term, Curved) and term.length is not None:
-            bent.setdefault(term.spline.size, []).append((term, part))
-        else:
-            alone = term.std**2 * term.correlation() if isinstance(term, Curved) else term.covariance()
-            roots.append((start + part.start, unique_root(alone)))
+    bent, roots = dict[tuple[int, float], list[Term]](), list[tuple[int, Array]]()
+    for term in machine.curves:
+        at[term.columns] = sizes.index("reversal" if term.kind == "reversal" else "std", term.name)
+        if term.length is not None:
+            bent.setdefault((term.spline.size, term.error.smoothness), []).append(term)
+        else:  # its scale has a size of its own
+            alone = covariance(replace(term.error, scale=None), term.spline)
+            roots.append((start + term.columns.start, unique_root(alone)))
+    others = machine.parts[len(machine.curves) :]
+    roots += [(start + part.columns.start, unique_root(part.covariance)) for part in others]
     stds = [std for each in case.instruments for std in each.own.values()]
     roots += [(start + machine.size + i, np.array([[std]])) for i, std in enumerate(stds)]
     curves = tuple(
         Curves(
-            start + np.array([np.arange(part.start, part.stop) for _, part in members]),
-            sizes.indices("length", [term.name for term, _ in members]), 2.5,
-            np.array([term.std for term, _ in members]), np.array([term.length for term, _ in members], dtype=float),
-            np.array([distances(term.spline) for term, _ in members]),
+            start + np.array([np.arange(term.columns.start, term.columns.stop) for term in members]),
+            sizes.indices("length", [term.name for term in members]), smoothness,
+            np.array([term.std for term in members]), np.array([term.length for term in members], dtype=float),
+            np.array([distances(term.spline) for term in members]),
         )
-        for members in bent.values()
+        for (_, smoothness), members in bent.items()
     )  # fmt: skip
     return case.size, at, curves, tuple(roots)
 

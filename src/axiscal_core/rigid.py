@@ -30,6 +30,18 @@ class Motion(NamedTuple):
         return turned + self.translation
 
 
+class SmallMotions(NamedTuple):
+    """The error motion of each axis frame at each pose, in the axis frame.
+
+    displacement : (q, m, 3) m; rotation : (q, m, 3) rad
+    tilt : (q, m, 3) rad, turn of the direction of travel of a linear axis
+    """
+
+    displacement: Array
+    rotation: Array
+    tilt: Array
+
+
 def identity(count: int) -> Motion:
     """Return `count` motions that move nothing."""
     return Motion(np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3)))

@@ -72,7 +72,7 @@ class State:
         prior, shape = self.case.prior.covariance, (len(n.rows) // each, each)
         reach = n.rows @ prior
         k = reach.reshape(*shape, self.case.size) @ n.rows.reshape(*shape, self.case.size).swapaxes(1, 2)
-        rests = (n.reach * [term.rest for _, term in self.case.machine.curves]).reshape(*shape, n.reach.shape[1])
+        rests = (n.reach * [term.rest for term in self.case.machine.terms]).reshape(*shape, n.reach.shape[1])
         k = k + rests @ rests.swapaxes(1, 2) + n.noise.reshape(*shape)[:, :, None] ** 2 * np.eye(each)
         half = np.linalg.solve(self._root, self.taken.rows @ reach.T + self.case.shared(self.taken, n))
         felt = half.T.reshape(*shape, len(half))

@@ -26,13 +26,13 @@ from numpy.typing import NDArray
 
 from axiscal_core.climb import Climb
 from axiscal_core.criterion import Criterion
-from axiscal_core.errors import ASIDE, CELLS
 from axiscal_core.instrument import Instrument
 from axiscal_core.model import Model
 from axiscal_core.places import Places, Readings
 from axiscal_core.refusals import Array
 from axiscal_core.roots import Forms, largest, node_count
 from axiscal_core.state import State
+from axiscal_core.terms import ASIDE, CELLS
 from axiscal_core.threads import one_thread
 
 _POINTS, _FINEST, _EVEN = 20_000, 16, 1000  # of the lattice; parts of a stretch between knots; where neither fits
@@ -91,7 +91,7 @@ class Ground:
     @cached_property
     def sided(self) -> NDArray[np.intp]:
         """The axes with a reversal, where they may come from either side."""
-        turning = {term.at for _, term in self.state.case.machine.curves if term.error.kind == "reversal"}
+        turning = self.state.case.machine.reversing
         both = len(self.instrument.sides) > 1
         return np.flatnonzero([both and k in turning for k in self.axes])
 
@@ -210,8 +210,7 @@ def _peaks(gains: Array) -> NDArray[np.intp]:
 def _knots(case: Model, k: int) -> Array:
     """Return the knots of all curves along an axis, (b,) within its travel."""
     low, high = case.machine.axes[k].travel
-    knots = [term.spline.knots for _, term in case.machine.curves if term.at == k]
-    return _within(np.concatenate([[low, high], *knots]), low, high)
+    return _within(np.concatenate([[low, high], *case.machine.knots_along(k)]), low, high)
 
 
 def _parted(knots: Array, parts: int) -> Array:
@@ -223,10 +222,9 @@ def _parted(knots: Array, parts: int) -> Array:
 def _breaks(case: Model, k: int) -> Array:
     """Return the same with the edges of the cells of rests."""
     parts = [_knots(case, k)]
-    for _, term in case.machine.curves:
-        if term.at == k and term.rest:
-            first, last = term.spline.knots[[0, -1]]
-            parts.append(np.linspace(first, last, CELLS * (len(term.spline.knots) - 1) + 1) - ASIDE)
+    for side in (side for term in case.machine.terms if term.rest for side in term.sides if side.axis == k):
+        first, last = side.spline.knots[[0, -1]]
+        parts.append(np.linspace(first, last, CELLS * (len(side.spline.knots) - 1) + 1) - ASIDE)
     return _within(np.concatenate(parts), *case.machine.axes[k].travel)
 
 

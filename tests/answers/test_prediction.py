@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from axiscal.answers.prediction import predict_poses, tcp_prediction
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import deviation_of
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.readers.csv_table import RawPose
+from axiscal_core.machine import Machine
 from tests.generators.texts import machine_text
 
 TEXT = machine_text(
@@ -31,7 +31,7 @@ TEXT = machine_text(
         "EXC": 'std = "5 um", length = "40 deg", knots = 4, rest = "1 um"',
     },
 )
-ERRORS = ErrorModel(machine_from_text(TEXT))
+ERRORS = machine_from_text(TEXT)
 FILE = Path("poses.csv")
 
 
@@ -39,12 +39,12 @@ FILE = Path("poses.csv")
 class Known:
     """What of an estimation a prediction looks at."""
 
-    errors: ErrorModel
+    errors: Machine
     belief: Belief
 
     def estimation(self) -> Estimation:
         """Return it as one."""
-        described = SimpleNamespace(machine=self.errors.machine, setups=(), usual=False)
+        described = SimpleNamespace(machine=self.errors, setups=(), usual=False)
         case, printed = SimpleNamespace(errors=self.errors, description=described), SimpleNamespace(belief=self.belief)
         return cast("Estimation", SimpleNamespace(case=case, printed=printed, readings=()))
 
@@ -79,14 +79,14 @@ def test_the_band_is_the_scatter_of_machines_that_come_from_that_side_or_from_an
 
 def test_what_two_axes_do_together_is_in_the_band_and_its_rest_as_well() -> None:
     """By the prior's covariance and the rests of all terms, from a side that is known."""
-    errors, rng = ErrorModel(load_machine("printer-gantry")), np.random.default_rng(3)
+    errors, rng = load_machine("printer-gantry"), np.random.default_rng(3)
     assert errors.planes
-    assert any(each.kind == "reversal" for each in errors.functions)
-    low, high = np.array([axis.travel for axis in errors.machine.axes]).T
+    assert any(each.kind == "reversal" for each in errors.curves)
+    low, high = np.array([axis.travel for axis in errors.axes]).T
     poses = rng.uniform(low, high, (4, len(low)))
-    sides, prior = np.ones_like(poses), errors.prior_covariance()
+    sides, prior = np.ones_like(poses), errors.covariance()
     mean, std = tcp_prediction(Known(errors, Belief(np.zeros(errors.size), prior)).estimation(), poses, sides)
-    rows, levers = errors.rows(poses, sides), errors.levers(poses)
+    rows, levers = errors.rows_at(poses, sides), errors.levers(poses)
     variances = np.einsum("mci,ij,mcj->mc", rows, prior, rows)
     variances += np.einsum("t,tmc->mc", [term.rest**2 for term in errors.terms], levers**2)
     np.testing.assert_allclose(std, np.sqrt(variances), rtol=1e-6, atol=1e-12)
@@ -110,7 +110,7 @@ def test_what_a_pose_leaves_out_is_the_middle_of_the_travel_from_any_side() -> N
 
 @pytest.mark.parametrize(("at", "allowed"), [(0.0, True), (0.5e-9, True), (2e-9, False)])
 def test_an_end_of_the_travel_is_within_it_up_to_rounding(at: float, allowed: bool) -> None:
-    have, (low, high) = known().estimation(), ERRORS.machine.axes[0].travel
+    have, (low, high) = known().estimation(), ERRORS.axes[0].travel
     for end in (low - at, high + at):
         if allowed:
             assert len(predict_poses(have, [raw({"X": end})], FILE)[0]) == 1

@@ -15,14 +15,16 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.setup_of_reading import setup_of
 from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.machine.description import Machine, load_machine, machine_from_text
-from axiscal.machine.kinematics import frames, turn_between
+from axiscal.machine import DescribedMachine
+from axiscal.machine.description import load_machine, machine_from_text
+from axiscal.machine.kinematics import turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.summarising import iso230_blocks
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 from tests.generators.campaigns import on
 from tests.generators.texts import Said, campaign_text, setup_text
 
@@ -32,7 +34,7 @@ STANDS: tuple[Mapping[str, float], ...] = ({}, {"C": 90}, {"C": 180}, {"C": 270}
 
 
 @cache
-def five(*reversed_axes: str) -> Machine:
+def five(*reversed_axes: str) -> DescribedMachine:
     """Return the built-in machine of five axes, of which some count against ISO 841."""
     text = load_machine("dmu60").text
     for name in reversed_axes:
@@ -45,7 +47,7 @@ def deviation(machine: Machine, poses: Array, sides: Array) -> Array:
     went, x, y = poses.copy(), machine.index("X"), machine.index("Y")
     went[:, x] += TOO_FAR * poses[:, x] - LAGS / 2 * sides[:, x]
     went[:, y] += OPENS * poses[:, x]
-    return np.asarray(frames(machine, went).tcp - frames(machine, poses).tcp)
+    return np.asarray(machine.frames(went).tcp - machine.frames(poses).tcp)
 
 
 def laser(machine: Machine, stands: Mapping[str, float], against: bool) -> str:
@@ -54,14 +56,14 @@ def laser(machine: Machine, stands: Mapping[str, float], against: bool) -> str:
     for name, degrees in stands.items():
         pose[:, machine.index(name)] = np.radians(degrees)
     pose[1, machine.index("X")] = 1.0
-    at, past = frames(machine, pose).tcp
+    at, past = machine.frames(pose).tcp
     direction = np.round((past - at) * (-1 if against else 1)).tolist()
     park = {"Y": "0 mm", "Z": "250 mm", "B": "0 deg", "C": "0 deg"} | {k: f"{v} deg" for k, v in stands.items()}
     said: dict[str, Said] = {"direction": direction, "moves": ["X"], "approach": "both", "park": park}
     return setup_text("laser", "interferometer", unknowns={"zero": "1 mm"}, drift="0 um/h", noise="0.3 um", **said)
 
 
-def described(machine: Machine, setup: str, *wants: str) -> CampaignDescription:
+def described(machine: DescribedMachine, setup: str, *wants: str) -> CampaignDescription:
     """Return a campaign of one set-up."""
     return on(machine.text, setup, target={"readings": 60, "wants": list(wants)})
 
@@ -137,9 +139,9 @@ def test_the_line_of_a_rotary_axis_is_where_the_axes_count_it(
     centre, tilt = (row.map for row in asked_rows(campaign_from_texts(text, "c.toml", machine.text, "m"), ()))
     assert centre is not None
     assert tilt is not None
-    at = frames(displaced(machine, axis, shift, np.zeros(3)), centre.poses).tcp - frames(machine, centre.poses).tcp
+    at = displaced(machine, axis, shift, np.zeros(3)).frames(centre.poses).tcp - machine.frames(centre.poses).tcp
     leaning = displaced(machine, axis, np.zeros(3), lean)
-    turned = turn_between(frames(machine, tilt.poses).tool, frames(leaning, tilt.poses).tool)
+    turned = turn_between(machine.frames(tilt.poses).tool, leaning.frames(tilt.poses).tool)
     every = dict(zip("XYZABC", (*shift, *lean), strict=True))
     for functional, values in ((centre, at), (tilt, turned)):
         expected = {way: every[way] * signs.get(way, 1) for way in functional.directions}

@@ -10,7 +10,6 @@ from scipy.interpolate import CubicSpline
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.inheritance import inherited
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -67,7 +66,7 @@ def figures(path: Path) -> tuple[Array, Array]:
     """Return what is known of EXX at the places, less what it is at 0: means and stds, (3,), m."""
     with Campaign.open(path) as campaign:
         known = campaign.estimate()
-    term, belief = known.case.errors.names["EXX"], known.knowledge.belief
+    term, belief = known.case.errors.by_name["EXX"], known.knowledge.belief
     rows = term.rows(PLACES) - term.rows(np.zeros(1))
     covariance = (belief.factor @ belief.factor.T)[term.columns, term.columns]
     return rows @ belief.mean[term.columns], np.sqrt(np.diagonal(rows @ covariance @ rows.T))
@@ -83,17 +82,17 @@ def test_a_record_of_before_keeps_its_knots_and_its_figures(tmp_path: Path) -> N
     np.testing.assert_allclose((mean, std), figures(stated), rtol=1e-12)
     assert not np.allclose(std, figures(new)[1], rtol=1e-3)
     with Campaign.open(new) as campaign:
-        assert campaign.case().errors.names["EXX"].basis.size == 17
+        assert campaign.case().errors.by_name["EXX"].spline.size == 17
 
 
 def test_what_lies_between_its_knots_is_not_known_from_it(tmp_path: Path) -> None:
     """What its nine knots cannot hold of a curve of seventeen (scipy's natural splines) is as the prior states."""
     old = written(tmp_path / "old.axiscal", described(), before=True)
     new = described()
-    errors, knots = ErrorModel(new.machine), np.linspace(0.0, 0.6, 17)
+    errors, knots = new.machine, np.linspace(0.0, 0.6, 17)
     found = inherited(carried_text(old), errors)
     held = CubicSpline(knots[::2], np.eye(9), bc_type="natural")(knots)
     beyond = np.linalg.qr(held, mode="complete")[0][:, 9:]
-    stated = beyond.T @ errors.prior_covariance() @ beyond
+    stated = beyond.T @ errors.covariance() @ beyond
     np.testing.assert_allclose(beyond.T @ found.covariance @ beyond, stated, rtol=1e-6, atol=1e-6 * stated.max())
     assert np.sqrt(np.diagonal(found.covariance)).min() > 0.5e-6

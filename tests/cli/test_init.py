@@ -107,7 +107,7 @@ def test_a_board_that_is_turned_is_offered_where_no_axis_does(tmp_path: Path) ->
     assert len({board.standing for board in boards}) == len(campaign.setups) == 5
     heights = np.array([[ball.place[2] for ball in board.balls] for board in boards])
     assert np.ptp(heights) > 0.85 * campaign.machine.axis("Z").length - 50e-3  # of 400 mm, with room over and below
-    assert np.ptp(heights[0]) == pytest.approx(campaign.machine.tool - 18e-3, abs=1e-3)
+    assert np.ptp(heights[0]) == pytest.approx(campaign.machine.tool_length - 18e-3, abs=1e-3)
     with pytest.raises(DescriptionError, match="Nothing of sphere can be offered"):
         first_files(with_travels(of_builtin("three-axis-mill"), {"X": 80.0}), ["sphere"], Purpose("20 um"))
 
@@ -131,7 +131,7 @@ EXX = { std = "10 um" }
         first_files(begun, ["sphere"], Purpose("20 um")).texts[f"{name}.toml"] for name in ("machine", "campaign")
     )
     found = campaign_from_texts(campaign, "campaign.toml", machine, "machine.toml")
-    assert found.machine.stylus == 3e-3
+    assert found.machine.nose.stylus == 3e-3
     (setup,) = found.setups
     assert setup.artefact is not None
     spread = np.array([ball.place for ball in setup.artefact.balls])

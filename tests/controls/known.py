@@ -96,8 +96,8 @@ def known(*errors: Mapping[str, Std], seed: int = 3, chain: str = CHAIN) -> Know
     together = {name: std for each in errors for name, std in each.items()}
     drawn = drawn_and_known(machine_from_text(machine_text(chain, TRAVELS, together)), seed)
     model, mean = drawn.model, drawn.mean.copy()
-    for each in (f for f in model.functions if f.kind == "reversal"):  # an axis that turns arrives short
-        mean[each.columns] = -model.machine.axes[each.axis].sign * np.abs(mean[each.columns])
+    for each in (f for f in model.curves if f.kind == "reversal"):  # an axis that turns arrives short
+        mean[each.columns] = -model.axes[each.axis].sign * np.abs(mean[each.columns])
     estimate = known_to_be(model, mean)
     return Known(estimate, truth_of(estimate))
 

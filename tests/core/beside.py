@@ -17,13 +17,12 @@ from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case, timed
 from axiscal.estimation.learnt import posed
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal_core.errors import ROUGH
+from axiscal_core.errors import ROUGHNESS
+from axiscal_core.machine import Machine
 from axiscal_core.numbers import Numbers
 from axiscal_core.sizes import sizes_of
 from axiscal_core.theta import Sizes
@@ -45,8 +44,8 @@ CLASSES: dict[str, type[ac.Instrument]] = {
 def described(name: str) -> CampaignDescription:
     """Return a golden campaign without what two axes usually do together."""
     found = read_campaign(CAMPAIGNS / name / "campaign.toml")
-    stated = tuple(plane for plane in found.machine.planes if not plane.usual)
-    return replace(found, machine=replace(found.machine, planes=stated))
+    stated = tuple(each for each in found.machine.stated if not each.usual)
+    return replace(found, machine=replace(found.machine, errors=stated))
 
 
 @dataclass(frozen=True)
@@ -108,43 +107,18 @@ class Beside:
         return np.array([mine[at[size.kind, size.owners]] for size in theirs.of])
 
 
-def machine_of(machine: Machine, usual: bool = True) -> ac.Machine:
-    """Return a machine for the core.
+def machine_of(machine: ac.Machine, usual: bool = True) -> ac.Machine:
+    """Return a machine for a case of the core.
 
     usual : it is as machines usually are; the rough part of a rest is taken off then, which the core adds itself
     """
-    axes = [axis_of(machine, k) for k in range(len(machine.axes))]
-    by_name = dict(zip([axis.name for axis in machine.axes], axes, strict=True))
-    planes = [
-        ac.Plane(
-            each.name, each.std, [by_name[name] for name in each.parts.axes],
-            [side.length or 0.0 for side in each.sides], [side.knots or 0 for side in each.sides],
-        )
-        for each in machine.planes
-    ]  # fmt: skip
-    errors = [error_of(entry, machine, usual) for entry in machine.errors]
-    return ac.Machine(axes, [*errors, *planes], machine.tool)
+    return replace(machine, errors=tuple(_bare(each) for each in machine.stated)) if usual else machine
 
 
-def axis_of(machine: Machine, k: int) -> ac.Axis:
-    """Return an axis for the core."""
-    axis = machine.axes[k]
-    if axis.rotary:
-        where = axis.origin, axis.workpiece_side, axis.overrun
-        return ac.Axis.turning(axis.name, axis.direction, axis.travel, *where)
-    return ac.Axis.linear(axis.name, axis.direction, axis.travel, axis.workpiece_side, axis.overrun)
-
-
-def error_of(entry: ErrorEntry, machine: Machine, usual: bool = True) -> ac.Error:
-    """Return an error for the core; usual : as of `machine_of`"""
-    rough = ROUGH * entry.std if usual else 0.0
-    white = None if entry.rest is None else float(np.sqrt(max(entry.rest**2 - rough**2, 0.0)))
-    knots = 1 if entry.constant else entry.knot_count(machine.axis(entry.axis))
-    curve = entry.kind == "motion" and not entry.harmonics
-    return ac.Error(
-        entry.name, entry.std, knots, entry.length, white if curve or not usual else None, entry.scale,
-        entry.period if entry.harmonics else None, max(entry.harmonics, 1), entry.sure,
-    )  # fmt: skip
+def _bare(error: ac.Error) -> ac.Error:
+    if error.rest is None or error.sides or error.kind != "motion" or error.repeats or error.count < 2:
+        return error
+    return replace(error, rest=float(np.sqrt(max(error.rest**2 - (ROUGHNESS * error.std) ** 2, 0.0))))
 
 
 def instrument_of(setup: Setup, machine: Machine) -> ac.Instrument:

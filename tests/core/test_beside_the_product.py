@@ -69,7 +69,7 @@ def _thetas(name: str) -> list[Array]:
 def test_rows_are_those_of_the_product(name: str) -> None:
     """Of every instrument that a stranger wrote: interferometer, dial, autocollimator, ball bar, tracer, tracker."""
     beside = _beside(name)
-    size = beside.core.machine.columns[len(beside.description.machine.errors) - 1].stop  # planes stand behind
+    size = beside.core.machine.size
     for index, setup in enumerate(beside.description.setups):
         places = beside.places(beside.drawn(20, setup))
         found = beside.product.observation.rows_each(index, places.poses, places.sides)

@@ -64,8 +64,7 @@ def _exhaustive(begun: Begun, points: int) -> list[ac.Array]:
     axes, state = begun.case.machine.axes, begun.state
     grid = np.meshgrid(*(np.linspace(*axis.travel, round(points ** (1 / len(axes)))) for axis in axes), indexing="ij")
     poses = np.stack([g.ravel() for g in grid], axis=1)
-    reverses = any(term.error.kind == "reversal" for _, term in begun.case.machine.curves)
-    signs = itertools.product([1.0, -1.0], repeat=len(axes)) if reverses else [(1.0,) * len(axes)]
+    signs = itertools.product([1.0, -1.0], repeat=len(axes)) if begun.case.machine.reversing else [(1.0,) * len(axes)]
     return [state.gains(ac.Places("s", poses, np.tile(side, (len(poses), 1)))) for side in signs]
 
 

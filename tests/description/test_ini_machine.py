@@ -14,9 +14,10 @@ from axiscal.description.first_files import machine_text, unread
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.exceptions import AxiscalError
-from axiscal.machine import Machine, load_machine, machine_from_text
+from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.readers.text_file import MOST_LINES
 from axiscal.ports.linuxcnc.tables import pivots
+from axiscal_core.machine import Machine
 from tests.linuxcnc.lab import Joint, Settings, files
 from tests.refusals.reading import refusals
 

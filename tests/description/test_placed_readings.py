@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.description.placed_readings import placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.csv_readings import Around, RawReading
 from axiscal.measurement.readers.files import recognised
 from tests.generators.campaigns import built_in, on
@@ -80,7 +79,7 @@ def test_a_circular_test_is_read_where_its_angle_is(angle: float, way: int) -> N
     tested = RawReading("", {"": float(turned)}, {"": way}, 1e-6, None, "length", 3, test="circle")
     (reading,) = placed_readings((tested,), campaign, "r.csv")
     machine, towards = campaign.machine, np.array([np.cos(turned), np.sin(turned), 0.0])
-    assert frames(machine, np.array([reading.pose])).tcp[0] == pytest.approx([0.3, 0.2, 0.08] + 0.15 * towards)
+    assert machine.frames(np.array([reading.pose])).tcp[0] == pytest.approx([0.3, 0.2, 0.08] + 0.15 * towards)
     axes = {axis.name: k for k, axis in enumerate(machine.axes)}
     came = [reading.approach[axes[name]] for name in "XYZ"]
     assert came == [-way * np.sign(np.sin(turned)), way * np.sign(np.cos(turned)), 0]
@@ -98,7 +97,7 @@ def test_where_a_ball_is_held_the_slides_follow_and_a_place_beside_it_is_named()
     campaign = built_in(BALLS, "dmu60")
     (setup,), machine = campaign.setups, campaign.machine
     pose = placed_pose(setup, machine, {"B": 0.1, "C": 0.2})
-    np.testing.assert_allclose(frames(machine, np.array([pose])).tcp[0], [0.2, 0.0, -0.08], atol=1e-12)
+    np.testing.assert_allclose(machine.frames(np.array([pose])).tcp[0], [0.2, 0.0, -0.08], atol=1e-12)
     assert placed_approach(setup, machine, {"C": -1})[machine.index("C")] == -1
 
 

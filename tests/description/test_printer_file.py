@@ -9,7 +9,8 @@ import pytest
 
 from axiscal.description.first_files import of_file
 from axiscal.exceptions import DescriptionError
-from axiscal.machine import Machine, machine_from_text
+from axiscal.machine import machine_from_text
+from axiscal_core.machine import Machine
 from tests.commands import Command
 
 COREXY = """\

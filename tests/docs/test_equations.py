@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.interpolate import CubicSpline
 
-from axiscal.errors import prior
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.estimation.belief import Belief
-from axiscal.machine import Machine, machine_from_text
-from axiscal.machine.entry import ErrorEntry
-from axiscal.machine.kinematics import tool_motion
+from axiscal.machine import machine_from_text
+from axiscal.machine.kinematics import small_motions, tool_motion
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal_core import terms
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 from axiscal_core.splines import CyclicSpline, NaturalSpline, gauss, spacing_limit
 from tests.generators.splines import bending, power_maps
 
@@ -87,17 +87,17 @@ def height(direction: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Setup:
 
 def test_forward_kinematics_is_a_sum_over_joints() -> None:
     """B&H eq. 1, 28: x_TCP = Σ K^k(t_k) + Σ V^k(t_k), the V^k splines; nothing linearised on the left."""
-    model, t = ErrorModel(machine()), poses(20)
+    model, t = machine(), poses(20)
     a = np.random.default_rng(5).normal(size=model.size) * 1e-5
-    motion = tool_motion(machine(), t, model.small_motions(a, t, np.ones_like(t)))
-    sums = t + np.array([0.0, 0.0, -machine().tool])
+    motion = tool_motion(machine(), t, small_motions(model, a, t, np.ones_like(t)))
+    sums = t + np.array([0.0, 0.0, -machine().tool_length])
     signs = {"X": -1.0, "Y": 1.0, "Z": 1.0}
-    for function in model.functions:
-        curve = CubicSpline(function.basis.knots, a[function.columns], bc_type="natural")
+    for function in model.curves:
+        curve = CubicSpline(function.spline.knots, a[function.columns], bc_type="natural")
         name = machine().axes[function.axis].name
         sums[:, function.component] += signs[name] * curve(t[:, function.axis])
     np.testing.assert_allclose(motion.translation, sums, atol=1e-15)
-    np.testing.assert_allclose(t + model.rows(t, np.ones_like(t)) @ a, sums, atol=1e-15)
+    np.testing.assert_allclose(t + model.rows_at(t, np.ones_like(t)) @ a, sums, atol=1e-15)
 
 
 def test_a_cyclic_spline_closes() -> None:
@@ -169,8 +169,8 @@ def test_the_widest_spacing_is_that_of_a_spline_between_both_borders() -> None:
 def test_control_values_are_gaussian() -> None:
     """B&H eq. 16: independent beforehand; draws have the density with mean â and covariance C."""
     axis = machine().axes[0]
-    entry = ErrorEntry("EXX", std=2.0, knots=7)
-    np.testing.assert_array_equal(prior.covariance(entry, prior.basis(entry, axis)), 4 * np.eye(7))
+    entry = Error("EXX", std=2.0, knots=7)
+    np.testing.assert_array_equal(terms.covariance(entry, terms.spline_of(entry, axis)), 4 * np.eye(7))
     mean, covariance = CONTROL, random_covariance(7)
     drawn = Belief(mean, covariance).sample(np.random.default_rng(2), 4000) - mean
     distance = np.einsum("ij,jk,ik->i", drawn, np.linalg.inv(covariance), drawn)
@@ -218,9 +218,9 @@ def test_readings_improve_the_estimate(count: int) -> None:
 @pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.0, 1.0, 0.0)])
 def test_a_reading_is_linear_in_all_control_values(direction: tuple[float, float, float]) -> None:
     """B&H eq. 29, 30: y = hᵀ x_TCP + v is h̄ᵀ A + v once the nominal position, which is known, is taken away."""
-    model, t = ErrorModel(machine()), poses(12)
+    model, t = machine(), poses(12)
     a = np.random.default_rng(6).normal(size=model.size) * 1e-5
-    motion = tool_motion(machine(), t, model.small_motions(a, t, np.ones_like(t)))
+    motion = tool_motion(machine(), t, small_motions(model, a, t, np.ones_like(t)))
     deviation = (motion.translation - t) @ np.array(direction)
     seen = Observation(model, (height(direction),)).rows(0, t, np.ones_like(t))
     np.testing.assert_allclose(seen.rows @ a, deviation, atol=1e-15)
@@ -229,14 +229,14 @@ def test_a_reading_is_linear_in_all_control_values(direction: tuple[float, float
 
 def test_overall_variance_of_stacked_vectorial_splines() -> None:
     """B&H eq. 24, 25, 26, 34, 35, 36: the traces of the interval covariance matrices of all joints, by quadrature."""
-    model = ErrorModel(machine())
+    model = machine()
     covariance = 1e-10 * random_covariance(model.size)
     total = 0.0
     for axis in range(3):
-        own = [function for function in model.functions if function.axis == axis]
+        own = [function for function in model.curves if function.axis == axis]
         for function in own:
-            node, weight = (each.ravel() for each in gauss(function.basis.knots, 5))
-            rows = function.basis.rows(node)
+            node, weight = (each.ravel() for each in gauss(function.spline.knots, 5))
+            rows = function.spline.rows(node)
             variance = np.einsum("ij,jk,ik->i", rows, covariance[function.columns, function.columns], rows)
             total += float(weight @ variance)
     belief = Belief(np.zeros(model.size), covariance)

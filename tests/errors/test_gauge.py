@@ -8,23 +8,23 @@ import numpy as np
 import pytest
 
 from axiscal.errors.gauge import Hidden, hidden, machine_check, undescribed, unseen_factor
-from axiscal.errors.model import ErrorModel
-from axiscal.machine import Machine, builtin_names, load_machine
-from axiscal.machine.entry import ErrorEntry
+from axiscal.machine import builtin_names, load_machine
 from axiscal.numerics import Array
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 from tests.generators.machines import random_poses
 
 
-def tool_rows(model: ErrorModel, directions: tuple[int, ...] = (0, 1, 2)) -> Array:
+def tool_rows(model: Machine, directions: tuple[int, ...] = (0, 1, 2)) -> Array:
     """Return readings at the tool point anywhere, from both sides, to 1 µm."""
     rng = np.random.default_rng(1)
-    poses, _ = random_poses(model.machine, 800, rng)
-    rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape))[:, directions]
+    poses, _ = random_poses(model, 800, rng)
+    rows = model.rows_at(poses, rng.choice([-1.0, 1.0], poses.shape))[:, directions]
     return rows.reshape(-1, model.size) / 1e-6
 
 
-def said(model: ErrorModel, rows: Array) -> tuple[Hidden, ...]:
-    return hidden(model, unseen_factor(model.prior_root(), rows))
+def said(model: Machine, rows: Array) -> tuple[Hidden, ...]:
+    return hidden(model, unseen_factor(model.root(), rows))
 
 
 def test_what_is_unseen_is_the_posterior_after_a_million_readings() -> None:
@@ -37,7 +37,7 @@ def test_what_is_unseen_is_the_posterior_after_a_million_readings() -> None:
 
 @pytest.mark.parametrize("name", builtin_names())
 def test_a_built_in_machine_hides_nothing_that_moves_the_tool_point(name: str) -> None:
-    model = ErrorModel(load_machine(name))
+    model = load_machine(name)
     found = said(model, tool_rows(model))
     assert [one.text for one in found if one.effect > 0] == []
     assert len(found) <= 12
@@ -50,8 +50,8 @@ def test_a_machine_without_errors_hides_nothing() -> None:
 
 def test_what_moves_the_tool_point_unseen_is_named_with_its_size_and_its_reading() -> None:
     """The table's straightness in z is 5 µm all along, nobody reads z."""
-    errors = ErrorEntry("EXX", 1e-5, knots=7), ErrorEntry("EZX", 5e-6, knots=7)
-    model = ErrorModel(replace(load_machine("three-axis-mill"), errors=errors))
+    errors = Error("EXX", 1e-5, knots=7), Error("EZX", 5e-6, knots=7)
+    model = replace(load_machine("three-axis-mill"), errors=errors)
     (first, *_) = said(model, tool_rows(model, directions=(0, 1)))
     assert first.names == ("EZX",)
     assert first.effect == pytest.approx(_curve_rms(model), rel=1e-4)
@@ -61,10 +61,10 @@ def test_what_moves_the_tool_point_unseen_is_named_with_its_size_and_its_reading
     )
 
 
-def _curve_rms(model: ErrorModel) -> float:
+def _curve_rms(model: Machine) -> float:
     """Return the RMS about its mean of a straightness curve of the prior, by sampling it densely."""
-    function = model.names["EZX"]
-    rows = function.basis.rows(np.linspace(0, 0.6, 20_001))
+    function = model.by_name["EZX"]
+    rows = function.spline.rows(np.linspace(0, 0.6, 20_001))
     centred = rows - rows.mean(axis=0)
     return float(np.sqrt(np.mean(np.einsum("mi,ij,mj->m", centred, function.covariance, centred))))
 
@@ -72,12 +72,12 @@ def _curve_rms(model: ErrorModel) -> float:
 def test_the_whole_of_what_moves_the_tool_point_is_accounted_for() -> None:
     """Nothing read at all: the effects together are the prior's own RMS, less what shifts the whole volume."""
     machine: Machine = load_machine("three-axis-mill")
-    model = ErrorModel(replace(machine, errors=tuple(e for e in machine.errors if e.component < 3)))
+    model = replace(machine, errors=tuple(e for e in machine.stated if e.component < 3))
     found = said(model, np.zeros((0, model.size)))
     rng = np.random.default_rng(5)
     poses, _ = random_poses(machine, 3000, rng)
-    drawn = model.prior_root() @ rng.standard_normal((model.size, 300))
-    rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape))
+    drawn = model.root() @ rng.standard_normal((model.size, 300))
+    rows = model.rows_at(poses, rng.choice([-1.0, 1.0], poses.shape))
     deviations = np.einsum("mci,id->mcd", rows, drawn)
     spread = np.sqrt(np.mean(np.sum((deviations - deviations.mean(axis=0)) ** 2, axis=1)))
     assert np.sqrt(sum(one.effect**2 for one in found)) == pytest.approx(spread, rel=0.06)

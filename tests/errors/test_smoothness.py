@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from axiscal.description.usual import sizes_of
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.problem import problem
-from axiscal.machine import Machine, machine_from_text
+from axiscal.machine import machine_from_text
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 from axiscal_core.spaces import Given
 from axiscal_core.splines import matern
 from axiscal_core.unknowns import space_of
@@ -27,11 +27,11 @@ def _machine(entries: str) -> Machine:
 
 def test_a_rough_curve_has_knots_at_a_quarter_of_its_length() -> None:
     smooth, rough = (
-        ErrorModel(_machine(f'EXX = {{ std = "10 um", length = "100 mm"{extra} }}')).functions[0]
+        _machine(f'EXX = {{ std = "10 um", length = "100 mm"{extra} }}').curves[0]
         for extra in ("", ", smoothness = 1.5")
     )
-    assert (smooth.basis.size, rough.basis.size) == (21, 21), "there is one curve: fine knots cost nothing"
-    at = rough.basis.control_positions
+    assert (smooth.spline.size, rough.spline.size) == (21, 21), "there is one curve: fine knots cost nothing"
+    at = rough.spline.control_positions
     expected = 1e-10 * matern(np.abs(at[:, None] - at) / 0.1, 1.5)
     assert rough.covariance == pytest.approx(expected, rel=1e-12)
 
@@ -42,7 +42,7 @@ def test_the_likelihood_of_rough_curves_and_planes_has_the_slope_that_it_says() 
         'EZX = { std = "10 um", length = "150 mm", smoothness = 1.5 }\n'
         'EZXY = { std = "8 um", knots = [5, 5], length = ["150 mm", "150 mm"], smoothness = 1.5, rest = "1 um" }\n'
     )
-    model, rng = ErrorModel(machine), np.random.default_rng(1)
+    model, rng = machine, np.random.default_rng(1)
     setup = Setup("p", "probe", (0.0, 0.0, 1.0), (0, 1), (0.0,) * 3, 1e-6, (), 0.0, 0.0, 1.0, (0.0,) * 3, "+")
     poses = np.column_stack([rng.uniform(0, 0.5, 25), rng.uniform(0, 0.4, 25), np.zeros(25)])
     readings = [Reading("p", tuple(pose), (1, 1, 0), float(1e-5 * rng.standard_normal())) for pose in poses.tolist()]

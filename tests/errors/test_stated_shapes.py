@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine.description import machine_from_text
@@ -19,8 +18,8 @@ _LASER = setup_text("laser", "interferometer", direction="x", noise="0.5 um", un
 
 
 def test_a_pitch_is_a_sum_of_waves_of_falling_size() -> None:
-    model = ErrorModel(machine_from_text(_MACHINE + _PITCH, "m"))
-    function, at = model.names["EXX_pitch"], np.array([0.013, 0.021, 0.374])
+    model = machine_from_text(_MACHINE + _PITCH, "m")
+    function, at = model.by_name["EXX_pitch"], np.array([0.013, 0.021, 0.374])
     rows = function.rows(at)
     turns = 2 * np.pi * (at[:, None] - at) / 0.05
     assert rows @ function.covariance @ rows.T == pytest.approx(
@@ -30,7 +29,7 @@ def test_a_pitch_is_a_sum_of_waves_of_falling_size() -> None:
 
 def test_steps_are_independent_of_each_other() -> None:
     step = 'EXX_step = { std = "6 um", at = ["200 mm", "400 mm"] }\n'
-    function = ErrorModel(machine_from_text(_MACHINE + step, "m")).names["EXX_step"]
+    function = machine_from_text(_MACHINE + step, "m").by_name["EXX_step"]
     levels = function.rows(np.array([0.1, 0.3, 0.5]))
     steps = np.diff(levels, axis=0)
     assert steps @ function.covariance @ steps.T == pytest.approx(36e-12 * np.eye(2), abs=1e-24)

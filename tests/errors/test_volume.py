@@ -8,11 +8,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import EVERY_WAY, Box, Counted, VolumeMoments, volume_moments, whole_travel
-from axiscal.machine import Machine
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.entry import ErrorEntry
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 from tests.generators.machines import every_error, random_machine
 from tests.generators.planes import bed, table
 
@@ -20,7 +19,7 @@ _NO_LEVER = 1e-20
 """A mean square lever below that of a tenth of a nanometre per unit is rounding."""
 
 
-def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVERY_WAY) -> VolumeMoments:
+def _brute(model: Machine, box: Box, points: int = 9, counted: Counted = EVERY_WAY) -> VolumeMoments:
     """Tensor Gauss-Legendre between all knots of every axis; both directions of approach of every axis."""
     x, w = np.polynomial.legendre.leggauss(points)
     lines = []
@@ -32,11 +31,11 @@ def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVER
     poses = np.stack([g.ravel() for g in np.meshgrid(*(t for t, _ in lines), indexing="ij")], axis=1)
     weights = np.prod(np.stack([g.ravel() for g in np.meshgrid(*(w for _, w in lines), indexing="ij")]), axis=0)
     mean, weight = np.zeros((3, model.size)), np.zeros((model.size, model.size))
-    reversing = {f.axis for f in model.functions if f.kind == "reversal"}
+    reversing = {f.axis for f in model.curves if f.kind == "reversal"}
     every = [*product(*([1.0, -1.0] if axis in reversing else [1.0] for axis in range(len(box))))]
     sides = len(every)
     for signs in every:
-        rows = model.rows(poses, np.tile(signs, (len(poses), 1)))
+        rows = model.rows_at(poses, np.tile(signs, (len(poses), 1)))
         mean += np.einsum("m,mcn->cn", weights, rows) / sides
         flat = (np.sqrt(weights)[:, None, None] * rows[:, list(counted)]).reshape(-1, model.size)
         weight += flat.T @ flat / sides
@@ -61,7 +60,7 @@ def _apart(found: VolumeMoments, expected: VolumeMoments) -> float:
 
 def _small(machine: Machine) -> Machine:
     """Return the machine with few knots, so that a tensor grid is affordable."""
-    return replace(machine, errors=tuple(replace(e, knots=4) if e.knots else e for e in machine.errors))
+    return replace(machine, errors=tuple(replace(e, knots=4) if e.knots else e for e in machine.stated))
 
 
 def _rotary(length: float, primed: bool) -> Machine:
@@ -69,11 +68,11 @@ def _rotary(length: float, primed: bool) -> Machine:
     turn = iso_axis("B", primed, (0.3, 0.3 + length), origin=(0.1, 0.0, -0.2))
     carriage = iso_axis("X", False, (-0.1, 0.4))
     rng = np.random.default_rng(1)
-    return Machine("m", (turn, carriage), 0.1, tuple(every_error(turn, rng) + every_error(carriage, rng)), "", "")
+    return Machine((turn, carriage), tuple(every_error(turn, rng) + every_error(carriage, rng)), 0.1, name="m")
 
 
 _TURN = iso_axis("C", True, (0.0, 2 * np.pi), origin=(0.1, 0.2, 0.0))
-_FULL_TURN = Machine("m", (_TURN,), 0.1, (ErrorEntry("ECC", 1.0, knots=7), ErrorEntry("X0C", 1.0)), "", "")
+_FULL_TURN = Machine((_TURN,), (Error("ECC", 1.0, knots=7), Error("X0C", 1.0)), 0.1, name="m")
 _WHOLE = (0.0, 1.0)
 CASES = {
     **{f"random {seed}": (random_machine(seed, count=1 + seed % 2), _WHOLE, 9, 1e-11) for seed in range(4)},
@@ -101,14 +100,14 @@ _DEAR = {"table", "three axes 2"}
 )
 def test_moments_agree_with_brute_quadrature(case: str) -> None:
     machine, (low, high), points, near = CASES[case]
-    model = ErrorModel(machine)
+    model = machine
     box = tuple((a + low * (b - a), a + high * (b - a)) for a, b in whole_travel(model))
     assert _apart(volume_moments(model, box), _brute(model, box, points)) < near
 
 
 @pytest.mark.parametrize("counted", [(False, False, True), (True, False, True)])
 def test_directions_that_do_not_count_are_left_out(counted: Counted) -> None:
-    model = ErrorModel(random_machine(3, count=2))
+    model = random_machine(3, count=2)
     box = whole_travel(model)
     found, every = volume_moments(model, box, counted), volume_moments(model, box)
     expected = _brute(model, box, counted=counted)

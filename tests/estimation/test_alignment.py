@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from axiscal.description.target import PartVolume
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import Counted, whole_travel
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.machine import load_machine
@@ -14,7 +13,7 @@ from axiscal_core.points import even_points
 from tests.generators.kinematics import in_travel, tip
 
 DMU = load_machine("dmu60")
-MODEL = ErrorModel(DMU)
+MODEL = DMU
 PART = PartVolume(((-0.2, 0.2), (-0.2, 0.2), (-0.1, 0.1)), 0.2, ((0.0, 2 * np.pi), (-np.pi / 6, np.radians(100))))
 
 
@@ -31,20 +30,20 @@ def test_poses_of_a_part_have_the_tool_point_in_it_and_spread_over_it() -> None:
 @pytest.mark.parametrize("counted", [(True, True, True), (False, False, True)], ids=["part", "bed"])
 def test_what_is_left_is_what_the_best_rigid_motion_of_each_machine_leaves(counted: Counted) -> None:
     """Of a bed the height alone counts: it is levelled by a plane."""
-    model = MODEL if all(counted) else ErrorModel(load_machine("printer-gantry"))
+    model = MODEL if all(counted) else load_machine("printer-gantry")
     low, high = np.array(whole_travel(model)).T
     poses = PART.poses(DMU, 150) if all(counted) else low + (high - low) * even_points(150, len(low))
     rng, alignment = np.random.default_rng(1), Alignment(model, poses, counted)
     weight = sampled_moments(model, poses, alignment, counted).gram
-    tips = np.array([tip(model.machine, pose) for pose in poses])
+    tips = np.array([tip(model, pose) for pose in poses])
     motions = [np.tile(way, (len(poses), 1)) for way in np.eye(3)] + [np.cross(way, tips) for way in np.eye(3)]
     columns = np.array([motion[:, counted].ravel() for motion in motions]).T
     for _ in range(3):
-        drawn = model.prior_root() @ rng.standard_normal(model.size)
-        for function in model.functions:
+        drawn = model.root() @ rng.standard_normal(model.size)
+        for function in model.curves:
             if function.kind == "reversal":
                 drawn[function.columns] = 0.0
-        deviations = model.rows(poses, np.zeros_like(poses)) @ drawn
+        deviations = model.rows_at(poses, np.zeros_like(poses)) @ drawn
         shown = deviations[:, counted].ravel()
         left = shown - columns @ np.linalg.lstsq(columns, shown, rcond=None)[0]
         assert drawn @ weight @ drawn == pytest.approx(float(left @ left) / len(poses), rel=1e-6)

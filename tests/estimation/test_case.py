@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise import problem
 from axiscal.estimation.promise.problem import MOST_COLUMNS, Inherited, PlaneUnknowns
@@ -83,7 +82,7 @@ def test_rests_without_a_column_count_as_noise(monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize("times", [1.0, 30.0, 5000.0])
 def test_an_error_of_two_axes_has_a_root_at_any_length(times: float) -> None:
     """A draw of the sizes for the bed of a real printer took it to a thousand times the stated one."""
-    (plane,) = ErrorModel(load_machine("printer-gantry")).planes
+    (plane,) = load_machine("printer-gantry").planes
     columns = np.arange(len(plane.covariance))[None]
     unknown = PlaneUnknowns(columns, np.array([0]), plane)
     (root,) = unknown.roots(np.array([np.log(times)]))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.machine.description import machine_from_text
 from tests.generators.texts import machine_text
@@ -25,10 +24,10 @@ def test_the_joint_criterion_is_the_integral_of_each_square_rotations_at_the_rea
         text = text[: text.index("[axes.X]")] + text[text.index("[axes.C]") : text.index("[errors]")]
         text += '[errors]\nEZC = { std = "10 um", knots = 5, length = "40 deg" }\n'
         text += 'ECC = { std = "20 urad", knots = 4, length = "40 deg" }\n'
-    model = ErrorModel(machine_from_text(text))
+    model = machine_from_text(text)
     drawn, total = np.random.default_rng(4).standard_normal(model.size), 0.0
-    for function in model.functions:
-        at = np.linspace(function.basis.knots[0], function.basis.knots[-1], 20_001)
-        curve = function.basis.rows(at) @ drawn[function.columns]
+    for function in model.curves:
+        at = np.linspace(function.spline.knots[0], function.spline.knots[-1], 20_001)
+        curve = function.spline.rows(at) @ drawn[function.columns]
         total += (reach if function.angular else 1.0) ** 2 * float(np.trapezoid(curve**2, at))
     assert joint_root(model).criterion(drawn) == pytest.approx(total, rel=1e-6)

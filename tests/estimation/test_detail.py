@@ -50,7 +50,7 @@ def read(curve: Curve, count: int, seed: int = 1) -> list[Reading]:
 
 
 def knots(known: Estimation) -> int:
-    return len(known.case.errors.names["EXX"].basis.knots)
+    return len(known.case.errors.by_name["EXX"].spline.knots)
 
 
 def left(known: Estimation, curve: Curve) -> float:
@@ -86,8 +86,8 @@ def test_a_reversal_varies_where_readings_out_and_back_twice_show_it() -> None:
         for x, side in [*out, *((x, -1) for x, _ in out[::-1])] * passes:
             off = side * (1e-6 + worn * np.exp(-50 * (x - 0.5) ** 2)) + 0.3e-6 * rng.standard_normal()
             readings.append(Reading("laser", (x,), (side,), smooth(x) + off, time=30.0 * len(readings)))
-        names = in_detail(TURNING, readings).case.errors.names
-        assert (names["EXX_reversal"].basis.size > 1) == (worn > 0 and passes > 1)
+        names = in_detail(TURNING, readings).case.errors.by_name
+        assert (names["EXX_reversal"].spline.size > 1) == (worn > 0 and passes > 1)
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_a_reversal_varies_where_readings_out_and_back_twice_show_it() -> None:
         case({"EXX": 'std = "10 um", length = "400 mm", knots = 11'}),
         case({"EXX": 'std = "10 um", length = "400 mm", spacing = "100 mm"'}),
         case({"EXX": 'std = "10 um", length = "400 mm"'}, fine_knots=False),
-        replace(FREE, inherited=Inherited(np.zeros(FREE.errors.size), FREE.errors.prior_covariance())),
+        replace(FREE, inherited=Inherited(np.zeros(FREE.errors.size), FREE.errors.covariance())),
     ],
     ids=["knots stated", "spacing stated", "record of before", "inherited"],
 )

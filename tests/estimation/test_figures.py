@@ -53,7 +53,7 @@ def belief() -> Belief:
 def defined(stick: Yardstick, covariance: Array) -> Array:
     """Return Σ at each pose: what readings could tell, what they cannot without its constant shift, and the rests."""
     errors, mean = CASE.errors, stick.moments.mean
-    rows, levers = errors.rows(*stick.poses), errors.levers(stick.poses[0])
+    rows, levers = errors.rows_at(*stick.poses), errors.levers(stick.poses[0])
     zeroed = np.diag([float(each) for each in stick.zeroed]) @ mean
     known, never = covariance[: errors.size, : errors.size], stick.unseen @ stick.unseen.T
     told = (rows - zeroed) @ (known - never) @ (rows - zeroed).transpose(0, 2, 1)
@@ -82,7 +82,7 @@ def test_covariances_at_the_poses_their_worst_and_their_rms(zeroed: tuple[bool, 
     assert found.worst == pytest.approx(max(float(np.sqrt(traces.max())), found.rms), rel=1e-9)
     at, size = int(np.argmax(traces)), CASE.errors.size
     poses, sides = (each[[at]] for each in stick.poses)
-    rows = CASE.errors.rows(poses, sides)[0]
+    rows = CASE.errors.rows_at(poses, sides)[0]
     rows = np.array(counted)[:, None] * (rows - np.array(zeroed)[:, None] * stick.moments.mean)
     np.testing.assert_allclose(stick.worst_root(known).matrix, rows, atol=1e-12)
     assert stick.worst_root(known).unknowns == size

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine, Functional
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from tests.generators.texts import machine_text, setup_text
@@ -51,7 +49,7 @@ def test_squareness_is_the_angle_between_the_paths(pair: str, ways: tuple[int, i
     rows, machine = _asked(f'"squareness {pair}"')
     asked, main = rows[f"squareness {pair}"], []
     for line, way in zip(asked.lines, ways, strict=True):
-        went = frames(machine.model.machine, line.poses).tcp + _along(machine, line)
+        went = machine.model.frames(line.poses).tcp + _along(machine, line)
         plane = went[:, ways]
         direction = np.linalg.svd(plane - plane.mean(axis=0))[2][0]
         main.append(direction * np.sign(direction[ways.index(way)]))
@@ -74,7 +72,7 @@ def test_the_rest_of_a_cell_is_one_number_for_all_places_in_it(name: str) -> Non
     rows, _ = _asked(f'"{name}"')
     curve = 'EXX_reversal = { knots = 5, length = "150 mm", rest = "1 um", '
     mill = load_machine(MILL).text.replace("EXX_reversal = { ", curve)
-    row, errors = _map(rows[name]), ErrorModel(machine_from_text(mill))
+    row, errors = _map(rows[name]), machine_from_text(mill)
     levers = errors.levers(row.poses, row.angular)
     expected = np.zeros(len(row.weights))
     for term, lever in zip(errors.terms, levers, strict=True):

@@ -11,12 +11,12 @@ import pytest
 from axiscal.answers.changes import changes
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, read_campaign
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.carried_over import carried_over
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.present.findings import findings
+from axiscal_core.machine import Machine
 from tests.generators.recorded import write_record
 from tests.generators.texts import Said, Std, campaign_text, machine_text, setup_text
 
@@ -48,10 +48,10 @@ def test_the_result_of_one_campaign_is_the_prior_of_the_next_which_needs_no_othe
     for kept, file in news.items():
         with Campaign.open(file) as campaign:
             new, size, before = campaign.estimate(ended=True), old.case.errors.size, old.printed.belief
-        rest = old.case.errors.functions[0].rest ** 2 * np.eye(size)
-        rest[old.case.errors.names["EXX_reversal"].columns] = 0.0
+        rest = old.case.errors.curves[0].rest ** 2 * np.eye(size)
+        rest[old.case.errors.by_name["EXX_reversal"].columns] = 0.0
         expected = kept**2 * (before.covariance[:size, :size] + rest)
-        expected += (1 - kept**2) * old.stated.errors.prior_covariance()
+        expected += (1 - kept**2) * old.stated.errors.covariance()
         assert new.knowledge.belief.mean[:size] == pytest.approx(kept * before.mean[:size], abs=1e-12)
         assert np.abs(new.knowledge.belief.covariance[:size, :size] - expected).max() < 1e-17
 
@@ -71,16 +71,16 @@ NOTHING: Mapping[str, Std] = {}
 PITCH: Mapping[str, Std] = {"EBX": ("3 urad", 4, 150)}
 
 
-def model(knots: int, more: Mapping[str, Std] = NOTHING, rest: str = "0.5 um") -> ErrorModel:
+def model(knots: int, more: Mapping[str, Std] = NOTHING, rest: str = "0.5 um") -> Machine:
     """Return the errors of one axis."""
     own = f'std = "10 um", length = "150 mm", knots = {knots}, rest = "{rest}"'
-    return ErrorModel(machine_from_text(machine_text("w-b-X-t", {"X": (0, 400)}, {"EXX": own, **more})))
+    return machine_from_text(machine_text("w-b-X-t", {"X": (0, 400)}, {"EXX": own, **more}))
 
 
-def curve(errors: ErrorModel, name: str, unknowns: Array, at: Array) -> Array:
+def curve(errors: Machine, name: str, unknowns: Array, at: Array) -> Array:
     """Return a curve at positions."""
-    function = errors.names[name]
-    return np.asarray(function.basis.rows(at) @ unknowns[function.columns], dtype=float)
+    function = errors.by_name[name]
+    return np.asarray(function.spline.rows(at) @ unknowns[function.columns], dtype=float)
 
 
 @pytest.mark.parametrize(("before", "today"), [(9, 5), (5, 9)])
@@ -88,26 +88,26 @@ def test_at_the_knots_of_today_the_curve_is_the_one_of_before(before: int, today
     """Its rest is that of before; an error that is new is as stated and of nothing else."""
     old, new = model(before, rest="2 um"), model(today, PITCH)
     across, unknowns = carried_over(old, new), np.random.default_rng(2).standard_normal(old.size)
-    knots, columns = new.names["EXX"].basis.control_positions, new.names["EXX"].columns
+    knots, columns = new.by_name["EXX"].spline.control_positions, new.by_name["EXX"].columns
     taken = across.matrix @ unknowns
     assert taken[columns] == pytest.approx(curve(old, "EXX", unknowns, knots))
-    assert not taken[new.names["EBX"].columns].any()
+    assert not taken[new.by_name["EBX"].columns].any()
     assert across.rests[columns] == pytest.approx((2e-6) ** 2, abs=0)
-    assert not across.rests[new.names["EBX"].columns].any()
+    assert not across.rests[new.by_name["EBX"].columns].any()
     assert across.known == {"EXX"}
     found = across.prior(unknowns, np.eye(old.size), np.zeros((new.size, new.size)))
-    own = new.names["EBX"].columns
-    assert found.covariance[own, own] == pytest.approx(new.prior_covariance()[own, own], abs=1e-20)
+    own = new.by_name["EBX"].columns
+    assert found.covariance[own, own] == pytest.approx(new.covariance()[own, own], abs=1e-20)
     assert not found.covariance[own, columns].any()
 
 
 def test_what_finer_knots_hold_beyond_those_of_before_is_the_part_that_they_cannot_reach() -> None:
     old, new = model(4), model(9, PITCH)
     across = carried_over(old, new)
-    columns, beyond = new.names["EXX"].columns, across.beyond()
+    columns, beyond = new.by_name["EXX"].columns, across.beyond()
     held = across.matrix[columns]
     left = np.eye(9) - held @ np.linalg.inv(held.T @ held) @ held.T
-    prior = new.prior_covariance()[columns, columns]
+    prior = new.covariance()[columns, columns]
     expected = np.zeros((new.size, new.size))
     expected[columns, columns] = left @ prior @ left.T
     assert np.abs(beyond @ beyond.T - expected).max() < 1e-10 * prior.max()

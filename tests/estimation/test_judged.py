@@ -67,9 +67,9 @@ def test_the_way_of_a_zero_is_what_the_readings_say_of_its_drift_and_begins_at_n
 @pytest.mark.parametrize(("left", "seen"), [(0.94, True), (0.96, False)])
 def test_a_shape_is_seen_where_its_standard_deviation_is_less_by_a_twentieth(left: float, seen: bool) -> None:
     errors = CASE.errors
-    belief = Belief(np.zeros(errors.size), left**2 * errors.prior_covariance())
+    belief = Belief(np.zeros(errors.size), left**2 * errors.covariance())
     estimate = Estimate(errors, belief, ((0.0, 1.0),))
-    rows = errors.names["EXX"].basis.rows(np.linspace(0, 1, 9))
+    rows = errors.by_name["EXX"].spline.rows(np.linspace(0, 1, 9))
     rows = np.hstack([rows, np.zeros((9, errors.size - rows.shape[1]))])
     assert estimate.sees(rows) == seen
     assert not estimate.sees(np.tile(rows[:1], (9, 1)))

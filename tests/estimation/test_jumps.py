@@ -188,5 +188,5 @@ def test_a_step_where_the_axis_turned_is_named_unless_backlash_is_twenty_times_a
     sure = [replace(each, accepted=i == 9) for i, each in enumerate(readings)]
     told = estimated(case, sure)
     assert named(told) == []
-    at = case.errors.names["EXX_reversal"].columns.start
+    at = case.errors.by_name["EXX_reversal"].columns.start
     assert told.printed.belief.mean[at] == pytest.approx(-step, rel=0.05, abs=0.5e-6)

@@ -123,8 +123,8 @@ def _read(case: Case, seed: int) -> tuple[VirtualMachine, list[Reading]]:
 
 def _truth(case: Case, machine: VirtualMachine) -> Array:
     """Return the control values of a virtual machine."""
-    pairs = zip(case.errors.functions, machine.curves, strict=True)
-    return np.concatenate([curve(function.basis.control_positions) for function, curve in pairs])
+    pairs = zip(case.errors.curves, machine.curves, strict=True)
+    return np.concatenate([curve(function.spline.control_positions) for function, curve in pairs])
 
 
 def _nees(known: Absorbed, truth: Array) -> float:
@@ -158,7 +158,7 @@ def test_the_rounds_end_where_the_exact_chain_gives_the_readings() -> None:
     mean = known.knowledge.belief.mean[: case.errors.size]
     chain = deviation_of(case.errors, mean, poses, sides).displacement
     beside = known.case.observation.nonlinear_part(0, poses, sides)
-    assert case.errors.rows(poses, sides) @ mean + beside == pytest.approx(chain, abs=2e-8)
+    assert case.errors.rows_at(poses, sides) @ mean + beside == pytest.approx(chain, abs=2e-8)
 
 
 @pytest.mark.long

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.term import Term
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
@@ -15,6 +14,7 @@ from axiscal.estimation.judged import unit_guess
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.findings import findings
+from axiscal_core.terms import Term
 from tests.generators.campaigns import built_in
 from tests.generators.texts import campaign_text, setup_text
 
@@ -53,13 +53,13 @@ def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma() -
         before, after = _estimated(clean), _estimated(wrong)
         found = [d.reading for d in after.outliers]
         assert bad in found
-        held.append(found == [bad] and all(_moves_little(before, after, each) for each in before.case.errors.functions))
+        held.append(found == [bad] and all(_moves_little(before, after, each) for each in before.case.errors.curves))
     assert sum(held) >= 3
 
 
 def _moves_little(before: Estimation, after: Estimation, function: Term) -> bool:
     rows, size = (
-        function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101)),
+        function.spline.rows(np.linspace(function.spline.knots[0], function.spline.knots[-1], 101)),
         before.case.errors.size,
     )
     std = np.sqrt(np.sum((rows @ after.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)

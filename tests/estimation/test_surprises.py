@@ -37,7 +37,7 @@ def _dense(
     beside : m², of each reading; left_out : readings that tell nothing of the unknowns
     """
     numbers, size = seen(case.observation, readings), case.errors.size
-    prior, unknowns = case.errors.prior_covariance(), range(size, size + len(case.observation.unknowns))
+    prior, unknowns = case.errors.covariance(), range(size, size + len(case.observation.unknowns))
     stds = np.array([unknown.std for unknown in case.observation.unknowns])
     own = numbers.rows[:, list(unknowns)] * stds
     scatter = np.array([row @ prior @ row for row in numbers.rows[:, :size]]) + numbers.variances
@@ -58,10 +58,10 @@ def test_of_two_set_ups_it_is_that_of_one_normal_and_what_is_far_off_teaches_not
     case = mixed()
     readings = [replace(each, time=None) for each in drawn(case, 12)]
     readings[3], readings[6] = (replace(readings[i], value=0.2) for i in (3, 6))
-    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.prior_covariance(), readings)
+    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.covariance(), readings)
     assert found == pytest.approx(_dense(case, readings, [0.0] * 12, [3, 6]), rel=1e-6)
     vouched = [replace(each, accepted=True) for each in readings]
-    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.prior_covariance(), vouched)
+    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.covariance(), vouched)
     assert found == pytest.approx(_dense(case, readings, [0.0] * 12), rel=1e-6)
 
 
@@ -70,10 +70,10 @@ def test_a_zero_that_drifts_is_less_sure_the_farther_in_time_from_the_first_one_
     case = Case(campaign_from_texts(CAMPAIGN.replace('drift = "0 um/h"', 'drift = "6 um/h"'), "c.toml", MACHINE, "m"))
     readings = read(machine(4), 10)[::-1]
     beside = [float(wandered(rate, 540.0 - each.time)) for each in readings if each.time is not None]
-    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.prior_covariance(), readings)
+    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.covariance(), readings)
     assert found == pytest.approx(_dense(case, readings, beside), rel=1e-6)
     untimed = [replace(each, time=None) for each in readings]
-    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.prior_covariance(), untimed)
+    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.covariance(), untimed)
     assert found == pytest.approx(_dense(case, untimed, [0.0] * 10), rel=1e-6)
 
 

@@ -11,10 +11,8 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.type_b import TYPE_B, TypeB
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.causes import contributions
 from axiscal.machine import load_machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -40,7 +38,7 @@ def described(setups: str) -> CampaignDescription:
 
 
 def observed(campaign: CampaignDescription) -> Observation:
-    return Observation(ErrorModel(campaign.machine), campaign.setups)
+    return Observation(campaign.machine, campaign.setups)
 
 
 class Met(NamedTuple):
@@ -173,7 +171,7 @@ def in_space(
 
 
 def tips(observation: Observation) -> Array:
-    return frames(observation.machine, np.array(POSES)).tcp
+    return observation.machine.frames(np.array(POSES)).tcp
 
 
 def test_a_tracer_is_off_by_a_share_of_its_distance_and_grows_with_the_tool() -> None:
@@ -215,7 +213,7 @@ def test_a_sphere_in_the_mean_of_opposite_sides_shows_its_size_at_the_pole() -> 
     setup, visited = 'instrument = "sphere"\nartefact = "one"\n', [tuple(pose) for pose in poses.tolist()]
     found, observation = in_space(setup, ball, FIVE, visited)
     assert set(found) == {"radius"}
-    pole = frames(observation.machine, poses).stem
+    pole = observation.machine.frames(poses).stem
     assert found["radius"].column.reshape(3, 3) == pytest.approx(-1e-6 * pole, abs=1e-15)
     assert in_space(f"{setup}touches = 3\n", ball, FIVE, visited)[0] == {}
 

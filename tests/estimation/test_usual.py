@@ -8,17 +8,14 @@ import numpy as np
 import pytest
 from scipy.stats import lognorm, norm
 
-from axiscal.description.usual import (
-    sizes_of,
-)
-from axiscal.machine.entry import Sure
-from axiscal_core.theta import Kind, Size, Sizes
+from axiscal.description.usual import sizes_of
+from axiscal_core.theta import Kind, Size, Sizes, Sure
 from tests.generators.problems import case_of
 
 
 def test_one_error_may_be_known_and_another_not() -> None:
     described = case_of("plate").description
-    errors = [replace(each, sure="exactly") if each.name == "EZX" else each for each in described.machine.errors]
+    errors = [replace(each, sure="exactly") if each.name == "EZX" else each for each in described.machine.stated]
     plain = replace(described.machine, errors=tuple(errors))
     sizes = sizes_of(plain, described.setups, "roughly", usual=False, inherited=False)
     assert sizes.index("std", "EZX") == sizes.index("length", "EZX") == -1

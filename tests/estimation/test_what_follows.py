@@ -22,7 +22,8 @@ from tests.generators.laser_axis import CAMPAIGN, MACHINE
 def known_with(seed: int, rest: float = 0.3e-6) -> Estimation:
     """Return a belief of the axis whose curve is any."""
     rng, described = np.random.default_rng(seed), campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m")
-    case = Case(replace(described, machine=described.machine.with_rests({"EXX": rest})))
+    errors = (replace(each, rest=rest) if each.name == "EXX" else each for each in described.machine.stated)
+    case = Case(replace(described, machine=replace(described.machine, errors=tuple(errors))))
     size = case.knowledge.belief.size
     root = 1e-6 * rng.standard_normal((size, size))
     knowledge = Knowledge(case.observation, Belief(2e-6 * rng.standard_normal(size), root @ root.T))
@@ -31,12 +32,12 @@ def known_with(seed: int, rest: float = 0.3e-6) -> Estimation:
 
 def test_a_change_is_the_chi_square_of_the_difference_with_both_uncertainties() -> None:
     before, now = known_with(1), known_with(2, 0.5e-6)
-    function = now.case.errors.names["EXX"]
+    function = now.case.errors.by_name["EXX"]
     found = _change(before, now, function)
     means, covariances = [], []
     for each, rest in ((before, 0.3e-6), (now, 0.5e-6)):
-        own = each.case.errors.names["EXX"]
-        rows = own.basis.rows(function.basis.control_positions)
+        own = each.case.errors.by_name["EXX"]
+        rows = own.spline.rows(function.spline.control_positions)
         covariance = each.printed.belief.covariance[own.columns, own.columns]
         means.append(rows @ each.printed.belief.mean[own.columns])
         covariances.append(rows @ covariance @ rows.T + rest**2 * np.eye(len(rows)))
@@ -46,8 +47,8 @@ def test_a_change_is_the_chi_square_of_the_difference_with_both_uncertainties() 
     beside = difference - np.mean(difference)
     worst = int(np.argmax(np.abs(beside)))
     assert found.size == pytest.approx(beside[worst])
-    assert found.position == pytest.approx(function.basis.control_positions[worst])
+    assert found.position == pytest.approx(function.spline.control_positions[worst])
     assert (found.name, found.angular, found.rotary) == ("EXX", False, False)
-    single = _change(before, now, now.case.errors.names["EXX_reversal"])
+    single = _change(before, now, now.case.errors.by_name["EXX_reversal"])
     moved = now.printed.belief.mean - before.printed.belief.mean
-    assert single.size == pytest.approx(float(moved[now.case.errors.names["EXX_reversal"].columns][0]))
+    assert single.size == pytest.approx(float(moved[now.case.errors.by_name["EXX_reversal"].columns][0]))

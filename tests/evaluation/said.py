@@ -53,7 +53,7 @@ def readings_of(
 ) -> tuple[Reading, ...]:
     """Return what probes show on the true machine under a control, with zeros of their own and noise."""
     rng = np.random.default_rng(seed)
-    tips = left_by(truth.model.machine, truth.deviation, control, places.poses, places.approaches)
+    tips = left_by(truth.model, truth.deviation, control, places.poses, places.approaches)
     zeros = rng.normal(0, 1e-4, len(setups))
     rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist(), tips, strict=True)
     return tuple(

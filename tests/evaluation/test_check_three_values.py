@@ -15,7 +15,6 @@ from axiscal.evaluation.check import Check
 from axiscal.evaluation.datums import datums_of, upright
 from axiscal.evaluation.verification import values_at
 from axiscal.exceptions import ReadingError
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Places
 from tests.commands import Command
 from tests.evaluation.said import measured
@@ -90,7 +89,7 @@ def test_a_tracker_set_down_by_eye_shows_the_machine_and_not_its_turn() -> None:
     station = np.array([0.0, -0.9, 0.0])
     low, high = np.array([axis.travel for axis in description.machine.axes]).T
     poses, deviations = rng.uniform(low, high, (12, 2)), rng.normal(0, 1e-5, (12, 3))
-    tips = frames(description.machine, poses).tcp
+    tips = description.machine.frames(poses).tcp
     shown = turn.apply(tips + deviations - station) + station - tips
     places = Places.of_setup(0, poses, np.zeros_like(poses))
     datums = datums_of(description.machine, description.setups, places, 1e-6)

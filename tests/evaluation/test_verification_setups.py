@@ -95,14 +95,14 @@ def test_one_of_twenty_machines_as_promised_is_called_worse_and_most_that_are_tw
 ) -> None:
     """Machines so many times as far from an estimate of ten readings as it says: a normal or a t, curves by scipy."""
     estimate, control = known(10)
-    (function,) = (each for each in estimate.model.functions if each.name == "EXX")
+    (function,) = (each for each in estimate.model.curves if each.name == "EXX")
     rng, worse = np.random.default_rng(4), list[bool]()
     root, mean = estimate.factor[function.columns], estimate.mean[function.columns]
     wide = 1.0 if np.isinf(degrees) else np.sqrt((degrees - 2) / chi2.rvs(degrees, size=400, random_state=rng))
     believed = replace(estimate, belief=Belief(estimate.belief.mean, estimate.belief.covariance, degrees))
     for seed, size in enumerate(np.broadcast_to(wide, 400).tolist()):
         drawn = mean + times * size * root @ rng.standard_normal(root.shape[1])
-        curve = CubicSpline(function.basis.control_positions, drawn, bc_type="natural")
+        curve = CubicSpline(function.spline.control_positions, drawn, bc_type="natural")
         found, left = (readings(2 * seed + k, float(k), error=curve, count=10) for k in (0, 1))
         setups = described().setups
         worse.append(judge(believed, setups, found, left, control, TOLERANCE).verdict == "worse")

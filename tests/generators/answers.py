@@ -7,7 +7,7 @@ from typing import Any
 
 from axiscal.answers.answer import Aim, AnswerLine, AnswerRow, ResultAnswer, SignedNumber
 from axiscal.description.target import Kind, RowName, dimension
-from axiscal.machine import Machine
+from axiscal_core.machine import Machine
 
 _SIGNED: dict[Kind, tuple[str, ...]] = {
     "backlash": ("X",),

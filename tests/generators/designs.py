@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
@@ -18,12 +15,14 @@ from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.measurement.setup import Approach, Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Goal, Task
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 
 
 def splines(axes: int, knots: int, noise: float, candidates: int = 2000) -> Task:
     """Return stacked natural splines on [0, 10] m, C0 = I, criterion `joint`."""
     names = "XYZUV"[:axes]
-    machine = Machine("m", tuple(iso_axis(n, False, (0.0, 10.0)) for n in names), 0.0, _errors(names, knots), "", "")
+    machine = Machine(tuple(iso_axis(n, False, (0.0, 10.0)) for n in names), _errors(names, knots), 0.0, name="m")
     setup = _setup("s", machine, noise, (), "+")
     return problem(machine, (setup,), candidates, joint=True)
 
@@ -36,15 +35,15 @@ def levered(candidates: int = 300) -> Task:
         iso_axis("Z", False, (0.0, 0.4)),
     )
     errors = (
-        ErrorEntry("EXX", 1e-5, knots=5, rest=1e-6),
-        ErrorEntry("EZX", 1e-5, knots=4),
-        ErrorEntry("EBX", 2e-5, knots=4),
-        ErrorEntry("EXZ", 1e-5, knots=4, rest=5e-7),
-        ErrorEntry("ECC", 3e-5, knots=5, rest=1e-6),
-        ErrorEntry("B0Z", 2e-5),
-        ErrorEntry("EXX_reversal", 3e-6),
+        Error("EXX", 1e-5, knots=5, rest=1e-6),
+        Error("EZX", 1e-5, knots=4),
+        Error("EBX", 2e-5, knots=4),
+        Error("EXZ", 1e-5, knots=4, rest=5e-7),
+        Error("ECC", 3e-5, knots=5, rest=1e-6),
+        Error("B0Z", 2e-5),
+        Error("EXX_reversal", 3e-6),
     )
-    machine = Machine("m", axes, 0.15, errors, "", "")
+    machine = Machine(axes, errors, 0.15, name="m")
     zero = (Unknown("zero", 1e-4),)
     setups = (
         _setup("x", machine, 1e-6, zero, "both", (1.0, 0.0, 0.0)),
@@ -55,7 +54,7 @@ def levered(candidates: int = 300) -> Task:
 
 def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint: bool = False) -> Task:
     """Return the problem before the first reading."""
-    model = ErrorModel(machine)
+    model = machine
     observation = Observation(model, setups)
     box = whole_travel(model)
     nothing = np.zeros((model.size, 0))
@@ -97,8 +96,8 @@ def rms_of(asked: Task, rms: float, unsure: float = 1.0) -> Goal:
     return Goal(lambda places: left(places) <= rms, lambda places: unsure * left(places) <= rms)
 
 
-def _errors(names: str, knots: int) -> tuple[ErrorEntry, ...]:
-    return tuple(ErrorEntry(f"EZ{name}", 1.0, knots=knots) for name in names)
+def _errors(names: str, knots: int) -> tuple[Error, ...]:
+    return tuple(Error(f"EZ{name}", 1.0, knots=knots) for name in names)
 
 
 def _setup(

@@ -27,21 +27,28 @@ class Joint(Protocol):
     def counting(self) -> str | None: ...
 
 
-class Chain(Protocol):
-    """What of a machine counts here."""
+class Nose(Protocol):
+    """What is round the tool, m."""
 
     @property
-    def axes(self) -> Sequence[Joint]: ...
-    @property
-    def tool(self) -> float: ...
-    @property
-    def tool_radius(self) -> float: ...
+    def radius(self) -> float: ...
     @property
     def stylus(self) -> float: ...
     @property
     def reach(self) -> float: ...
     @property
     def head(self) -> tuple[float, ...]: ...
+
+
+class Chain(Protocol):
+    """What of a machine counts here."""
+
+    @property
+    def axes(self) -> Sequence[Joint]: ...
+    @property
+    def tool_length(self) -> float: ...
+    @property
+    def nose(self) -> Nose: ...
     def index(self, axis_name: str, /) -> int: ...
     def axis(self, name: str, /) -> Joint: ...
 
@@ -72,7 +79,7 @@ def tool_matrix(machine: Chain, pose: Array) -> Array:
             result = result @ shifted(about) @ turned(letter, at) @ shifted(-about)
         else:
             result = result @ shifted(at * np.eye(3)["XYZUVWPQR".index(letter) % 3])
-    return result @ shifted(np.array([0.0, 0.0, -machine.tool]))
+    return result @ shifted(np.array([0.0, 0.0, -machine.tool_length]))
 
 
 def tip(machine: Chain, pose: Array) -> Array:

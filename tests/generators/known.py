@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 
 
 def sure(mean: Array) -> Belief:
@@ -17,7 +17,7 @@ def sure(mean: Array) -> Belief:
     return Belief(mean, 1e-20 * np.eye(len(mean)))
 
 
-def known_to_be(model: ErrorModel, mean: Array) -> Estimate:
+def known_to_be(model: Machine, mean: Array) -> Estimate:
     """Return what somebody believes over the whole travel who knows the control values, (n,)."""
     return Estimate(model, sure(mean), whole_travel(model))
 

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from axiscal.errors.model import ErrorModel
-from axiscal.machine import Machine
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.entry import COMPONENTS, ErrorEntry
 from axiscal.numerics import Array
 from axiscal_core.axes import Axis, Counting
+from axiscal_core.errors import COMPONENTS, Error
+from axiscal_core.machine import Machine
 
 Matrix = NDArray[Any]
 LETTERS = "XYZABC"
@@ -32,8 +31,7 @@ def random_machine(seed: int, count: int | None = None, smooth: bool = False) ->
     bed = int(rng.integers(0, len(names) + 1))
     axes = tuple(_axis(name, place < bed, _counting(name, seed), rng) for place, name in enumerate(names))
     entries = tuple(entry for axis in axes for entry in every_error(axis, rng, smooth))
-    words = ["w", *(f"{n}'" for n in names[:bed]), "b", *names[bed:], "t"]
-    return Machine(f"random {seed}", axes, float(rng.uniform(0, 0.3)), entries, "-".join(words), "")
+    return Machine(axes, entries, float(rng.uniform(0, 0.3)), name=f"random {seed}")
 
 
 def _counting(name: str, seed: int) -> Counting | None:
@@ -51,16 +49,16 @@ def _axis(name: str, workpiece_side: bool, counting: Counting | None, rng: np.ra
     return iso_axis(name, workpiece_side, (start, start + float(length)), origin=place, counting=counting)
 
 
-def every_error(axis: Axis, rng: np.random.Generator, smooth: bool = False) -> list[ErrorEntry]:
+def every_error(axis: Axis, rng: np.random.Generator, smooth: bool = False) -> list[Error]:
     """Return all six error motions, their reversals, and the location errors of an axis, with a rest here and there."""
     length = axis.length / 3 if smooth else None
     motions = [
-        ErrorEntry(f"E{c}{axis.name}", 1e-5, knots=int(rng.integers(4, 7)), length=length, rest=float(rest))
+        Error(f"E{c}{axis.name}", 1e-5, knots=int(rng.integers(4, 7)), length=length, rest=float(rest))
         for c, rest in zip(COMPONENTS, rng.choice([0.0, 1e-6], 6), strict=True)
     ]
-    reversals = [ErrorEntry(f"E{c}{axis.name}_reversal", 1e-6) for c in COMPONENTS]
+    reversals = [Error(f"E{c}{axis.name}_reversal", 1e-6) for c in COMPONENTS]
     reversals[0] = replace(reversals[0], knots=5, rest=1e-6)
-    return motions + reversals + [ErrorEntry(f"{c}0{axis.name}", 1e-5) for c in COMPONENTS if axis.rotary or c in "ABC"]
+    return motions + reversals + [Error(f"{c}0{axis.name}", 1e-5) for c in COMPONENTS if axis.rotary or c in "ABC"]
 
 
 def random_poses(machine: Machine, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -83,7 +81,7 @@ def twin_tool(machine: Machine, pose: Array, errors: Matrix) -> Matrix:
     for axis, coordinate, error in reversed(carriages):
         if axis.workpiece_side:
             workpiece = workpiece @ _carriage(axis, -coordinate, error)
-    return np.linalg.inv(workpiece) @ tool @ _shift(np.array([0.0, 0.0, -machine.tool]))
+    return np.linalg.inv(workpiece) @ tool @ _shift(np.array([0.0, 0.0, -machine.tool_length]))
 
 
 def _carriage(axis: Axis, motion: float, error: Matrix) -> Matrix:
@@ -113,26 +111,26 @@ def _exponential(x: complex, y: complex, z: complex) -> Matrix:
     return np.asarray(expm(np.array([[0, -z, y, 0], [z, 0, -x, 0], [-y, x, 0, 0], [0, 0, 0, 0]], dtype=complex)))
 
 
-def twin_errors(model: ErrorModel, values: Matrix, approach: Array) -> Matrix:
+def twin_errors(model: Machine, values: Matrix, approach: Array) -> Matrix:
     """Return what every carriage does beside its motion, (q, 9), from the value of every error and its name alone."""
-    result = np.zeros((len(model.machine.axes), 9), dtype=complex)
-    for function, value in zip(model.functions, values, strict=True):
+    result = np.zeros((len(model.axes), 9), dtype=complex)
+    for function, value in zip(model.curves, values, strict=True):
         bare, location = function.name.removesuffix("_reversal"), "0" in function.name
-        k = next(i for i, axis in enumerate(model.machine.axes) if axis.name == bare[2:])
+        k = next(i for i, axis in enumerate(model.axes) if axis.name == bare[2:])
         place = COMPONENTS.index(bare[0 if location else 1])
-        straight = location and not model.machine.axes[k].rotary
+        straight = location and not model.axes[k].rotary
         result[k, place + 3 * straight] += value * (approach[k] / 2 if bare != function.name else 1)
     return result
 
 
-def twin_derivative(model: ErrorModel, pose: Array, approach: Array) -> tuple[Array, Array]:
+def twin_derivative(model: Machine, pose: Array, approach: Array) -> tuple[Array, Array]:
     """Return d(position)/dA and d(rotation)/dA at A = 0 by complex steps, each (3, size)."""
-    nominal = twin_tool(model.machine, pose, np.zeros((len(pose), 9)))[:3, :3]
+    nominal = twin_tool(model, pose, np.zeros((len(pose), 9)))[:3, :3]
     position, turned = np.empty((3, model.size)), np.empty((3, model.size))
-    for i, function in enumerate(model.functions):
-        tiny = 1e-30j * np.eye(len(model.functions))[i]
-        found = twin_tool(model.machine, pose, twin_errors(model, tiny, approach))
-        row = function.basis.rows(pose[function.axis])[0] * 1e30
+    for i, function in enumerate(model.curves):
+        tiny = 1e-30j * np.eye(len(model.curves))[i]
+        found = twin_tool(model, pose, twin_errors(model, tiny, approach))
+        row = function.spline.rows(pose[function.axis])[0] * 1e30
         spin = (found[:3, :3] @ nominal.T).imag
         position[:, function.columns] = np.outer(found[:3, 3].imag, row)
         turned[:, function.columns] = np.outer([spin[2, 1], spin[0, 2], spin[1, 0]], row)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.model import ErrorModel
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from tests.generators.texts import machine_text
@@ -19,7 +18,7 @@ def observed(setup: str) -> Observation:
         'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "it"\ninstrument = "indicator"\ndirection = "x"\n'
     )
     described = campaign_from_texts(f"{start}{setup}\n", "campaign.toml", MACHINE, "m")
-    return Observation(ErrorModel(described.machine), described.setups)
+    return Observation(described.machine, described.setups)
 
 
 def readings_at(places: Iterable[float], value: float) -> list[Reading]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.machine import Machine, machine_from_text
+from axiscal.machine import machine_from_text
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 from axiscal_core.splines import NaturalSpline, Spline
 from tests.generators.texts import machine_text
 

@@ -31,15 +31,22 @@ class PrintedAxis:
 
 
 @dataclass(frozen=True)
-class PrintedMachine:
-    """axes : from the workpiece to the tool; tool, tool_radius, stylus, reach, head : m"""
+class PrintedNose:
+    """radius, stylus, reach, head : m"""
 
-    axes: tuple[PrintedAxis, ...]
-    tool: float
-    tool_radius: float
+    radius: float
     stylus: float
     reach: float
     head: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class PrintedMachine:
+    """axes : from the workpiece to the tool; tool_length : m; nose : what is round it"""
+
+    axes: tuple[PrintedAxis, ...]
+    tool_length: float
+    nose: PrintedNose
 
     def index(self, name: str) -> int:
         """Return the place of an axis in a pose."""
@@ -59,11 +66,13 @@ def printed_machine(text: str) -> PrintedMachine:
     axes = tuple(_axis(name, tables["axes"][name]) for name in names)
     return PrintedMachine(
         axes,
-        tool=number(tool.get("length", "0 mm")),
-        tool_radius=number(tool.get("radius", "40 mm")),
-        stylus=number(tool.get("stylus", "0 mm")),
-        reach=number(tool.get("reach", "50 mm")),
-        head=tuple(map(number, tool.get("head", ()))),
+        number(tool.get("length", "0 mm")),
+        PrintedNose(
+            number(tool.get("radius", "40 mm")),
+            number(tool.get("stylus", "0 mm")),
+            number(tool.get("reach", "50 mm")),
+            tuple(map(number, tool.get("head", ()))),
+        ),
     )
 
 

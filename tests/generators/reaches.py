@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from axiscal.machine import Machine, machine_from_text
+from axiscal.machine import machine_from_text
 from axiscal.units import format_quantity
+from axiscal_core.machine import Machine
 
 
 def reach_of(machine: Machine | str) -> str:

@@ -23,12 +23,12 @@ class Solid(NamedTuple):
 
 def solids(machine: Chain) -> dict[str, Solid]:
     """Return stylus, holder and nose of a machine, as far as it has them; without a stylus the holder is at the tip."""
-    free = min(machine.reach, machine.tool) if machine.stylus else 0.0
-    found = {"holder": Solid(free, machine.tool, machine.tool_radius)}
-    if machine.stylus:
-        found["stylus"] = Solid(-machine.stylus / 2, free, machine.stylus / 2)
-    if machine.head:
-        found["nose"] = Solid(machine.tool, machine.tool + machine.head[1], machine.head[0] / 2)
+    free = min(machine.nose.reach, machine.tool_length) if machine.nose.stylus else 0.0
+    found = {"holder": Solid(free, machine.tool_length, machine.nose.radius)}
+    if machine.nose.stylus:
+        found["stylus"] = Solid(-machine.nose.stylus / 2, free, machine.nose.stylus / 2)
+    if machine.nose.head:
+        found["nose"] = Solid(machine.tool_length, machine.tool_length + machine.nose.head[1], machine.nose.head[0] / 2)
     return found
 
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import SourceError
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 from tests.generators.kinematics import first_met, tip
 
 CHAINS = ("w-C'-A'-b-X-Y-Z-t", "w-C'-b-X-Y-Z-t", "w-C'-b-Y-X-Z-B-t", "w-C'-B'-X'-b-Y-Z-t", "w-b-X-Y-Z-C-A-t")

@@ -85,7 +85,7 @@ class WaysSaid:
         """The tool, a line from its tip to the spindle, passes no ball of the artefact nearer than it may."""
         at, along = tip(self._machine, pose), stem(self._machine, pose)
         for name, ball in self._said.balls({"artefact": self._table["artefact"]}).items():
-            up = float(np.clip((ball - at) @ along, 0.0, self._machine.tool))
+            up = float(np.clip((ball - at) @ along, 0.0, self._machine.tool_length))
             assert np.linalg.norm(at + up * along - ball) >= _BESIDE, (name, pose)
 
     def keeps_out(self, pose: Array) -> None:

@@ -57,7 +57,7 @@ def test_a_board_is_asked_for_before_each_placement_and_found_where_it_stands(
     )
     campaign = read_campaign(tmp_path / "router" / "campaign.toml")
     assert len(campaign.setups) == 5
-    assert campaign.machine.tool == TOOL / 1e3
+    assert campaign.machine.tool_length == TOOL / 1e3
     boards = [1e3 * setup.artefact.points for setup in campaign.setups if setup.artefact is not None]
     asked, heights = list[str](), list[float]()
     with running(HAL, GANTRY) as bench:

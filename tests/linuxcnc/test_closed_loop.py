@@ -33,7 +33,8 @@ def test_the_error_is_gone_within_what_was_stated(tmp_path: Path) -> None:
 
 def known(name: str) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
-    estimate = drawn_and_known(replace(description(name).machine, planes=()), 4)
+    machine = description(name).machine
+    estimate = drawn_and_known(replace(machine, errors=tuple(each for each in machine.stated if not each.sides)), 4)
     return estimate, truth_of(estimate)
 
 

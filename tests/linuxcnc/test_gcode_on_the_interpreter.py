@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.description import Machine
 from axiscal.machine.motion import inward
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import dialect, programs
+from axiscal_core.machine import Machine
 from tests.linuxcnc.lab import Joint, run
 from tests.linuxcnc.running import ControlError
 from tests.programs.judge import HOSTILE, Plan, interpreted, random_plan
@@ -63,7 +63,7 @@ def test_a_name_adds_no_call(name: str, tmp_path: Path) -> None:
 def test_a_running_linuxcnc_goes_to_the_very_ends_of_the_travel_and_nowhere_else() -> None:
     axes = [iso_axis(name, False, (-0.0123, 0.0456), speed=0.5) for name in "XYZ"]
     table = iso_axis("C", True, (0.0, 2 * np.pi), speed=20.0)
-    machine = Machine("m", (table, *axes), 0.0, (), "", "")
+    machine = Machine((table, *axes), tool=0.0, name="m")
     low, high = np.array([axis.travel for axis in machine.axes]).T
     rng = np.random.default_rng(3)
     poses = [low, high, *rng.uniform(low + 0.001, high - 0.001, (6, 4))]

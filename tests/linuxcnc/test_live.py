@@ -19,10 +19,10 @@ from axiscal.campaign.sources.source import Answer, Request
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import SourceError
-from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Place
 from axiscal.ports.linuxcnc.live import InForce, LiveSource, attached
 from axiscal.ports.linuxcnc.live.connection import Connection
+from axiscal_core.machine import Machine
 from tests.generators import touched_table as table
 from tests.linuxcnc.bench import Bench, quickened, running
 from tests.linuxcnc.needed import WITH_SPHERES
@@ -172,8 +172,8 @@ def test_another_machine_is_refused(bench: Bench) -> None:
     wide = tuple(replace(axis, travel=(-0.5, 0.5)) if axis.name == "X" else axis for axis in machine.axes)
     for other, why in [
         (replace(machine, axes=wide), "LinuxCNC lets X go from"),
-        (replace(machine, axes=machine.axes[1:]), "LinuxCNC has axes A C X Y Z"),
-        (replace(machine, tool=0.0), "the length of the tool is not known"),
+        (replace(machine, axes=machine.axes[1:], errors=()), "LinuxCNC has axes A C X Y Z"),
+        (replace(machine, tool=(0.0, 0.0, 0.0)), "the length of the tool is not known"),
     ]:
         with pytest.raises(SourceError, match=why):
             LiveSource(Connection(bench.words()), other, InForce())

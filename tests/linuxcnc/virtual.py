@@ -13,7 +13,6 @@ from typing import Self
 
 import numpy as np
 
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import pivots
@@ -61,7 +60,7 @@ class LinuxcncMachine:
     def __init__(
         self, truth: VirtualMachine, tables: Mapping[str, str] | None = None, build: Build | None = None
     ) -> None:
-        self._machine, self._build = truth.model.machine, build or Build()
+        self._machine, self._build = truth.model, build or Build()
         axes = self._machine.axes
         in_order = sorted(range(len(axes)), key=lambda k: _ORDER.index(axes[k].name))
         self._driven = [k for k in in_order for _ in range(1 + (axes[k].name in self._build.pairs))]
@@ -103,7 +102,7 @@ class LinuxcncMachine:
     def _make_ready(self, hal: str) -> None:
         """Wait until corrections that come slowly, after homing or when they are switched on, are all there."""
         if self._build.tcp:
-            self._session.move([f"G43.1 Z{self._machine.tool * self._scale(self._machine.axis('Z')):.7f}"])
+            self._session.move([f"G43.1 Z{self._machine.tool_length * self._scale(self._machine.axis('Z')):.7f}"])
         gains = [gain for mark, gain in ((_GAIN, _GAIN), (_WHOLE, f"{_WHOLE}.gain")) if mark in hal]
         if _WHOLE in hal:
             self._session.move([f"setp {_WHOLE}.enable 1"])
@@ -122,7 +121,7 @@ class LinuxcncMachine:
         """Return the move that brings the joints, or in TCP mode the tool, to a pose."""
         shown = {self._machine.axes[k].name: float(pose[k]) for k in self._driven}
         if self._build.tcp:
-            shown |= dict(zip("XYZ", map(float, frames(self._machine, pose[None]).tcp[0]), strict=True))
+            shown |= dict(zip("XYZ", map(float, self._machine.frames(pose[None]).tcp[0]), strict=True))
         words = [f"{letter}{at * self._scale(self._machine.axis(letter)):.7f}" for letter, at in shown.items()]
         return " ".join(["G0" if self._build.tcp else "G53 G0", *words])
 

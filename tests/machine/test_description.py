@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from axiscal.exceptions import DescriptionError
-from axiscal.machine import ErrorEntry, Machine, builtin_names, load_machine, machine_from_text
+from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import iso_axis
+from axiscal_core.machine import Machine
 
 TEXT = """\
 name = "Mill"
@@ -52,29 +53,26 @@ def test_knots_stand_twice_as_far_apart_where_there_would_be_many() -> None:
         sizes = {name: "urad" if name[1] in "ABC" else "um" for name in names[:count]}
         lines = [f'{name} = {{ std = "10 {unit}", length = "100 mm" }}\n' for name, unit in sizes.items()]
         machine = machine_from_text(f'{head}[errors]\n{"".join(lines)}C0Y = {{ std = "30 urad" }}\n')
-        assert {e.knot_count(machine.axis(e.axis)) for e in machine.errors if not e.constant} == {knots}
+        assert {e.count for e in machine.stated if e.count > 1} == {knots}
 
 
 @pytest.mark.parametrize(
-    ("entry", "count"),
+    ("error", "said", "count"),
     [
-        (ErrorEntry("EXX", 1e-6, spacing=0.1), 7),
-        (ErrorEntry("EXX", 1e-6, spacing=0.099), 8),
-        (ErrorEntry("EXX", 1e-6, spacing=0.1 * (1 - 1e-12)), 7),
-        (ErrorEntry("EXX", 1e-6, spacing=5.0), 2),
-        (ErrorEntry("EXX", 1e-6, length=5.0), 5),
-        (ErrorEntry("EXX", 1e-6, length=0.2), 7),
-        (ErrorEntry("EXX", 1e-6), 7),
-        (ErrorEntry("EXX_reversal", 1e-6, spacing=0.3), 3),
+        ("EXX", 'spacing = "100 mm"', 7),
+        ("EXX", 'spacing = "99 mm"', 8),
+        ("EXX", 'spacing = "99.9999999999 mm"', 7),
+        ("EXX", 'spacing = "5 m"', 2),
+        ("EXX", 'length = "5 m"', 5),
+        ("EXX", 'length = "400 mm"', 7),
+        ("EXX", "knots = 7", 7),
+        ("EXX_reversal", 'spacing = "300 mm"', 3),
     ],
 )
-def test_spacing_and_length_give_equidistant_knots(entry: ErrorEntry, count: int) -> None:
-    axis = iso_axis("X", False, (0.1, 0.7))
-    knots = entry.knot_positions(axis)
-    assert len(knots) == entry.knot_count(axis) == count
-    assert (knots[0], knots[-1]) == (0.1, 0.7)
-    gaps = [after - before for before, after in pairwise(knots)]
-    assert gaps == pytest.approx([0.6 / (count - 1)] * (count - 1))
+def test_spacing_and_length_give_equidistant_knots(error: str, said: str, count: int) -> None:
+    head = 'chain = "w-b-X-t"\n[axes.X]\ntravel = ["100 mm", "700 mm"]\n[errors]\n'
+    (term,) = machine_from_text(f'{head}{error} = {{ std = "1 um", {said} }}').terms
+    assert term.spline.knots == pytest.approx(np.linspace(0.1, 0.7, count))
 
 
 def test_a_full_turn_is_cyclic_to_a_nanoradian_and_a_linear_axis_never() -> None:
@@ -110,16 +108,15 @@ def test_a_machine_is_read_from_a_path_and_named_after_it_if_need_be(tmp_path: P
 def sizes(machine: Machine) -> dict[str, int]:
     """Return the number of free control values of each error."""
     counts = {}
-    for entry in machine.errors:
-        axis = machine.axis(entry.axis)
-        counts[entry.name] = entry.knot_count(axis) - (axis.cyclic and not entry.constant)
+    for entry in machine.stated:
+        counts[entry.name] = entry.count - (machine.axis(entry.axis).cyclic and entry.count > 1)
     return counts
 
 
 @pytest.mark.parametrize("name", builtin_names())
 def test_knots_are_fine_enough_for_the_correlation_length(name: str) -> None:
     machine = load_machine(name)
-    for entry in machine.errors:
-        if entry.length is not None:
-            knots = entry.knot_positions(machine.axis(entry.axis))
-            assert knots[1] - knots[0] <= 0.55 * entry.length
+    for term in machine.curves:
+        if term.length is not None:
+            knots = term.spline.knots
+            assert knots[1] - knots[0] <= 0.55 * term.length

@@ -9,15 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.machine import Machine, machine_from_text
+from axiscal.machine import machine_from_text
 from axiscal.machine.axis import iso_axis
 from axiscal.machine.motion import Driving, approach_seconds, inward, move_groups, travel_seconds, turning
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 X = iso_axis("X", False, (0.0, 0.6), speed=0.2, acceleration=1.0)
 Y = iso_axis("Y", True, (0.0, 0.4), speed=0.1, acceleration=3.0)
 C = iso_axis("C", True, (0.0, math.tau), speed=1.0, acceleration=5.0)
-MACHINE = Machine("m", (C, Y, X), 0.1, (), "", "")
+MACHINE = Machine((C, Y, X), tool=0.1, name="m")
 
 TOML = """
 chain = "w-C'-b-X-t"

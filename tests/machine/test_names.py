@@ -6,8 +6,9 @@ import pytest
 
 from axiscal.machine import machine_from_text
 from axiscal.machine.description import parse_chain
-from axiscal.machine.entry import ErrorName, Kind, parse_error_name
+from axiscal.machine.error_names import ErrorName, parse_error_name
 from axiscal.machine.questions import questions
+from axiscal_core.errors import Kind
 
 NAMES: list[tuple[str, str, str, Kind, int]] = [
     ("EXX", "EXX", "X", "motion", 0),
@@ -62,16 +63,16 @@ HEAD = (
 
 
 def test_one_value_counts_along_both_axes_and_the_order_of_the_name_counts() -> None:
-    (plane,) = machine_from_text(f'{HEAD}EYCX = {{ band = "40 um", knots = 8 }}').planes
-    assert plane.parts.axes == ("C", "X")
+    (plane,) = machine_from_text(f'{HEAD}EYCX = {{ band = "40 um", knots = 8 }}').stated
+    assert plane.axes == ("C", "X")
     assert plane.std == pytest.approx(10e-6)
-    (other,) = machine_from_text(f'{HEAD}EYXC = {{ std = "1 um", length = ["100 mm", "60 deg"] }}').planes
+    (other,) = machine_from_text(f'{HEAD}EYXC = {{ std = "1 um", length = ["100 mm", "60 deg"] }}').stated
     assert [side.length for side in other.sides] == pytest.approx([0.1, 1.0471975512])
 
 
 def test_a_rest_alone_needs_no_size() -> None:
     machine = machine_from_text(f'{HEAD}EZXY = {{ std = "0 um", knots = 5, rest = "2 um" }}')
-    assert (machine.planes[0].std, machine.planes[0].first_rest) == (0.0, 2e-6)
+    assert (machine.stated[0].std, machine.stated[0].first_rest) == (0.0, 2e-6)
 
 
 def test_a_plane_of_millimetres_is_asked_about() -> None:

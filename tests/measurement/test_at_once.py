@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from axiscal.description.placed_readings import placed_readings
-from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.kinds import Sight
 from axiscal.measurement.observation import Observation
@@ -37,7 +36,7 @@ def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
     if located:
         together = replace(together, found=tuple(each for place in FOUND for each in place))
         alone = tuple(replace(setup, found=place) for setup, place in zip(alone, FOUND, strict=True))
-    model, rng = ErrorModel(load_machine("three-axis-mill")), np.random.default_rng(3)
+    model, rng = load_machine("three-axis-mill"), np.random.default_rng(3)
     poses, sides = rng.uniform(0.0, 0.3, (5, 3)), np.ones((5, 3))
     whole = Observation(model, (together,))
     point = rng.normal(0.0, 1e-5, model.size + len(together.unknowns))

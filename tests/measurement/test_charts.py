@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.charts.kinds import Bar, Circle, Held, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, arrivals, has_room, turns
@@ -49,10 +48,10 @@ def sphere(overrun: float) -> tuple[Coordinate, ...]:
 
 def levels() -> tuple[Array, ...]:
     """Knots and ends of the travels of the five-axis machine."""
-    model = ErrorModel(DMU)
+    model = DMU
 
     def of(k: int) -> Array:
-        knots = [f.basis.knots for f in model.functions if f.axis == k and f.basis.size > 1]
+        knots = [f.spline.knots for f in model.curves if f.axis == k and f.spline.size > 1]
         return np.unique(np.concatenate([*knots, np.array(DMU.axes[k].travel)]))
 
     return tuple(of(k) for k in range(len(DMU.axes)))

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from axiscal.estimation.case import Case
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from tests.generators.campaigns import built_in
@@ -35,7 +34,7 @@ def test_a_warm_machine_takes_the_tool_farther_from_the_middle(setup: str) -> No
     readings = [Reading("0", tuple(each), (1, 1, 1), 0.0, others=(0.0,) * (count - 1)) for each in places.tolist()]
     taken_off = (seen(cold, readings).values - seen(warm, readings).values).reshape(3, count)
     grown = 35.1e-6 * (places - [0.3, 0.2, 0.2])
-    away = frames(warm.machine, places).tcp - [0.3, -0.8, -0.3]
+    away = warm.machine.frames(places).tcp - [0.3, -0.8, -0.3]
     by_hand = {
         "tracker": grown,
         "tracer": (np.linalg.norm(away + grown, axis=1) - np.linalg.norm(away, axis=1))[:, None],

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 import axiscal_core as ac
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
-from axiscal.machine import Machine, load_machine
+from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import breaks_along
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.displacement import Displacement
@@ -22,6 +20,8 @@ from axiscal.measurement.reading_rows import seen, visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 from tests.core.beside import instrument_of, machine_of
 from tests.generators.known import known_to_be, truth_of
 from tests.generators.machines import random_machine, random_poses
@@ -51,7 +51,7 @@ def _direction(seed: int) -> tuple[float, float, float]:
     return float(x) / length, float(y) / length, float(z) / length
 
 
-def virtual(model: ErrorModel, setups: tuple[Setup, ...], unknowns: Array) -> VirtualMachine:
+def virtual(model: Machine, setups: tuple[Setup, ...], unknowns: Array) -> VirtualMachine:
     """Return the machine whose unknowns, the set-ups' own behind the errors, have these values."""
     offsets, start = {}, model.size
     for setup in setups:
@@ -64,12 +64,12 @@ def virtual(model: ErrorModel, setups: tuple[Setup, ...], unknowns: Array) -> Vi
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: str, seed: int) -> None:
     """All unknowns at once, each in a direction drawn for it, by central differences; two set-ups may mix columns."""
-    model, rng = ErrorModel(random_machine(seed, count=2 + seed % 2)), np.random.default_rng(seed)
+    model, rng = random_machine(seed, count=2 + seed % 2), np.random.default_rng(seed)
     beside = (0.03, -0.05, 0.02) if issubclass(INSTRUMENTS[instrument].model, Displacement) else None
-    one = replace(mounted(model.machine, instrument, _direction(seed)), noise=0.0, offset=beside)
+    one = replace(mounted(model, instrument, _direction(seed)), noise=0.0, offset=beside)
     setups = (replace(one, name="other", direction=(1.0, 0.0, 0.0)), one)
     observation, step = Observation(model, setups), 1e-6
-    poses, approaches = random_poses(model.machine, 1, rng)
+    poses, approaches = random_poses(model, 1, rng)
     pose, approach = tuple(map(float, poses[0])), tuple(map(int, approaches[0]))
     rows = seen(observation, [Reading("s", pose, approach, 0.0)]).rows
     for towards in rng.uniform(-1, 1, (6, observation.size)):
@@ -95,8 +95,8 @@ def _fed(observation: Observation, poses: Array, approaches: Array, values: Arra
 def test_readings_share_rests_as_in_the_core(seed: int, instrument: str) -> None:
     """Poses repeated and close together; the core has no columns for rests, only their joint covariance."""
     machine = random_machine(seed, count=1 + seed % 3, smooth=True)
-    machine = replace(machine, errors=tuple(replace(e, rest=2e-6 if e.rest else 0.0) for e in machine.errors))
-    model, rng = ErrorModel(machine), np.random.default_rng(seed)
+    machine = replace(machine, errors=tuple(replace(e, rest=2e-6 if e.rest else 0.0) for e in machine.stated))
+    model, rng = machine, np.random.default_rng(seed)
     setup = replace(mounted(machine, instrument, _direction(seed)), unknowns=(), offset=None)
     poses, approaches = random_poses(machine, 15, rng)
     approaches = np.where(approaches == 0, 1.0, approaches)  # an untold side is a test of its own
@@ -117,11 +117,11 @@ def test_readings_share_rests_as_in_the_core(seed: int, instrument: str) -> None
 
 def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
     """With +½ and −½ of the reversal equally likely, the variance is a quarter of the reversal's."""
-    model = ErrorModel(load_machine("one-axis"))
-    setup = replace(mounted(model.machine, "interferometer", (1.0, 0.0, 0.0)), unknowns=())
+    model = load_machine("one-axis")
+    setup = replace(mounted(model, "interferometer", (1.0, 0.0, 0.0)), unknowns=())
     observation, at = Observation(model, (setup,)), np.array([[0.5]])
     told, untold = (observation.rows(0, at, np.full((1, 1), side)).variances[0] for side in (1.0, 0.0))
-    reversal = model.names["EXX_reversal"]
+    reversal = model.by_name["EXX_reversal"]
     drawn = np.random.default_rng(3).normal(0.0, np.sqrt(reversal.covariance[0, 0]), 200_000)
     sides = np.random.default_rng(4).choice([-0.5, 0.5], 200_000)
     assert untold - told == pytest.approx(np.var(drawn * sides), rel=0.02, abs=0.0)
@@ -130,8 +130,8 @@ def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
 
 @pytest.mark.parametrize("position", [0.0, 1.0])
 def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
-    model = ErrorModel(load_machine("one-axis"))
-    observation = visited(Observation(model, (mounted(model.machine, "probe", (1.0, 0.0, 0.0)),)), at(position))
+    model = load_machine("one-axis")
+    observation = visited(Observation(model, (mounted(model, "probe", (1.0, 0.0, 0.0)),)), at(position))
     ((_, cell),) = observation.cells
     assert cell == round(position * 159)
     assert observation.rows(0, np.array([[position]]), np.zeros((1, 1))).rows[0, -1] == 1.0
@@ -139,7 +139,7 @@ def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
 
 def test_breaks_are_knots_and_edges_of_visited_cells() -> None:
     axis = iso_axis("X", False, (0.0, 0.4))
-    machine = Machine("m", (axis,), 0.0, (ErrorEntry("EXX", 1e-6, knots=3, rest=1e-6),), "", "")
-    observation = Observation(ErrorModel(machine), (mounted(machine, "probe", (1.0, 0.0, 0.0)),))
+    machine = Machine((axis,), (Error("EXX", 1e-6, knots=3, rest=1e-6),), 0.0, name="m")
+    observation = Observation(machine, (mounted(machine, "probe", (1.0, 0.0, 0.0)),))
     assert breaks_along(observation, 0, 0) == pytest.approx([0.0, 0.2, 0.4])
     assert breaks_along(visited(observation, at(0.06)), 0, 0) == pytest.approx([0.0, 0.0498, 0.0748, 0.2, 0.4])

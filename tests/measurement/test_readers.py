@@ -16,13 +16,7 @@ from hypothesis import strategies as st
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import (
-    RawPose,
-    csv_text,
-    read_poses,
-    table_of,
-    unshielded,
-)
+from axiscal.measurement.readers.csv_table import RawPose, csv_text, read_poses, table_of, unshielded
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.text_file import TextFile, lines_of
 from axiscal.measurement.simulation import read_truth

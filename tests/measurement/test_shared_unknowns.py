@@ -7,7 +7,6 @@ from functools import partial
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import Deviation
@@ -40,7 +39,7 @@ def names(observation: Observation, setup: int) -> dict[str, int]:
 
 
 def test_set_ups_at_one_ball_share_its_place_and_those_with_one_tool_that_tool() -> None:
-    observation = Observation(ErrorModel(DMU), five_axes(SPHERES + TOUCHED + NEST).setups)
+    observation = Observation(DMU, five_axes(SPHERES + TOUCHED + NEST).setups)
     touched, nest = names(observation, 0), names(observation, 1)
     assert set(nest) == {"low_x", "low_y", "low_z", *TOOL}
     assert all(touched[name] == column for name, column in nest.items())
@@ -50,7 +49,7 @@ def test_set_ups_at_one_ball_share_its_place_and_those_with_one_tool_that_tool()
 
 
 def test_planes_of_a_bar_about_one_centre_share_it_and_the_bar_s_length() -> None:
-    observation = Observation(ErrorModel(DMU), five_axes(BAR.format("xy") + BAR.format("zx")).setups)
+    observation = Observation(DMU, five_axes(BAR.format("xy") + BAR.format("zx")).setups)
     assert names(observation, 0) == names(observation, 1)
     assert set(names(observation, 0)) == {"zero", "station_x", "station_y", "station_z", *TOOL}
 
@@ -59,7 +58,7 @@ def test_what_is_calibrated_shares_its_turn_and_scale_and_stands_anew_when_mount
     calibrated = (
         SPHERES + 'calibrated = "0.7 um"\n' + TOUCHED + TOUCHED.replace('"touched"', '"again"') + "mounted = 2\n"
     )
-    observation = Observation(ErrorModel(DMU), five_axes(calibrated).setups)
+    observation = Observation(DMU, five_axes(calibrated).setups)
     first, second = names(observation, 0), names(observation, 1)
     stands = {f"{what}_{axis}" for what in ("place", "turn") for axis in "xyz"}
     assert {name for name in first if first[name] != second[name]} == stands
@@ -69,7 +68,7 @@ def test_what_is_calibrated_shares_its_turn_and_scale_and_stands_anew_when_mount
 @pytest.mark.parametrize("kept", ["", 'calibrated = "0.7 um"\nscale = "0.5 um/m"\n'])
 def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_shown(kept: str) -> None:
     description = five_axes(SPHERES + kept + TOUCHED + BAR.format("zx"))
-    observation, rng = Observation(ErrorModel(DMU), description.setups), np.random.default_rng(1)
+    observation, rng = Observation(DMU, description.setups), np.random.default_rng(1)
     for index, setup in enumerate(description.setups):
         assert setup.chart is not None
         low, high = (np.array([each[end] for each in setup.chart.coordinates]) for end in (0, 1))
@@ -103,16 +102,16 @@ def test_a_ball_that_stands_aside_reads_like_a_machine_that_is_off_the_other_way
 
 def test_a_sphere_touched_from_both_sides_does_not_show_the_reversal_of_a_linear_axis() -> None:
     (setup,) = five_axes(SPHERES + TOUCHED).setups
-    observation = Observation(ErrorModel(DMU), (setup,))
+    observation = Observation(DMU, (setup,))
     assert setup.chart is not None
     poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3]]))
     approaches = np.zeros_like(poses)
     approaches[0, :2] = 1.0
     for seen in observation.rows_each(0, poses, approaches):
-        for function in observation.errors.functions:
+        for function in observation.errors.curves:
             if function.kind == "reversal" and not DMU.axes[function.axis].rotary:
                 assert np.all(seen.rows[:, function.columns] == 0)
-        rests = sum(f.rest**2 for f in observation.errors.functions) * 3
+        rests = sum(f.rest**2 for f in observation.errors.curves) * 3
         assert setup.noise**2 <= seen.variances[0] <= setup.noise**2 + rests
 
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
 from axiscal.exceptions import ReadingError
-from axiscal.machine import Machine, load_machine
+from axiscal.machine import load_machine
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Simulator, TruthCurve
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 from tests.generators.machines import random_machine, random_poses
 from tests.generators.one_axis import observed
 
@@ -35,12 +35,12 @@ def _scatter(drawn: Array, expected: Array) -> float:
 @pytest.mark.long
 def test_drawn_curves_scatter_as_the_prior_says_rests_included() -> None:
     whole = load_machine("one-axis")
-    machine = replace(whole, errors=tuple(replace(e, rest=8e-6 if e.rest else None) for e in whole.errors))
-    model, positions = ErrorModel(machine), np.array([0.0, 0.003, 0.03, 0.2, 0.2001, 0.77, 1.0])
+    machine = replace(whole, errors=tuple(replace(e, rest=8e-6 if e.rest else None) for e in whole.stated))
+    model, positions = machine, np.array([0.0, 0.003, 0.03, 0.2, 0.2001, 0.77, 1.0])
     simulator = Simulator(machine, ())
     drawn = np.array([simulator.drawn(seed).values(positions[:, None])[0] for seed in range(3000)])
-    curve = model.names["EXX"]
-    rows, cells = curve.basis.rows(positions), np.floor((positions + 2e-4) / curve.sides[0].cell).astype(int)
+    curve = model.by_name["EXX"]
+    rows, cells = curve.spline.rows(positions), np.floor((positions + 2e-4) / curve.sides[0].cell).astype(int)
     cells = np.minimum(cells, 159)
     expected = rows @ curve.covariance @ rows.T + curve.rest**2 * (cells[:, None] == cells)
     assert _scatter(drawn, expected) < 5
@@ -49,11 +49,11 @@ def test_drawn_curves_scatter_as_the_prior_says_rests_included() -> None:
 
 @pytest.mark.parametrize("readings", [0, 60])
 def test_samples_of_a_belief_scatter_as_its_covariance(readings: int) -> None:
-    model, rng = ErrorModel(load_machine("one-axis")), np.random.default_rng(readings)
-    poses, approaches = random_poses(model.machine, readings, rng)
-    rows = model.rows(poses, approaches)[:, 0]
+    model, rng = load_machine("one-axis"), np.random.default_rng(readings)
+    poses, approaches = random_poses(model, readings, rng)
+    rows = model.rows_at(poses, approaches)[:, 0]
     values = 1e-6 * rng.standard_normal(readings)
-    belief = Belief(np.zeros(model.size), model.prior_covariance()).update(rows, values, 1e-14)
+    belief = Belief(np.zeros(model.size), model.covariance()).update(rows, values, 1e-14)
     drawn = belief.sample(rng, 20_000)
     assert _scatter(drawn, belief.covariance) < 5.5
     spread = np.sqrt(np.diagonal(belief.covariance) / 20_000)
@@ -85,7 +85,7 @@ def test_a_reading_is_the_deviation_along_the_direction_with_the_set_ups_own_and
 @pytest.mark.parametrize("seed", range(3))
 def test_the_turn_that_is_read_is_the_turn_of_the_tool(seed: int) -> None:
     machine, rng = random_machine(seed), np.random.default_rng(seed)
-    virtual, model = Simulator(machine, ()).drawn(seed), ErrorModel(machine)
+    virtual, model = Simulator(machine, ()).drawn(seed), machine
     poses, approaches = random_poses(machine, 10, rng)
     small = np.zeros((10, 3))
     for i, (pose, approach) in enumerate(zip(poses, approaches, strict=True)):

@@ -11,15 +11,11 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_pose
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import ReadingError
-from axiscal.machine import Machine
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.entry import ErrorEntry
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.candidates import breaks_along
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
@@ -27,6 +23,8 @@ from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.present.curves import curves
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 from tests.generators.campaigns import on
 from tests.generators.designs import problem
 from tests.generators.machines import random_machine, random_poses
@@ -37,7 +35,7 @@ from tests.measurement.test_observation import virtual
 def stepped(machine: Machine, axis: int, base: float, seed: int = 0) -> Setup:
     """Return a level on feet, stepped along an axis, that reads about a direction across it."""
     park = tuple(sum(a.travel) / 2 for a in machine.axes)
-    along = frames(machine, np.array([park])).rotations[axis][0] @ np.array(machine.axes[axis].direction)
+    along = machine.frames(np.array([park])).rotations[axis][0] @ np.array(machine.axes[axis].direction)
     direction = np.cross(along, np.random.default_rng(seed).standard_normal(3))
     x, y, z = map(float, direction / np.linalg.norm(direction))
     zero, raster = (Unknown("zero", 1e-3),), (0.0,) * len(park)
@@ -48,14 +46,14 @@ def stepped(machine: Machine, axis: int, base: float, seed: int = 0) -> Setup:
 @pytest.mark.parametrize("seed", [0, 2, *(pytest.param(seed, marks=pytest.mark.long) for seed in (3, 4))])
 def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, base: float) -> None:
     """All errors at once, each in a direction drawn for it, on both sides and with rotary axes; most are not seen."""
-    model, rng = ErrorModel(random_machine(seed, count=3)), np.random.default_rng(seed)
-    axis = next((k for k, a in enumerate(model.machine.axes) if not a.rotary), None)
+    model, rng = random_machine(seed, count=3), np.random.default_rng(seed)
+    axis = next((k for k, a in enumerate(model.axes) if not a.rotary), None)
     if axis is None:
         pytest.skip("a machine without a way")
-    setup = replace(stepped(model.machine, axis, base, seed), noise=0.0)
+    setup = replace(stepped(model, axis, base, seed), noise=0.0)
     observation, step = Observation(model, (setup,)), 1e-6
-    poses, approaches = random_poses(model.machine, 1, rng)
-    low, high = setup.span(model.machine.axes[axis], axis)
+    poses, approaches = random_poses(model, 1, rng)
+    low, high = setup.span(model.axes[axis], axis)
     poses[0] = setup.park
     poses[0, axis] = rng.uniform(low, high)
     pose = tuple(map(float, poses[0]))
@@ -68,22 +66,22 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, bas
 
 
 def test_a_way_that_rises_along_x_turns_the_level_about_minus_y() -> None:
-    machine = Machine("m", (iso_axis("X", False, (0.0, 1.0)),), 0.0, (ErrorEntry("EZX", 1e-5, knots=5),), "", "")
+    machine = Machine((iso_axis("X", False, (0.0, 1.0)),), (Error("EZX", 1e-5, knots=5),), 0.0, name="m")
     setup = replace(stepped(machine, 0, 0.2), direction=(0.0, 1.0, 0.0), unknowns=())
-    rows = Observation(ErrorModel(machine), (setup,)).rows(0, np.array([[0.3], [0.9]]), np.ones((2, 1))).rows
+    rows = Observation(machine, (setup,)).rows(0, np.array([[0.3], [0.9]]), np.ones((2, 1))).rows
     rising = 10e-6 * np.linspace(0.0, 1.0, 5)
     assert rows @ rising == pytest.approx(-10e-6)
     assert rows @ np.ones(5) == pytest.approx(0.0, abs=1e-12)
 
 
-def _slide(knots: int = 9) -> ErrorModel:
+def _slide(knots: int = 9) -> Machine:
     """Return a slide of 1 m whose straightness has cells of 1/(8·(knots − 1)) m; a yaw and a roll stand beside it."""
     entries = (
-        ErrorEntry("EZX", 1e-5, knots=knots, length=0.3, rest=1e-6),
-        ErrorEntry("EBX", 2e-5, knots=5, rest=1e-6),
-        ErrorEntry("EZX_reversal", 2e-6),
+        Error("EZX", 1e-5, knots=knots, length=0.3, rest=1e-6),
+        Error("EBX", 2e-5, knots=5, rest=1e-6),
+        Error("EZX_reversal", 2e-6),
     )
-    return ErrorModel(Machine("m", (iso_axis("X", False, (0.0, 1.0)),), 0.1, entries, "", ""))
+    return Machine((iso_axis("X", False, (0.0, 1.0)),), entries, 0.1, name="m")
 
 
 def along(positions: list[float]) -> Places:
@@ -93,7 +91,7 @@ def along(positions: list[float]) -> Places:
 
 def test_breaks_stand_where_a_foot_meets_a_knot_or_a_visited_cell() -> None:
     model = _slide(knots=5)
-    observation = Observation(model, (stepped(model.machine, 0, 0.1),))
+    observation = Observation(model, (stepped(model, 0, 0.1),))
     assert breaks_along(observation, 0, 0) == pytest.approx([0.05, 0.2, 0.3, 0.45, 0.55, 0.7, 0.8, 0.95])
     wider = visited(observation, along([0.41]))
     assert sorted(cell for owner, cell in wider.cells if owner == 0) == [11, 14]  # 0.36 and 0.46 in cells of 1/32
@@ -116,7 +114,7 @@ def _read(observation: Observation, places: Array) -> tuple[Observation, Belief]
 def test_feet_share_the_rests_of_their_cells_as_a_dense_twin_does() -> None:
     """Stepped by its own length a level puts a foot where the other stood: the rest there tells both readings."""
     model, base, places = _slide(), 0.05, np.array([0.125, 0.175, 0.225, 0.225, 0.612, 0.662])
-    setup = replace(stepped(model.machine, 0, base), direction=(0.0, 1.0, 0.0))
+    setup = replace(stepped(model, 0, base), direction=(0.0, 1.0, 0.0))
     observation = Observation(model, (setup,))
     _, belief = _read(observation, places)
     rows = observation.rows(0, places[:, None], np.ones((6, 1))).rows
@@ -136,8 +134,8 @@ def test_feet_share_the_rests_of_their_cells_as_a_dense_twin_does() -> None:
 
 def test_a_raster_stays_where_both_feet_stand_within_the_travel() -> None:
     model = _slide()
-    setup = replace(stepped(model.machine, 0, 0.1), raster=(0.04,))
-    asked = problem(model.machine, (setup,), 40)
+    setup = replace(stepped(model, 0, 0.1), raster=(0.04,))
+    asked = problem(model, (setup,), 40)
     assert asked.lattice.poses.min() == pytest.approx(0.08)
     assert asked.lattice.poses.max() == pytest.approx(0.92)
 

@@ -10,8 +10,9 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.machine import load_machine
-from axiscal.machine.kinematics import Deviation, SmallMotions, tool_motion
+from axiscal.machine.kinematics import Deviation, tool_motion
 from axiscal.measurement.instrument import model_of
+from axiscal_core.rigid import SmallMotions
 from tests.generators.campaigns import built_in
 from tests.generators.texts import TWO_SPHERES, Said, setup_text
 
@@ -27,7 +28,10 @@ def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(inst
     low, high = np.clip(np.array([axis.travel for axis in machine.axes]).T, -np.pi, np.pi)
     poses = np.random.default_rng(1).uniform(low, high, (20, len(low)))
     still = SmallMotions(*(np.zeros((len(machine.axes), len(poses), 3)) for _ in range(3)))
-    longer, stated = (tool_motion(m, poses, still) for m in (replace(machine, tool=machine.tool + _LONGER), machine))
+    longer, stated = (
+        tool_motion(m, poses, still)
+        for m in (replace(machine, tool=(0.0, 0.0, -machine.tool_length - _LONGER)), machine)
+    )
     moved = Deviation(longer.translation - stated.translation, np.zeros((len(poses), 3)))
     kind = model_of(setup)(setup, machine)
     expected = kind.shown(kind.places(poses, deviation=moved), {})

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import chart_candidates
@@ -65,11 +64,11 @@ def test_the_reversals_of_linear_axes_count_and_the_radius_is_one_unknown_of_all
     setup, poses, approaches = candidates()
     assert not setup.mean_sides
     assert [unknown.owner for unknown in setup.unknowns if unknown.name == "radius"] == ["spheres"]
-    rows = Observation(ErrorModel(DMU), (setup,)).numbers(0, poses, approaches).rows
-    (reversal,) = [f.columns for f in ErrorModel(DMU).functions if f.name == "EXX_reversal"]
+    rows = Observation(DMU, (setup,)).numbers(0, poses, approaches).rows
+    (reversal,) = [f.columns for f in DMU.curves if f.name == "EXX_reversal"]
     even = replace(setup, mean_sides=True, three_touches=False)
     sides = np.where([axis.rotary for axis in DMU.axes], approaches, 0.0)
-    evened = Observation(ErrorModel(DMU), (even,)).numbers(0, poses, sides).rows
+    evened = Observation(DMU, (even,)).numbers(0, poses, sides).rows
     np.testing.assert_allclose(np.linalg.norm(rows[:, :, reversal], axis=1), 0.5)
     assert np.abs(evened[:, :, reversal]).max() == 0.0
 

@@ -158,11 +158,11 @@ def test_numbers_that_are_not_equally_noisy_are_weighed_as_they_are(tmp_path: Pa
     case, readings = case_of(six), drawn(six)
     errors, poses = case.errors, np.array([reading.pose for reading in readings])
     sides = np.array([reading.approach for reading in readings], dtype=float)
-    seen = np.concatenate([errors.rows(poses, sides), errors.rows(poses, sides, angular=True)], axis=1)
+    seen = np.concatenate([errors.rows_at(poses, sides), errors.rows_at(poses, sides, angular=True)], axis=1)
     rows = np.concatenate([seen, np.tile(np.eye(6), (len(poses), 1, 1))], axis=2).reshape(6 * len(poses), -1)
     noise = np.tile(np.repeat([0.5e-6, 1e-6], 3), len(poses))
     before = np.zeros((rows.shape[1], rows.shape[1]))
-    before[:-6, :-6], before[-6:, -6:] = errors.prior_covariance(), 1e-6 * np.eye(6)
+    before[:-6, :-6], before[-6:, -6:] = errors.covariance(), 1e-6 * np.eye(6)
     gain = before @ rows.T @ np.linalg.inv(rows @ before @ rows.T + np.diag(noise**2))
     values = np.concatenate([reading.values for reading in readings])
     after, found = before - gain @ rows @ before, concluded(case_of(six), readings).printed.belief

@@ -10,7 +10,6 @@ from tests.generators.kernels import kernels, under
 
 _DRAWS = """
 import numpy as np
-from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator
 from tests.generators.planes import bed, poses_of, table
@@ -20,7 +19,7 @@ def scaled(values):
 
 found = {}
 for name, machine in {"dmu60": load_machine("dmu60"), "bed": bed(), "table": table()}.items():
-    model, poses = ErrorModel(machine), poses_of(machine, 5)
+    model, poses = machine, poses_of(machine, 5)
     for term, drawn in zip(model.terms, Simulator(machine, ()).drawn(3).values(poses), strict=True):
         found[f"{term.name} of {name}"] = scaled(drawn)
     for plane in model.planes:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from axiscal.errors.prior import Segments
 from axiscal.numerics import Array
+from axiscal_core.segments import Segments
 from axiscal_core.splines import CyclicSpline, Repeated
 
 

@@ -8,15 +8,15 @@ from ortools.sat.python import cp_model
 
 from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.description import Machine
 from axiscal.machine.motion import approach_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import _GAIN, _moved_segment, route, route_seconds
+from axiscal_core.machine import Machine
 
 TICK = 1e-4
 """Seconds in which OR-tools counts: it wants whole numbers."""
 
-MILL = Machine("m", tuple(iso_axis(n, False, (0.0, 0.6)) for n in "XYZ"), 0.1, (), "", "")
+MILL = Machine(tuple(iso_axis(n, False, (0.0, 0.6)) for n in "XYZ"), tool=0.1, name="m")
 
 
 def shortest_by_or_tools(table: Array, first: Array) -> tuple[float, float]:

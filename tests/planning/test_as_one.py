@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from axiscal.estimation.case import Case
-from axiscal.machine.kinematics import frames
 from axiscal.planning.unseen import hidden_of, uniform_parts
 from axiscal.present.demo import description
 
@@ -41,8 +40,8 @@ def test_it_is_as_much_as_a_fit_of_seven_takes_off() -> None:
     """Three shifts, three turns and one strain fitted to what is not seen, one direction of it after the other."""
     yardstick = case_of(0, aligned=False).yardstick
     poses = yardstick.inside
-    hidden = yardstick.errors.rows(poses, np.zeros_like(poses)) @ yardstick.unseen
-    tips = frames(yardstick.errors.machine, poses).tcp
+    hidden = yardstick.errors.rows_at(poses, np.zeros_like(poses)) @ yardstick.unseen
+    tips = yardstick.errors.frames(poses).tcp
     x, y, z = (tips - tips.mean(axis=0)).T
     o, i = np.zeros_like(x), np.ones_like(x)
     shifts = np.array([[i, o, o], [o, i, o], [o, o, i]])

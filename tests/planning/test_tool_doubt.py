@@ -93,7 +93,7 @@ def test_what_is_not_known_of_it_is_said_and_where_to_state_it(
     known = {unknown.name: unknown for unknown in case.observation.unknowns}
     kept = tuple(replace(known[name], std=std, owner=owner) for name, std, owner in unknowns)
     observation = Observation(case.errors, (replace(setup, unknowns=kept),))
-    size, moved = case.errors.size, case.errors.names["Z0B"].columns.start
+    size, moved = case.errors.size, case.errors.by_name["Z0B"].columns.start
     open_ones = np.zeros(size + len(kept))
     open_ones[[moved, *range(size, size + len(kept))]] = 20e-6
     rows = 1e6 * np.eye(size + len(kept))[size:]

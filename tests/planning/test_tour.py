@@ -10,8 +10,6 @@ import pytest
 
 from axiscal.exceptions import PlanError
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Setup, Unknown
@@ -21,6 +19,8 @@ from axiscal.planning.plan.order import in_order, seconds_along, set_ups_in_orde
 from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Limits, Task
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 from tests.generators.designs import levered, problem
 
 TIMES = 2
@@ -33,8 +33,8 @@ def gantry(candidates: int, speed: float, zero: float = 0.0, reading: float = 1.
     speed : m/s; zero : of each set-up, m; reading : s; settings : set-ups, each takes a minute more to mount
     """
     axes = tuple(iso_axis(name, False, (0.0, far), speed, 1.0) for name, far in (("X", 2.0), ("Y", 1.5)))
-    errors = tuple(ErrorEntry(name, 2e-5, knots=4) for name in ("EZX", "EZY", "EAX"))
-    machine, unknowns = Machine("m", axes, 0.0, errors, "", ""), (Unknown("zero", zero),) if zero else ()
+    errors = tuple(Error(name, 2e-5, knots=4) for name in ("EZX", "EZY", "EAX"))
+    machine, unknowns = Machine(axes, errors, 0.0, name="m"), (Unknown("zero", zero),) if zero else ()
     way, still, noises = (0.0, 0.0, 1.0), ((0, 1), (1.0, 0.75)), 1e-6 / np.arange(1, settings + 1)
     setups = tuple(
         Setup(f"s{n}", "indicator", way, *still, noise, unknowns, 60.0 * n, 0.0, reading, (0.0, 0.0), "both")

@@ -14,12 +14,13 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, read_campaign
-from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
+from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place
 from axiscal.present.found_and_left import found_and_left
 from axiscal.present.machine_drawing.setup_picture import machine_scene, plan_picture
 from axiscal.present.rendering import render
+from axiscal_core.machine import Machine
 from tests.docs.howtos import DOCS, written
 from tests.present.test_found_and_left import _volume
 from tests.present.test_page import five_axis_summary

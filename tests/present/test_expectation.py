@@ -38,9 +38,9 @@ def test_it_is_what_the_readings_so_far_say_of_the_place() -> None:
     readings = [Reading("dial", (x,), (0,), value) for x, value in taken.items()]
     found = expectation(estimated(axis, readings), Place("dial", (0.62,), (0,)))
 
-    (curve,) = axis.errors.functions
+    (curve,) = axis.errors.curves
     places = np.array([*taken, 0.62])
-    basis = curve.basis.rows(places)
+    basis = curve.spline.rows(places)
     joint = basis @ curve.covariance @ basis.T + 50e-6**2 + (2e-6**2 + 1e-6**2) * np.eye(4)
     weights = np.linalg.solve(joint[:3, :3], joint[:3, 3])
     assert found.mean[0] == pytest.approx(weights @ list(taken.values()), rel=1e-6)

@@ -13,7 +13,6 @@ import pytest
 
 from axiscal.estimation.estimate import concluded
 from axiscal.machine import builtin_names, load_machine
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.present import volume_error as bent_module
 from axiscal.present.drawing.scene import flat
@@ -21,6 +20,7 @@ from axiscal.present.found_and_left import found_and_left_drawing, magnification
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, bent_volume
 from axiscal.tables.surface import Control
+from axiscal_core.machine import Machine
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.kinematics import tip
 from tests.present.drawn_words import boxes_of, held_inside
@@ -69,7 +69,9 @@ def test_the_machines_that_are_drawn_scatter_as_the_posterior_says(monkeypatch: 
     monkeypatch.setattr(bent_module, "MACHINES", 4000)
     bent, estimate = bent_volume(known), known.estimate()
     poses = _poses_of(bent, known.estimate().box)
-    rows = (estimate.model.rows(poses, np.ones_like(poses)) + estimate.model.rows(poses, -np.ones_like(poses))) / 2
+    rows = (
+        estimate.model.rows_at(poses, np.ones_like(poses)) + estimate.model.rows_at(poses, -np.ones_like(poses))
+    ) / 2
     covariance = estimate.factor @ estimate.factor.T
     away = bent.tcp.reshape(-1, 3) - bent.tcp.reshape(-1, 3).mean(axis=0)
     turns = [np.cross(np.eye(3)[k], away).ravel() for k in range(3)] if bent.aligned else []

@@ -10,23 +10,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from axiscal.machine import Machine
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import (
-    EYE,
-    RIGHT,
-    UP,
-    Arrow,
-    RoundMark,
-    Solid,
-    box,
-    cylinder,
-    far_to_near,
-)
+from axiscal.present.drawing.scene import EYE, RIGHT, UP, Arrow, RoundMark, Solid, box, cylinder, far_to_near
 from axiscal.present.machine_drawing.machine_scene import machine_parts
 from axiscal.present.machine_drawing.setup_picture import frame_seen, plan_picture, setup_scene
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
+from axiscal_core.machine import Machine
 from tests.generators.kinematics import shifted, tip, turned
 from tests.present.drawn_words import Box, boxes_of, held_inside
 from tests.present.looked_at import FILE, MACHINES, Placed, pictures, placed_campaigns
@@ -69,7 +59,7 @@ def test_the_tip_is_where_the_chain_puts_it(machine: Machine) -> None:
     for pose in _poses(machine):
         room = StandingMachine(machine, pose)
         on_bed = (
-            room.upright @ (_carried(machine, room.spindle, pose) @ [0, 0, -machine.tool, 1])[:3]
+            room.upright @ (_carried(machine, room.spindle, pose) @ [0, 0, -machine.tool_length, 1])[:3]
             if room.tool
             else room.tip
         )

@@ -10,11 +10,12 @@ from axiscal.answers.answer import LargestCause, NextStep, PlannedRow, PlannedSe
 from axiscal.answers.answer_words import WIDTH
 from axiscal.description.target import RowName, dimension, rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
-from axiscal.machine import Machine, load_machine
+from axiscal.machine import load_machine
 from axiscal.planning.helping import Helping
 from axiscal.planning.promise import Alike
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.plan_words import LINES, bound_sentence, plan_screen
+from axiscal_core.machine import Machine
 from tests.generators.answers import aim
 
 WORDS = 60

@@ -11,13 +11,7 @@ from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.first_campaign import Purpose
-from axiscal.description.first_files import (
-    SIZES,
-    first_described,
-    of_builtin,
-    with_carriers,
-    with_errors_times,
-)
+from axiscal.description.first_files import SIZES, first_described, of_builtin, with_carriers, with_errors_times
 from axiscal.description.target import rows_of
 from axiscal.exceptions import ReadingError
 from axiscal.machine import machine_from_text
@@ -158,7 +152,7 @@ def test_a_switched_axis_moves_next_to_the_bed_and_sizes_follow() -> None:
     assert [axis.name + "'" * axis.workpiece_side for axis in machine_from_text(mill.text).axes] == ["X'", "Y'", "Z"]
     other = machine_from_text(with_errors_times(with_carriers(mill, ["X", "Z"]), SIZES["home-made"]).text)
     assert [axis.name + "'" * axis.workpiece_side for axis in other.axes] == ["Y'", "Z'", "X"]
-    sizes = {entry.name: entry.std for entry in other.errors}
+    sizes = {entry.name: entry.std for entry in other.stated}
     assert sizes["EXX"] == pytest.approx(30e-6)
     assert sizes["C0Y"] == pytest.approx(3 * of_squareness())
 
@@ -187,5 +181,5 @@ def test_a_height_in_mm_is_asked_about_where_no_jog_has_shown_the_unit(tmp_path:
 
 def of_squareness() -> float:
     """Return the size of C0Y of the mill as it is built in."""
-    entries = machine_from_text(of_builtin("three-axis-mill").text).errors
+    entries = machine_from_text(of_builtin("three-axis-mill").text).stated
     return next(entry.std for entry in entries if entry.name == "C0Y")

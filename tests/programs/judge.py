@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.description import Machine
 from axiscal.machine.motion import Driving
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import Program, dialect, programs
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 from tests.programs.readers import (
     READERS,
     Event,
@@ -66,7 +66,7 @@ def random_machine(rng: np.random.Generator, letters: str = "XYZABC") -> Machine
     """Return a machine of up to six of these axes."""
     count = int(rng.integers(1, min(len(letters), 6) + 1))
     axes = tuple(_axis(rng, str(name)) for name in rng.permutation(list(letters))[:count])
-    return Machine(str(rng.choice(HOSTILE)), axes, 0.1, (), "", "")
+    return Machine(axes, tool=0.1, name=str(rng.choice(HOSTILE)))
 
 
 def plan_on(machine: Machine, rng: np.random.Generator) -> Plan:

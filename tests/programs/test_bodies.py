@@ -52,7 +52,7 @@ def a_board(rng: np.random.Generator, machine: PrintedMachine) -> str:
     middle, span, count = ends.mean(axis=1), 350 * np.ptp(ends, axis=1), int(rng.integers(3, 6))
     places = rng.uniform([-span[0], -span[1], 0], [*span[:2], rng.choice([10, 90])], (count, 3))
     balls = ", ".join(f'b{k} = ["{x:.0f} mm", "{y:.0f} mm", "{z:.0f} mm"]' for k, (x, y, z) in enumerate(places))
-    low = 1e3 * (ends[2, 0] - machine.tool) + 20
+    low = 1e3 * (ends[2, 0] - machine.tool_length) + 20
     return f"""
 machine = "machine.toml"
 [[artefacts]]
@@ -158,8 +158,8 @@ def test_posts_that_init_offers_are_below_the_nose_that_touches_beside_them() ->
     files = first_files(of_builtin("three-axis-mill"), ["sphere"], Purpose())
     printed = printed_machine(files.texts["machine.toml"])
     heights = [number(at[2]) for at in tomllib.loads(files.texts["campaign.toml"])["artefacts"][0]["balls"].values()]
-    assert printed.head == (0.13, 0.13)
-    assert 0.02 < max(heights) - min(heights) < printed.tool - CLEAR
+    assert printed.nose.head == (0.13, 0.13)
+    assert 0.02 < max(heights) - min(heights) < printed.tool_length - CLEAR
 
 
 def test_a_program_says_at_its_head_and_at_its_stops_what_stands_where() -> None:

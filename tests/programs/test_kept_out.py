@@ -10,7 +10,6 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import InputError, ProgramError
 from axiscal.machine import load_machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
@@ -118,7 +117,7 @@ def test_a_way_is_free_where_no_fine_sample_of_it_meets_a_box() -> None:
         start = rng.uniform(low, high)
         stop = np.where(rotary == (rng.random() < 0.5), rng.uniform(low, high), start)
         shares: Array = np.linspace(0, 1, 2001)[:, None]
-        at = frames(machine, start + shares * (stop - start))
+        at = machine.frames(start + shares * (stop - start))
         found.append((free(room, start, stop), not room.hit(at.tcp, at.stem, -2e-6).any()))
     assert all(sampled for proven, sampled in found if proven)
     assert sum(sampled and not proven for proven, sampled in found) <= 1  # what only grazes may be refused

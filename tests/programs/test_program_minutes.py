@@ -9,12 +9,13 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.machine import Machine, load_machine
+from axiscal.machine import load_machine
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.programs import controllers, dialect, programs
+from axiscal_core.machine import Machine
 from tests.generators.reaches import reach_of
 from tests.programs.readers import READERS, Event, Halt, Mark, Move, Wait
 

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from axiscal.exceptions import InputError, ProgramError
-from axiscal.machine import Machine
 from axiscal.machine.axis import iso_axis
 from axiscal.machine.motion import USUAL, Driving, inward
 from axiscal.measurement.readers.files import read_any
@@ -19,12 +18,13 @@ from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import dialect, programs, write_programs
 from axiscal.programs.scale import AxisScale
+from axiscal_core.machine import Machine
 from tests.programs.judge import Judge, Plan, judged
 from tests.programs.readers import READERS, Halt, Move
 
 TABLE = iso_axis("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
 SLIDE = iso_axis("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)
-MACHINE = Machine("Mill (old)", (TABLE, SLIDE), 0.1, (), "w-C'-b-X-t", "")
+MACHINE = Machine((TABLE, SLIDE), tool=0.1, name="Mill (old)")
 SETUP = Setup("laser 1", "interferometer", (1, 0, 0), (1,), (0.0, 0.25), 1e-6, (), 0, 1.5, 3.0, (0.0, 0.0), "both")
 UP, DOWN = Place(SETUP.name, (0.0, 0.1), (0, 1)), Place(SETUP.name, (0.0, 0.3), (0, -1))
 
@@ -50,7 +50,7 @@ def refusal(*places: Place, driving: Driving = USUAL, machine: Machine = MACHINE
 
 def single(name: str) -> Machine:
     """Return a machine of one axis."""
-    return Machine("m", (iso_axis(name, False, (0.0, 0.5)),), 0.0, (), "", "")
+    return Machine((iso_axis(name, False, (0.0, 0.5)),), tool=0.0, name="m")
 
 
 def test_an_approach_without_room_is_refused_and_named() -> None:
@@ -93,7 +93,7 @@ def test_a_number_is_read_again_before_it_is_written(value: str) -> None:
 
 
 def test_a_travel_without_any_number_that_can_be_written_is_refused() -> None:
-    sliver = Machine("m", (iso_axis("X", False, (0.10000004, 0.10000006)),), 0.0, (), "", "")
+    sliver = Machine((iso_axis("X", False, (0.10000004, 0.10000006)),), tool=0.0, name="m")
     assert "no number with 4 decimals" in refusal(Place(SETUP.name, (0.10000005,), (0,)), machine=sliver)
 
 
@@ -117,7 +117,7 @@ def test_waits_longer_than_a_minute_come_in_parts_and_over_an_hour_not_at_all() 
 
 @pytest.mark.parametrize(("speed", "feed"), [(0.29, 17400), (0.55, 33000), (11 / 60, 11000), (50.0, 99999)])
 def test_a_feed_is_a_whole_number_without_the_noise_of_arithmetic(speed: float, feed: int) -> None:
-    machine = Machine("m", (replace(SLIDE, speed=speed),), 0.0, (), "", "")
+    machine = Machine((replace(SLIDE, speed=speed),), tool=0.0, name="m")
     assert f"F{feed}\n" in text_of("linuxcnc", Place(SETUP.name, (0.1,), (0,)), machine=machine)
 
 
@@ -145,7 +145,7 @@ def test_other_things_that_cannot_be() -> None:
     assert "no readings" in refusal()
     assert "does not fit the machine's 2 axes" in refusal(Place(SETUP.name, (0.1,), (0,)))
     assert "does not fit" in refusal(Place(SETUP.name, (0.0, 0.1), (0, 2)))
-    creep = Machine("m", (replace(SLIDE, speed=1e-6),), 0.0, (), "", "")
+    creep = Machine((replace(SLIDE, speed=1e-6),), tool=0.0, name="m")
     assert "less than 1 mm/min" in refusal(Place(SETUP.name, (0.1,), (0,)), machine=creep)
     with pytest.raises(ProgramError, match="Perhaps fanuc is meant"):
         dialect("fanuk")
@@ -226,7 +226,7 @@ def test_the_judge_of_the_random_plans_sees_what_is_spoilt(what: str) -> None:
 def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
     """Wherever X or Y go further than an overrun, Z is at its clearance; so it is when the program ends."""
     axes = tuple(iso_axis(name, False, (0.0, 0.5)) for name in "XYZ")
-    mill = Machine("m", axes, 0.0, (), "", "")
+    mill = Machine(axes, tool=0.0, name="m")
     probe = Setup("p", "probe", (1, 0, 0), (0, 1, 2), (0.0,) * 3, 1e-6, (), 0, 0.001, 0, (0.0,) * 3, "both")
     rng = np.random.default_rng(3)
     poses = [tuple(map(float, rng.uniform(0.01, 0.4, 3))) for _ in range(12)]

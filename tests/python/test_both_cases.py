@@ -193,12 +193,12 @@ def test_deviations_of_all_poses_together() -> None:
     assert blocks[every, :, every] == pytest.approx(each.covariance, abs=0)
     errors, belief = case.inner.errors, known.estimation.printed.belief
     covariance = belief.covariance[: errors.size, : errors.size]
-    rows = errors.rows(poses, np.tile([1.0, *[0.0] * (poses.shape[1] - 1)], (4, 1)))
+    rows = errors.rows_at(poses, np.tile([1.0, *[0.0] * (poses.shape[1] - 1)], (4, 1)))
     assert np.linalg.eigvalsh(whole.covariance).min() > -1e-9 * np.abs(whole.covariance).max()
     assert blocks[0, :, 1] == pytest.approx(each.covariance[0], rel=1e-9, abs=1e-20), "one place has one deviation"
     assert np.abs(blocks[0, :, 3] - rows[0] @ covariance @ rows[3].T).max() < 1e-9 * np.abs(each.covariance).max()
     shared = blocks[0, 0, 2, 0] - (rows[0] @ covariance @ rows[2].T)[0, 0]
-    assert shared == pytest.approx(errors.names["EXX"].rest ** 2, rel=1e-6, abs=0)
+    assert shared == pytest.approx(errors.by_name["EXX"].rest ** 2, rel=1e-6, abs=0)
 
 
 @pytest.mark.parametrize("machine", ["one-axis", "three-axis-mill"])

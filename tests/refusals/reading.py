@@ -27,7 +27,7 @@ from axiscal.evaluation.standards import positioning_test
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
-from axiscal.machine.entry import parse_error_name
+from axiscal.machine.error_names import parse_error_name
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any, recognised

@@ -113,8 +113,8 @@ def _is_of_type_b(record: Path, name: str) -> bool:
     """Return whether readings alone leave less of a curve than there was before."""
     with Campaign.open(record, write=False) as campaign:
         known = campaign.estimate(ended=True)
-    curve = known.case.errors.names[name]
-    rows = curve.basis.rows(np.linspace(*known.case.errors.machine.axes[curve.axis].travel, 101))
+    curve = known.case.errors.by_name[name]
+    rows = curve.spline.rows(np.linspace(*known.case.errors.axes[curve.axis].travel, 101))
     beliefs = (known.of_readings, known.without_readings)
     now, before = (np.linalg.norm(rows @ belief.factor[curve.columns]) for belief in beliefs)
     return bool(now <= before * SPREAD)

@@ -10,13 +10,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
-from axiscal.machine.description import Machine, load_machine, machine_from_text
-from axiscal.machine.kinematics import frames
+from axiscal.machine.description import load_machine, machine_from_text
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import exporting, pivots, writer
@@ -26,6 +24,7 @@ from axiscal.tables.registry import controllers, export, exporter
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import Effect, effect_of_control, rms, tour
+from axiscal_core.machine import Machine
 from tests.generators.known import known_to_be, truth_of
 from tests.generators.texts import machine_text
 
@@ -136,7 +135,7 @@ def test_the_wrong_sign_is_never_offered(controller: str) -> None:
 @pytest.mark.parametrize("controller", controllers())
 def test_nothing_is_written_when_nothing_is_known(controller: str) -> None:
     model = known("small")[0].model
-    blank = Estimate(model, Belief(np.zeros(model.size), model.prior_covariance()), whole_travel(model))
+    blank = Estimate(model, Belief(np.zeros(model.size), model.covariance()), whole_travel(model))
     options = OPTIONS.get(controller, ExportOptions())
     if controller in _ALWAYS_WHOLE:
         assert export(blank, controller, options).effect == (0, 0)
@@ -155,12 +154,12 @@ def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
     apart = np.random.default_rng(5).standard_normal((400, estimate.factor.shape[1])) @ estimate.factor.T
     low, high = np.array(estimate.box).T
     poses, approaches = tour(np.random.default_rng(6).uniform(low, high, (3000, 3)), estimate.box)
-    rows = estimate.model.rows(poses, approaches)
+    rows = estimate.model.rows_at(poses, approaches)
     off = [np.linalg.norm(one - one.mean(axis=0), axis=1) for one in (rows @ each for each in apart)]
     unknown = LeftUnknown(float(np.sqrt(np.mean(np.square(off)))), float(np.quantile(off, 0.95)))
     offered = export(replace(estimate, unknown=unknown), "csv", ExportOptions())
     added = offered.control(poses, approaches)
-    moved = frames(estimate.machine, poses + added).tcp - frames(estimate.machine, poses).tcp
+    moved = estimate.machine.frames(poses + added).tcp - estimate.machine.frames(poses).tcp
     each = [rows @ (estimate.mean + one) + moved for one in apart]
     assert np.sqrt(np.mean([rms(one) ** 2 for one in each])) == pytest.approx(offered.expected, rel=0.05)
     assert offered.known.rms > 0
@@ -190,8 +189,8 @@ def test_machine_zero_stays_where_it_is(controller: str) -> None:
 def test_a_constant_that_nothing_shows_is_not_in_a_table() -> None:
     """It makes no value of a table uncertain that counts from machine zero, and the shape not at all."""
     model = known("small")[0].model
-    prior, ones = model.prior_covariance(), np.zeros(model.size)
-    ones[model.names["EXX"].columns] = 1.0
+    prior, ones = model.covariance(), np.zeros(model.size)
+    ones[model.by_name["EXX"].columns] = 1.0
     estimates = [
         Estimate(model, Belief(np.ones(model.size), c), whole_travel(model))
         for c in (prior, prior + 1e-6 * np.outer(ones, ones))
@@ -250,17 +249,17 @@ def test_pivots_take_away_where_rotors_lie(way: str, sign: int) -> None:
     low, high = np.array(estimate.box).T
     poses: Array = low + (high - low) * np.random.default_rng(3).uniform(size=(60, 5))
     nominal = pivots.pivots(machine, {})
-    tip = poses[:, [machine.index(name) for name in "XYZ"]] - np.array([0, 0, machine.tool])
+    tip = poses[:, [machine.index(name) for name in "XYZ"]] - np.array([0, 0, machine.tool_length])
     angles = sign * poses[:, machine.index("B")], sign * poses[:, machine.index("C")]
-    assert pivots.place_at(nominal, tip, *angles) == pytest.approx(frames(machine, poses).tcp, abs=1e-12)
+    assert pivots.place_at(nominal, tip, *angles) == pytest.approx(machine.frames(poses).tcp, abs=1e-12)
     only = np.zeros(model.size)
     errors = {name: 1e-5 * (1 + i) for i, name in enumerate(pivots.names(machine))}
     for name, value in errors.items():
-        only[model.names[name].columns] = value
+        only[model.by_name[name].columns] = value
     control = pivots.joint_shift(
         machine, nominal, pivots.read(pivots.write(pivots.pivots(machine, errors), "mm"), "mm")
     )
-    found = effect_of_control(machine, lambda p, a: model.rows(p, a) @ only, control, poses, estimate.box)
+    found = effect_of_control(machine, lambda p, a: model.rows_at(p, a) @ only, control, poses, estimate.box)
     assert found.after < 1e-9 < 1e-5 < found.before
 
 
@@ -269,12 +268,12 @@ def test_pivots_of_a_machine_whose_axis_lines_are_sure_are_those_of_its_descript
     text = machine_text("w-C'-A'-X'-Y'-b-Z-t", axes, {"EXX": "5 um", "Y0A": "30 um"})
     for name in "AC":
         text = text.replace(f"[axes.{name}]", f'[axes.{name}]\ndirection = "reversed"')
-    model = ErrorModel(machine_from_text(text))
+    model = machine_from_text(text)
     mean = np.zeros(model.size)
-    mean[model.names["Y0A"].columns] = 25e-6
+    mean[model.by_name["Y0A"].columns] = 25e-6
     estimate = known_to_be(model, mean)
     made = exporter("linuxcnc").make(estimate, ExportOptions(pivots=True)).files["axiscal-pivots.hal"]
-    assert pivots.pivots(model.machine, {"Y0A": 25e-6}) != pivots.pivots(model.machine, {})
+    assert pivots.pivots(model, {"Y0A": 25e-6}) != pivots.pivots(model, {})
     assert re.search(r"^setp xyzac-trt-kins\.y-rot-point\s+-?0\.025", made, re.MULTILINE)
 
 

@@ -57,9 +57,9 @@ def exported(**parameters: str) -> Export:
 
 def deviation(axis: str, at: Array) -> Array:
     """Return the mean over both directions of the deviation along or about an axis, um or thousandths of a degree."""
-    own = known().model.names[f"E{axis}{axis}"]
+    own = known().model.by_name[f"E{axis}{axis}"]
     rotary = axis in "BC"
-    found = own.basis.rows(np.radians(at) if rotary else 1e-3 * at) @ known().mean[own.columns]
+    found = own.spline.rows(np.radians(at) if rotary else 1e-3 * at) @ known().mean[own.columns]
     return SIGN[axis] * np.asarray(1e3 * np.degrees(found) if rotary else 1e6 * found)
 
 

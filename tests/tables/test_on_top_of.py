@@ -22,7 +22,7 @@ from axiscal.tables.registry import controllers, export, exporter, loaded
 from axiscal.tables.round_trip import round_trip
 from tests.commands import Command
 from tests.generators.begun import begun
-from tests.tables.test_controllers import FANUC, OPTIONS, known
+from tests.tables.test_controllers import FANUC, OPTIONS, TOOTHED, known
 
 
 def com(*rows: tuple[float, ...]) -> str:
@@ -196,7 +196,7 @@ def described(active: str) -> dict[str, str]:
     campaign += '[[setups]]\nname = "x"\ninstrument = "interferometer"\ndirection = "x"\nmoves = ["X"]\n'
     rows = "".join(f"x,{x:g},X{s},{1 if s == '+' else 3}\n" for x in range(0, 301, 50) for s in "+-")
     readings = f"setup,X_mm,approach,value_um\n{rows}"
-    return {"machine.toml": MACHINE.text, "campaign.toml": f'{campaign}approach = "both"\n', "readings.csv": readings}
+    return {"machine.toml": TOOTHED, "campaign.toml": f'{campaign}approach = "both"\n', "readings.csv": readings}
 
 
 def test_a_control_whose_travels_are_written_in_inches_counts_in_inches() -> None:

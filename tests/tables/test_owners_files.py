@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import InputError
-from axiscal.machine import Machine, machine_from_text
+from axiscal.machine import machine_from_text
 from axiscal.ports.linuxcnc.configuring import agreeing, configured, options_of
 from axiscal.tables.exporter import ExportOptions
+from axiscal_core.machine import Machine
 from tests.generators.texts import machine_text
 
 INI = """\

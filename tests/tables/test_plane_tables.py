@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.machine.kinematics import frames
 from axiscal.tables.conditional import mean_along, turned
 from tests.generators.planes import BED, TABLE
 from tests.generators.texts import machine_text
@@ -48,13 +46,13 @@ MACHINES = {
 )
 def test_rows_are_the_mean_over_all_other_axes(machine: str, over: str, moved: str, part: float) -> None:
     """From either side, over a part of the travel, or all of it around a turn that begins anywhere."""
-    model = ErrorModel(machine_from_text(MACHINES[machine]))
-    travels = [axis.travel for axis in model.machine.axes]
+    model = machine_from_text(MACHINES[machine])
+    travels = [axis.travel for axis in model.axes]
     box = tuple((high - part * (high - low), high) for low, high in travels)
     low, high = np.array(box).T
-    index, axes = model.machine.index(over), [model.machine.index(name) for name in moved]
+    index, axes = model.index(over), [model.index(name) for name in moved]
     own = np.ones(model.size, dtype=bool)
-    for turning in (f for f in model.functions if f.name.partition("_")[0] in ("EBB", "ECC")):
+    for turning in (f for f in model.curves if f.name.partition("_")[0] in ("EBB", "ECC")):
         own[turning.columns] = False  # what a rotary axis turns too far is in its own table
     at = np.linspace(low[index], high[index], 3)
     spread = low + (high - low) * qmc.Sobol(len(low), rng=1).random(2**13)
@@ -64,17 +62,17 @@ def test_rows_are_the_mean_over_all_other_axes(machine: str, over: str, moved: s
             spread[:, index] = position
             sides = np.zeros_like(spread)
             sides[:, index] = side
-            seen, turns = model.rows(spread, sides), frames(model.machine, spread).rotations
+            seen, turns = model.rows_at(spread, sides), model.frames(spread).rotations
             for n, axis in enumerate(axes):
-                ways = turns[axis] @ np.array(model.machine.axes[axis].direction)
+                ways = turns[axis] @ np.array(model.axes[axis].direction)
                 mean = np.einsum("mcn,mc->mn", seen, ways).mean(axis=0)
                 size = 1e-3 * np.abs(mean).max()
                 assert found[n, number, own] == pytest.approx(mean[own], abs=size)
 
 
 def test_what_a_rotary_axis_turns_too_far_needs_no_plane() -> None:
-    model = ErrorModel(machine_from_text(TABLE))
-    box = tuple(axis.travel for axis in model.machine.axes)
+    model = machine_from_text(TABLE)
+    box = tuple(axis.travel for axis in model.axes)
     rows = turned(model, box, 0, np.linspace(0, 6, 5), 1)
     assert rows.shape == (5, model.size)
     assert not np.any(rows[:, model.planes[0].columns])

@@ -9,23 +9,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.errors.model import ErrorModel
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
 from axiscal.tables.sampling import SAMPLES, closest, points
+from axiscal_core.machine import Machine
 from tests.generators.texts import machine_text
 
 
-def model(start: int, stop: int, knots: int = 4) -> ErrorModel:
+def model(start: int, stop: int, knots: int = 4) -> Machine:
     """Return the errors of a linear axis from and to so many mm."""
-    return ErrorModel(machine_from_text(f"""
+    return machine_from_text(f"""
 chain = "w-b-X-t"
 [axes.X]
 travel = ["{start} mm", "{stop} mm"]
 [errors]
 EXX = {{ std = "10 um", length = "{stop - start} mm", knots = {knots} }}
 EYX = {{ std = "10 um", length = "{stop - start} mm", knots = 3 }}
-"""))  # fmt: skip
+""")  # fmt: skip
 
 
 @given(st.integers(-500, 500), st.integers(20, 900), st.integers(1, 40), st.integers(2, 140))
@@ -54,8 +54,8 @@ TURN = machine_text("w-C'-b-t", {"C": (0, 360)}, {"EXC": 'std = "10 um", knots =
 )
 def test_points_of_a_whole_turn_are_multiples_that_divide_it(multiple: float, most: int, step: float) -> None:
     """The finest of 48 intervals and fewer that fit."""
-    axis = ErrorModel(machine_from_text(TURN))
-    assert axis.machine.axes[0].cyclic
+    axis = machine_from_text(TURN)
+    assert axis.axes[0].cyclic
     at = np.degrees(points(axis, 0, most=most, multiple=float(np.radians(multiple))))
     assert at == pytest.approx(np.arange(0.0, 360.0 + step / 2, step))
 

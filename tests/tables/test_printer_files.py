@@ -7,7 +7,6 @@ import re
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.ports.printers import contents, marlin
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.sampling import axis_tables, backlash
@@ -51,7 +50,7 @@ def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_be
 
 
 def test_a_skew_is_the_slope_of_the_mean_of_both_sides_and_is_taken_away_as_printers_do() -> None:
-    estimate = drawn_machine(ErrorModel(linear_machine("w-b-X-Y-Z-t")), 55)[0]
+    estimate = drawn_machine(linear_machine("w-b-X-Y-Z-t"), 55)[0]
     found, (low, high) = skew_of(estimate), np.array(estimate.box).T
     poses = np.random.default_rng(1).uniform(low, high, (40_000, 3))
     deviation = estimate.deviation(poses, np.zeros_like(poses))

@@ -54,7 +54,7 @@ def known(seed: int = 1) -> Estimate:
     """Return a mill that is known, each of whose axes lags by its play."""
     drawn = drawn_and_known(load_machine("three-axis-mill"), seed)
     mean = drawn.belief.mean.copy()
-    for function in drawn.model.functions:
+    for function in drawn.model.curves:
         if function.kind == "reversal":
             mean[function.columns] = -PLAY * drawn.machine.axes[function.axis].sign
     return replace(drawn, belief=Belief(mean, drawn.belief.factor))

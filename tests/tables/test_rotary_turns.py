@@ -40,9 +40,9 @@ def added(text: str, joint: float, up: bool) -> float:
 def deviation(estimate: Estimate, angle: float, up: bool) -> float:
     """Return how much further the table turns than it was told, deg, from the control values themselves."""
     model = estimate.model
-    own, back = model.names["ECC"], model.names["ECC_reversal"]
+    own, back = model.by_name["ECC"], model.by_name["ECC_reversal"]
     within = (np.radians(angle) + np.pi) % (2 * np.pi) - np.pi
-    value = own.basis.rows(np.array([within]))[0] @ estimate.mean[own.columns]
+    value = own.spline.rows(np.array([within]))[0] @ estimate.mean[own.columns]
     value += (0.5 if up else -0.5) * estimate.mean[back.columns][0]
     return -float(np.degrees(value))  # C' carries the workpiece
 

@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.machine.description import Machine, load_machine, machine_from_text
+from axiscal.machine.description import load_machine, machine_from_text
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.tables.loaded import table_control
@@ -21,6 +20,7 @@ from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import Effect, effect_of_control
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.tables.volumetric import curves, tip_control
+from axiscal_core.machine import Machine
 from axiscal_core.splines import NaturalSpline
 from tests.generators.known import known_to_be, truth_of
 from tests.generators.texts import Std, machine_text
@@ -44,9 +44,9 @@ def machine(chain: str) -> Machine:
     )
 
 
-def known(model: ErrorModel, seed: int) -> tuple[Estimate, VirtualMachine]:
+def known(model: Machine, seed: int) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
-    estimate = known_to_be(model, model.prior_root() @ np.random.default_rng(seed).standard_normal(model.size))
+    estimate = known_to_be(model, model.root() @ np.random.default_rng(seed).standard_normal(model.size))
     return estimate, truth_of(estimate)
 
 
@@ -63,7 +63,7 @@ def reached(estimate: Estimate, truth: VirtualMachine, tables: tuple[Compensatio
 
 @pytest.mark.parametrize("chain", CHAINS)
 def test_tables_take_away_what_moves_along_axes_whichever_side_carries_them(chain: str) -> None:
-    estimate, truth = known(ErrorModel(machine(chain)), 3)
+    estimate, truth = known(machine(chain), 3)
     tables = axis_tables(estimate) + cross_tables(estimate)
     found = reached(estimate, truth, tables)
     assert found.before > 10e-6
@@ -74,7 +74,7 @@ def test_tables_take_away_what_moves_along_axes_whichever_side_carries_them(chai
 @pytest.mark.parametrize("name", ["three-axis-mill", "dmu60"])
 def test_tables_are_the_best_that_tables_can_be(name: str) -> None:
     """On the real kinematics: less of them, more of them, or the other way, leaves more."""
-    estimate, truth = known(ErrorModel(load_machine(name)), 5)
+    estimate, truth = known(load_machine(name), 5)
     tables = axis_tables(estimate) + cross_tables(estimate)
     best = reached(estimate, truth, tables)
     assert best.after < 0.95 * best.before
@@ -118,15 +118,15 @@ def test_the_stated_distance_is_the_largest_there_is(seed: int) -> None:
 
 
 def test_where_nothing_was_read_the_table_says_so() -> None:
-    model = ErrorModel(machine(CHAINS[0]))
-    prior = Belief(np.zeros(model.size), model.prior_covariance())
-    half = model.names["EXX"]
+    model = machine(CHAINS[0])
+    prior = Belief(np.zeros(model.size), model.covariance())
+    half = model.by_name["EXX"]
     rows = np.zeros((1, model.size))
-    rows[0, model.names["EXX_reversal"].columns] = 1.0
+    rows[0, model.by_name["EXX_reversal"].columns] = 1.0
     read = prior.update(rows, 1e-6, 1e-14)
     rows[:] = 0.0
     for t in np.linspace(-0.1, 0.1, 6):
-        rows[0, half.columns] = half.basis.rows(np.array([t]))[0]
+        rows[0, half.columns] = half.spline.rows(np.array([t]))[0]
         read = read.update(rows, 5e-6, 1e-14)
     table = own_table(Estimate(model, read, whole_travel(model)), 0, np.linspace(-0.1, 0.5, 13))
     assert not table.prior_only[:4].any()
@@ -150,17 +150,17 @@ _MACHINE = machine_text(
 
 
 def test_tables_by_name_take_the_whole_error_motion_away() -> None:
-    model = ErrorModel(machine_from_text(_MACHINE, "m"))
-    mean = model.prior_root() @ np.random.default_rng(2).standard_normal(model.size)
-    for function in model.functions:
+    model = machine_from_text(_MACHINE, "m")
+    mean = model.root() @ np.random.default_rng(2).standard_normal(model.size)
+    for function in model.curves:
         if function.kind == "reversal":
             mean[function.columns] = 0.0
     estimate = known_to_be(model, mean)
-    found = curves(estimate, {k: np.linspace(*axis.travel, 801) for k, axis in enumerate(model.machine.axes)})
+    found = curves(estimate, {k: np.linspace(*axis.travel, 801) for k, axis in enumerate(model.axes)})
     assert set(found) == {"EXX", "EYY"}
     low, high = np.array(estimate.box).T
     poses = np.random.default_rng(3).uniform(low, high, (50, 3))
     poses = poses[np.abs(poses[:, 0] - 0.25) > 2e-3]
     added = tip_control(model, found)(poses, np.ones_like(poses))
-    deviation = model.rows(poses, np.ones_like(poses)) @ mean
+    deviation = model.rows_at(poses, np.ones_like(poses)) @ mean
     assert added == pytest.approx(-deviation, abs=5e-8)

@@ -7,11 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric_tables import LinuxcncVolumetric
@@ -19,6 +17,7 @@ from axiscal.tables import vcomp_applying
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.vcomp_file import read
+from axiscal_core.machine import Machine
 from tests.figures import held
 from tests.generators.known import known_to_be, truth_of
 from tests.generators.machines import random_machine
@@ -48,24 +47,24 @@ def core(tmp_path_factory: pytest.TempPathFactory) -> Core:
 
 def drawn(seed: int, size: float | None = None) -> tuple[Estimate, VirtualMachine]:
     """A random machine and the belief of somebody who knows it; size : RMS of its deviation, m."""
-    model = ErrorModel(random_machine(seed))
-    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(seed).standard_normal(model.size)
+    model = random_machine(seed)
+    mean = np.linalg.cholesky(model.covariance()) @ np.random.default_rng(seed).standard_normal(model.size)
     if size is not None:
         poses, approaches = places(model, 500)
-        deviation = model.rows(poses, approaches) @ mean
+        deviation = model.rows_at(poses, approaches) @ mean
         mean *= size / np.sqrt(np.mean(np.sum(deviation**2, axis=1)))
     estimate = known_to_be(model, mean)
     return estimate, truth_of(estimate)
 
 
-def places(model: ErrorModel, count: int) -> tuple[Array, Array]:
+def places(model: Machine, count: int) -> tuple[Array, Array]:
     """Poses at which the linear axes span space, and sides from which they are approached."""
     rng = np.random.default_rng(7)
-    low, high = np.array([axis.travel for axis in model.machine.axes]).T
+    low, high = np.array([axis.travel for axis in model.axes]).T
     poses: Array = rng.uniform(low, high, (4 * count, len(low)))
-    linear = [k for k, axis in enumerate(model.machine.axes) if not axis.rotary]
-    rotations = frames(model.machine, poses).rotations
-    moves = np.stack([rotations[k] @ np.array(model.machine.axes[k].direction) for k in linear], axis=2)
+    linear = [k for k, axis in enumerate(model.axes) if not axis.rotary]
+    rotations = model.frames(poses).rotations
+    moves = np.stack([rotations[k] @ np.array(model.axes[k].direction) for k in linear], axis=2)
     poses = poses[np.abs(np.linalg.det(moves)) > 0.3][:count]
     assert len(poses) > count / 4
     return poses, rng.choice([-1.0, 1.0], poses.shape)
@@ -100,12 +99,12 @@ def test_one_round_takes_the_map_of_the_errors_away(core: Core, machine: int | s
     model, axes = estimate.model, estimate.machine.axes
     poses, approaches = places(model, 1000) if isinstance(machine, int) else anywhere(model, 1000)
     assert core.load(text_of(estimate, unit).encode()) == (None, text_of(estimate, unit).count("\n"))
-    tool = np.array([0.0, 0.0, -estimate.machine.tool * UNITS[unit]])
+    tool = np.array([0.0, 0.0, -estimate.machine.tool_length * UNITS[unit]])
     added, faults, outside = core.correct(shown(estimate, poses, unit), approaches, tool, once=True)
     assert not np.any(faults)
     assert not np.any(outside)
-    nominal = frames(estimate.machine, poses)
-    left = model.rows(poses, approaches) @ estimate.mean
+    nominal = estimate.machine.frames(poses)
+    left = model.rows_at(poses, approaches) @ estimate.mean
     ways = [nominal.rotations[k] @ np.array(axis.direction) for k, axis in enumerate(axes)]
     for k, (axis, column) in enumerate(zip(axes, added.T, strict=True)):
         lever = np.cross(ways[k], nominal.tcp - nominal.origins[k]) * np.pi / 180
@@ -117,8 +116,8 @@ def test_one_round_takes_the_map_of_the_errors_away(core: Core, machine: int | s
         held("core against the levers of the error model", apart, 1e-6, "um")
 
 
-def anywhere(model: ErrorModel, count: int) -> tuple[Array, Array]:
-    rng, (low, high) = np.random.default_rng(2), np.array([axis.travel for axis in model.machine.axes]).T
+def anywhere(model: Machine, count: int) -> tuple[Array, Array]:
+    rng, (low, high) = np.random.default_rng(2), np.array([axis.travel for axis in model.axes]).T
     return rng.uniform(low, high, (count, len(low))), rng.choice([-1.0, 1.0], (count, len(low)))
 
 
@@ -260,7 +259,7 @@ def test_an_axis_of_two_kinds_of_knots_keeps_its_cubics() -> None:
             sense = file.axes[k].sense
             kept = vcomp_applying.joint_errors(file.axes[k], sense * at * scale, np.full(200, float(sense)), "mm")
             expected = np.zeros((200, 6))
-            for f in (f for f in model.functions if f.axis == k and (f.kind != "location" or axis.rotary)):
-                value = f.basis.rows(at) @ estimate.mean[f.columns] * (0.5 if f.kind == "reversal" else 1)
+            for f in (f for f in model.curves if f.axis == k and (f.kind != "location" or axis.rotary)):
+                value = f.spline.rows(at) @ estimate.mean[f.columns] * (0.5 if f.kind == "reversal" else 1)
                 expected[:, f.component] += value * (1e3 if f.component < 3 else 1)
             held("file on the union of the knots", np.max(np.abs(kept - expected)), 1e-9, "mm or rad")

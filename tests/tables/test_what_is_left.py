@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimate import estimated
@@ -17,7 +16,6 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric_tables import reversal_times
@@ -139,7 +137,7 @@ def test_a_reversal_takes_a_fifth_of_the_acceleration_of_each_joint_within_5_ms_
     for factor in (1.0, 1e6, 1e-8):
         accelerations = [factor * axis.acceleration for axis in axes]
         scaled = tuple(replace(axis, acceleration=each) for axis, each in zip(axes, accelerations, strict=True))
-        model = ErrorModel(replace(estimate.machine, axes=scaled))
+        model = replace(estimate.machine, axes=scaled)
         found = reversal_times(replace(estimate, model=model))
         worst = [max(np.sqrt(4 * j / (0.2 * a)) for j, a in zip(step, accelerations, strict=True)) for step in steps]
         assert found == pytest.approx(np.clip(worst, 0.005, 5.0).tolist(), rel=0.1)
@@ -162,7 +160,7 @@ def test_what_files_move_is_the_mean_of_both_directions() -> None:
     poses = np.array([[0.0, 0.0, 0.0], [0.3, 0.3, 0.3]])
     moved = shifts(carrying, control, poses)
     assert moved == pytest.approx(np.array([[10e-6, 0.0, 0.0], [10e-6, 0.9e-6, 0.0]]), abs=1e-15)
-    model = ErrorModel(carrying)
+    model = carrying
     estimate = Estimate(model, Belief(np.zeros(model.size), np.eye(model.size)), whole_travel(model))
     (sentence,) = foreword(estimate, control)
     assert "at machine zero, X 0 mm Y 0 mm Z 0 mm by x +10.0, y +0.0, z +0.0 um;" in sentence
@@ -195,13 +193,13 @@ def test_a_part_that_is_off_as_a_whole_is_aligned_and_not_in_error() -> None:
     turn, shift = np.array([2e-5, -1e-5, 3e-5]), np.array([1e-4, 2e-4, -3e-4])
 
     def whole(at: Array, approaches: Array) -> Array:
-        return shift + np.cross(turn, frames(estimate.machine, at).tcp)
+        return shift + np.cross(turn, estimate.machine.frames(at).tcp)
 
     as_box, as_part = (
         effect_of_control(estimate.machine, whole, idle, poses, estimate.box, alignment)
         for alignment in (None, estimate.alignment)
     )
-    places = frames(estimate.machine, poses).tcp
+    places = estimate.machine.frames(poses).tcp
     turned = np.cross(turn, places - places.mean(axis=0))
     assert as_box.before == pytest.approx(float(np.sqrt(np.mean(np.sum(turned**2, axis=1)))))
     assert max(as_part) < 1e-12
@@ -216,7 +214,7 @@ def test_an_instrument_that_knows_commands_sees_where_the_control_sent_the_axes(
     seen = CommandedMachine.corrected(truth, lambda poses, _: np.tile(further, (len(poses), 1)))
     low, high = np.array([axis.travel for axis in estimate.machine.axes]).T
     poses, ways = rng.uniform(low, high, (7, len(low))), rng.choice([-1.0, 1.0], (7, len(low)))
-    there, here = (frames(estimate.machine, each) for each in (poses + further, poses))
+    there, here = (estimate.machine.frames(each) for each in (poses + further, poses))
     moved = truth.deviation(poses + further, ways) + there.tcp - here.tcp
     np.testing.assert_allclose(seen.deviation(poses, ways), moved, atol=1e-15)
     turn = there.tool @ here.tool.transpose(0, 2, 1)

@@ -32,7 +32,7 @@ def screw_turns(known: Estimation) -> list[ScrewTurn]:
         return []
     poses, plane = _grid(known, setup)
     errors, belief = known.case.errors, known.printed.belief
-    heights = -errors.rows(poses, np.zeros_like(poses))[:, 2]
+    heights = -errors.rows_at(poses, np.zeros_like(poses))[:, 2]
     at = np.array([[1.0, x, y] for x, y in screws.places.values()])
     rows = at @ np.linalg.pinv(plane) @ heights
     turned = (rows[0] - rows[1:]) * screws.lifts / screws.pitch

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.errors.term import Term
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import last_estimation
 from axiscal.numerics import Array
 from axiscal_core.from_scipy import chi_square_tail
+from axiscal_core.terms import Term
 
 _CHANCE = 6e-5
 """Probability of four standard deviations."""
@@ -45,7 +45,7 @@ def changes(estimation: Estimation) -> Iterator[Change]:
         return
     before = last_estimation(text)
     now = concluded(Case(replace(estimation.case.description, prior_text="")), estimation.readings)
-    for function in now.case.errors.functions:
+    for function in now.case.errors.curves:
         if function.name in before.case.errors.names:
             change = _change(before, now, function)
             if change.chance < _CHANCE:
@@ -54,10 +54,10 @@ def changes(estimation: Estimation) -> Iterator[Change]:
 
 def _change(before: Estimation, now: Estimation, function: Term) -> Change:
     """Compare all control values together: an unobservable part, such as the constant, is wide and does not count."""
-    axis = now.case.errors.machine.axes[function.axis]
-    knots = function.basis.control_positions
+    axis = now.case.errors.axes[function.axis]
+    knots = function.spline.control_positions
     (old, old_covariance), (new, new_covariance) = (
-        _curve(each, each.case.errors.names[function.name], knots) for each in (before, now)
+        _curve(each, each.case.errors.by_name[function.name], knots) for each in (before, now)
     )
     difference = new - old
     chi_square = float(difference @ np.linalg.lstsq(old_covariance + new_covariance, difference)[0])
@@ -69,7 +69,7 @@ def _change(before: Estimation, now: Estimation, function: Term) -> Change:
 
 def _curve(known: Estimation, function: Term, positions: Array) -> tuple[Array, Array]:
     """Return mean (k,) and covariance (k, k) of an error at positions, its rest included."""
-    rows = function.basis.rows(positions)
+    rows = function.spline.rows(positions)
     factor = rows @ known.printed.belief.factor[function.columns]
     covariance: Array = factor @ factor.T + function.rest**2 * np.eye(len(rows))
     return rows @ known.printed.belief.mean[function.columns], covariance

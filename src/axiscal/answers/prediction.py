@@ -14,13 +14,13 @@ from axiscal.estimation.knowledge import taken
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.machine.axis import travel_text
-from axiscal.machine.description import Machine
 from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.readers.csv_table import RawPose
 from axiscal.measurement.reading import Place, in_radii
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.threads import one_thread
 
@@ -58,11 +58,11 @@ def tcp_normal(estimation: Estimation, poses: Array, approaches: Array) -> Norma
     poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the covariance
     """
     errors, belief = estimation.case.errors, estimation.printed.belief
-    root, levers = errors.rows(poses, approaches) @ belief.factor[: errors.size], errors.levers(poses)
+    root, levers = errors.rows_at(poses, approaches) @ belief.factor[: errors.size], errors.levers(poses)
     loose = np.array([term.rest**2 for term in errors.terms])[:, None] * np.ones(len(poses))
-    for k, function in enumerate(errors.functions):
+    for k, function in enumerate(errors.curves):
         if function.kind == "reversal":
-            basis = function.basis.rows(poses[:, function.axis])
+            basis = function.spline.rows(poses[:, function.axis])
             square = (basis @ belief.mean[function.columns]) ** 2
             square += np.sum((basis @ belief.factor[function.columns]) ** 2, axis=1)
             loose[k] += np.where(approaches[:, function.axis] == 0, square / 4, 0.0)
@@ -79,7 +79,7 @@ def tcp_joint(estimation: Estimation, poses: Array, approaches: Array) -> Normal
     """
     errors, belief = estimation.case.errors, estimation.printed.belief
     alone, count = tcp_normal(estimation, poses, approaches), len(poses)
-    root = (errors.rows(poses, approaches) @ belief.factor[: errors.size]).reshape(3 * count, -1)
+    root = (errors.rows_at(poses, approaches) @ belief.factor[: errors.size]).reshape(3 * count, -1)
     whole = (root @ root.T).reshape(count, 3, count, 3)
     for term, lever in zip(errors.terms, errors.levers(poses), strict=True):
         cells = term.cells(*term.at(poses)) if term.rest > 0 else np.arange(count)

@@ -70,14 +70,14 @@ def check(
     document = {
         "name": machine.name,
         "axes": [axis.name for axis in machine.axes],
-        "errors": list(machine.error_names),
+        "errors": [each.name for each in machine.stated],
         "observability": [*hidden, *([absent] if absent else [])],
         "questions": list(open_ones),
     }
     carries = {True: said("carries the workpiece"), False: said("carries the tool")}
     all_seen = "Readings of the tool point can see every error."
     lines = [
-        f"{machine.name}: {machine.chain}, " + said("errors described: {count}.", count=len(machine.error_names)),
+        f"{machine.name}: {machine.chain}, " + said("errors described: {count}.", count=len(machine.stated)),
         *(f"  {axis.name:3} {travel_text(axis)}, {carries[axis.workpiece_side]}" for axis in machine.axes),
         *(said("Mind: {sentence}", sentence=question) for question in open_ones),
         said("What no reading of the tool point can see:" if hidden else all_seen),

@@ -20,7 +20,6 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import counted, joined, later, listed, quoted, said
-from axiscal.machine import Machine
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.readers.csv_table import approach_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose, units_of
@@ -28,6 +27,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import contradictions, doubted, last_doubt, open_question, others_doubted
 from axiscal.present.guide.question import Stands, asked_text, found_at, value_texts
 from axiscal.units import format_quantity, parse_quantity, to_unit
+from axiscal_core.machine import Machine
 
 _ASK = later("Ask for the next one: axiscal step next {record}")
 
@@ -150,7 +150,7 @@ def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
     silent = [machine.axes[k].name for k in setup.sided(machine.axes) if not reading.approach[k]]
     if approach is not None or not silent:
         return ""
-    turned = [e.axis for e in machine.errors if e.kind == "reversal" and e.axis in silent]
+    turned = [e.axis for e in machine.stated if e.kind == "reversal" and e.axis in silent]
     wider = "; the reading counts as less sure, by half the reversal of {axes}"
     text = (
         "without --approach nothing is supposed of the side from which {axes} came{wider}. If you know it, take this "

@@ -28,8 +28,7 @@ from axiscal.document import Document, meant, read_model, shown
 from axiscal.document.gone import instead_of, without_gone
 from axiscal.document.ports import names
 from axiscal.exceptions import DescriptionError
-from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
-from axiscal.machine.entry import Sure
+from axiscal.machine import DescribedMachine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.motion import Driving
 from axiscal.measurement.instruments.kind import CARRIED, TRUED
 from axiscal.measurement.setup import Setup, Unknown
@@ -38,7 +37,9 @@ from axiscal.record.copies import TYPE
 from axiscal.record.events import Mounted, Warmed
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
+from axiscal_core.machine import Machine
 from axiscal_core.refusals import one
+from axiscal_core.theta import Sure
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,7 @@ class Particulars(ReportTable, frozen=True):
 NOTHING_SAID = Particulars()
 
 
-def read_particulars(table: CampaignTable, machine: Machine) -> Particulars:
+def read_particulars(table: CampaignTable, machine: DescribedMachine) -> Particulars:
     """Return who measured with what."""
     built = tomllib.loads(machine.text)
     of_machine = {key: str(built.get(key, "")) for key in ("maker", "serial")}
@@ -104,7 +105,7 @@ class CampaignDescription:
     bumps : what the record says of the signs of controls
     """
 
-    machine: Machine
+    machine: DescribedMachine
     target: Target
     setups: tuple[Setup, ...]
     text: str
@@ -266,7 +267,7 @@ def _machine_name(document: Document) -> str:
 
 def _described(
     document: Document,
-    machine: Machine,
+    machine: DescribedMachine,
     machine_source: str,
     target_needed: bool,
     prior_text: str,

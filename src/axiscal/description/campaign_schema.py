@@ -45,7 +45,6 @@ from axiscal.document import Length, QuantityText, meant, shown
 from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.machine.entry import Sure
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.machine.motion import Driving, move_groups
 from axiscal.measurement.artefact import reads_as
@@ -55,6 +54,7 @@ from axiscal.measurement.instruments.kind import Instrument, Reads
 from axiscal.measurement.instruments.written import PORTS
 from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.units import dimension_of, format_quantity, within
+from axiscal_core.theta import Sure
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _WIDEST = 1e-2

@@ -15,7 +15,6 @@ from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import LANGUAGES, later, said
-from axiscal.machine import Machine
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.kind import Instrument
@@ -23,6 +22,7 @@ from axiscal.measurement.instruments.written import PORTS, named
 from axiscal.measurement.setup import FINEST, Nodes, Vector
 from axiscal.units import parse_quantity
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 Ends = tuple[float, float]
 _PLANES = ("xy", "yz", "zx")

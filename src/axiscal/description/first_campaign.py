@@ -12,14 +12,13 @@ import numpy as np
 from axiscal.document.ports import templates
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later
-from axiscal.machine import Machine
 from axiscal.machine.axis import letter_direction
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.bodies import CLEAR, parts
 from axiscal.measurement.touched import Cycle
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -178,7 +177,7 @@ def _indexers(machine: Machine) -> Iterator[str]:
 def _middle(machine: Machine, **places: float) -> Array:
     """Return where the tool point is with all axes amid their travels.  places : of axes that are elsewhere, by name"""
     at = [places.get(axis.name, sum(axis.travel) / 2) for axis in machine.axes]
-    middle: Array = frames(machine, np.array([at])).tcp[0]
+    middle: Array = machine.frames(np.array([at])).tcp[0]
     return middle
 
 
@@ -223,11 +222,11 @@ def _lowered(machine: Machine, balls: Mapping[str, Array]) -> dict[str, Array]:
     A part that comes over the post of another ball, turned by right angles, has to begin above that; no post is higher
     than the nose at the lowest ball, for nobody says how wide the machine is behind it.
     """
-    places, cycle = np.array([*balls.values()]), Cycle((_DIAMETER + machine.stylus) / 2)
+    places, cycle = np.array([*balls.values()]), Cycle((_DIAMETER + machine.nose.stylus) / 2)
     aside, top = cycle.radius + cycle.clear + cycle.back, _DIAMETER / 2 + CLEAR + _WRITTEN
     apart = np.abs(places[:, None, :2] - places[None, :, :2]).max(axis=2)
     rise, low = places[None, :, 2] - places[:, None, 2], float(places[:, 2].min())
-    share = min(1.0, (machine.tool - top) / max(float(rise.max()), _WRITTEN))
+    share = min(1.0, (machine.tool_length - top) / max(float(rise.max()), _WRITTEN))
     for part in parts(machine):
         over = (apart < aside + part.radius + top) & (rise > 0)
         share = min(share, float(np.min((part.start - top) / np.where(over, rise, 1.0), where=over, initial=1.0)))

@@ -349,8 +349,8 @@ reach = "50 mm"                # CHECK: how far the stylus stands free below the
 def _with_sizes(machine: str, instruments: Sequence[str]) -> str:
     """Return the text of a machine with stylus and spindle nose, where it says nothing of them and balls are read."""
     known = machine_from_text(machine)
-    lacking = [_STYLUS] if "sphere" in instruments and known.stylus <= 0 else []
-    lacking += [_HEAD] if not known.head and {"sphere", "ballbar"} & set(instruments) else []
+    lacking = [_STYLUS] if "sphere" in instruments and known.nose.stylus <= 0 else []
+    lacking += [_HEAD] if not known.nose.head and {"sphere", "ballbar"} & set(instruments) else []
     return machine.replace("[tool]\n", "\n".join(["[tool]", *lacking, ""]), 1)
 
 

@@ -20,9 +20,7 @@ from axiscal.description.campaign import CampaignDescription, with_offset, with_
 from axiscal.description.setup_of_reading import setup_of
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.language.spoken import joined, said
-from axiscal.machine import Machine
 from axiscal.machine.axis import travel_text
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.candidates import arrivals_of
 from axiscal.measurement.charts.kinds import Circle, Held
 from axiscal.measurement.charts.room import Chart
@@ -37,6 +35,7 @@ from axiscal.measurement.touched import TOUCHES, met_from, off_ball, read_as
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +206,7 @@ def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: _ByAxis, r
         what, ball = 'this place is {far} from the line or circle, where "{setup}" is read', ""
         if setup.artefact is not None:
             what = 'this place is {far} from ball {ball}, where "{setup}" is read'
-            nearest = int(setup.artefact.nearest(frames(machine, np.array([pose])).tcp, setup.balls)[0])
+            nearest = int(setup.artefact.nearest(machine.frames(np.array([pose])).tcp, setup.balls)[0])
             ball = setup.artefact.balls[nearest].name
         remedy = "Give the place where the tool point stood, or another set-up"
         raise ReadingError(what, remedy, far=far, ball=ball, setup=setup.name)
@@ -325,7 +324,7 @@ def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:
     nearest = chart.poses(chart.places(pose[None]))
     if not np.all(np.isfinite(nearest)):
         return float("inf")
-    here, there = frames(machine, np.concatenate([pose[None], nearest])).tcp
+    here, there = machine.frames(np.concatenate([pose[None], nearest])).tcp
     return float(np.linalg.norm(here - there))
 
 

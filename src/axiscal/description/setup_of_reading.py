@@ -9,14 +9,14 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import WORDS, joined, said
-from axiscal.machine import Machine
-from axiscal.machine.entry import parse_error_name
+from axiscal.machine.error_names import parse_error_name
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.charts.kinds import Circle
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 
 _ALONG = 1 - 1e-9
 """Rounding of a unit vector that points along an axis."""

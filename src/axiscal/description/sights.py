@@ -17,10 +17,8 @@ from axiscal.description.artefacts import ArtefactTable
 from axiscal.description.campaign_schema import SetupTable
 from axiscal.document import Document
 from axiscal.document.validation import Stated
-from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
-from axiscal.machine import Machine
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
@@ -32,6 +30,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
 _LOOKED_AT = 1000
@@ -104,9 +103,8 @@ def refuse_short_stroke(machine: Machine, setup: Setup, stroke: float) -> None:
     assert setup.chart is not None  # what is held in touch has one
     poses, approaches = chart_candidates(machine, setup, setup.chart, _LOOKED_AT)
     few = even_subset(np.hstack([poses, approaches]), _STROKES)
-    model = ErrorModel(machine)
-    rows = model.rows(poses[few], approaches[few])
-    changing = (rows - rows.mean(axis=0)).reshape(-1, model.size) @ model.prior_root()
+    rows = machine.rows_at(poses[few], approaches[few])
+    changing = (rows - rows.mean(axis=0)).reshape(-1, machine.size) @ machine.root()
     change = _STDS * float(np.sqrt(np.sum(changing**2, axis=1).max()))
     allowed = stroke / (_FEWER if setup.length else 1)
     if change > allowed:

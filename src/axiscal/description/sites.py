@@ -16,7 +16,6 @@ from axiscal.document.quoting import meant
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
-from axiscal.machine import Machine
 from axiscal.machine.axis import travel_text
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
@@ -31,6 +30,7 @@ from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
+from axiscal_core.machine import Machine
 
 OPEN_LENGTH = 1e-3
 OPEN_RADIUS = 1e-4
@@ -267,9 +267,9 @@ class SiteReader(Stated[SetupTable]):
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
         all_round, size = self.usual.all_round and self.table.touches is None, artefact.diameter
-        if not all_round or size is None or self.around.machine.stylus <= 0:
+        if not all_round or size is None or self.around.machine.nose.stylus <= 0:
             return None
-        return partial(gone_to, self.around.machine, Cycle((size + self.around.machine.stylus) / 2))
+        return partial(gone_to, self.around.machine, Cycle((size + self.around.machine.nose.stylus) / 2))
 
     def _refuse_no_turn(self, turning: tuple[int, ...], artefact: Artefact) -> None:
         if not turning and artefact.calibrated is None:

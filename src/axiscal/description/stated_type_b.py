@@ -15,7 +15,6 @@ from axiscal.document import Document
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
-from axiscal.machine import Machine
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.instrument import instrument_of, model_of
@@ -23,6 +22,7 @@ from axiscal.measurement.instruments.kind import CARRIED, TRUED, Instrument
 from axiscal.measurement.setup import STEEL, Setup, Unknown
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
+from axiscal_core.machine import Machine
 
 REFERENCE = 293.15
 """20 degC (ISO 1), K."""

@@ -22,7 +22,6 @@ from axiscal.document.validation import Beside, EachAs, ReadAs
 from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
-from axiscal.machine import Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import tip_at
 from axiscal.measurement.charts.room import Room
@@ -30,6 +29,7 @@ from axiscal.measurement.setup import FINEST
 from axiscal.numerics import Array
 from axiscal.units import Dimension, format_quantity, within
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
 MOST_READINGS = 100_000

@@ -20,16 +20,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
 from itertools import combinations
+from typing import TypeVar
 
 import numpy as np
 
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry, Sure, side_name
-from axiscal.machine.kinematics import frames
+from axiscal.machine.error_names import side_name
 from axiscal.measurement.setup import Setup
 from axiscal_core.axes import Axis
+from axiscal_core.errors import Error
 from axiscal_core.left_out import OFF
-from axiscal_core.theta import SURE, Kind, Size, Sizes
+from axiscal_core.machine import Machine
+from axiscal_core.theta import SURE, Kind, Size, Sizes, Sure
+
+Built = TypeVar("Built", bound=Machine)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +80,7 @@ _TOGETHER_KNOTS, _TOGETHER_LENGTH = 5, 0.3
 """Knots, and length as a share of the travel, along each side of what two axes do together."""
 
 
-def usual_machine(machine: Machine, setups: Sequence[Setup], printer: bool = False) -> Machine:
+def usual_machine(machine: Built, setups: Sequence[Setup], printer: bool = False) -> Built:
     """Return the machine with what usually goes wrong in it.
 
     Each curve has its usual length and its rough part; each stated period has a wave. Two linear axes that move in one
@@ -85,35 +88,43 @@ def usual_machine(machine: Machine, setups: Sequence[Setup], printer: bool = Fal
 
     printer : its axes are those of a 3D printer
     """
-    angles = (ErrorEntry(name, (ANGLE_OF_PRINTER if printer else ANGLE).size) for name in _angles(machine, setups))
-    errors = [_as_usual(entry, machine.axis(entry.axis)) for entry in (*machine.errors, *angles)]
+    angles = (Error(name, (ANGLE_OF_PRINTER if printer else ANGLE).size) for name in _angles(machine, setups))
+    errors = [_as_usual(entry, machine.axis(entry.axis)) for entry in (*_single(machine), *angles)]
     stated = {entry.name for entry in errors}
     waves = [wave for entry in errors for wave in _wave(entry) if wave.name not in stated]
-    planes = [replace(entry, rest=_usual_rest(entry), rest_estimated=False) for entry in machine.planes]
-    return replace(machine, errors=(*errors, *waves), planes=(*planes, *_together(machine, setups)))
+    planes = [replace(entry, rest=_usual_rest(entry), learnt_rest=False) for entry in _double(machine)]
+    return replace(machine, errors=(*errors, *waves, *planes, *_together(machine, setups)))
+
+
+def _single(machine: Machine) -> list[Error]:
+    return [error for error in machine.stated if not error.sides]
+
+
+def _double(machine: Machine) -> list[Error]:
+    return [error for error in machine.stated if error.sides]
 
 
 def _angles(machine: Machine, setups: Sequence[Setup]) -> list[str]:
     """Return the angles of linear axes that set-ups beside the tool point see, and that are not described."""
     found = dict[str, None]()
     for setup in setups:
-        at = frames(machine, np.array([setup.park]))
+        at = machine.frames(np.array([setup.park]))
         arm = at.tool[0] @ np.array(setup.offset or (0.0, 0.0, 0.0))
         for axis in (k for k in setup.moves if not machine.axes[k].rotary):
             levers = np.cross(at.rotations[axis, 0].T, arm) @ np.array(setup.direction)
             names = (f"E{letter}{machine.axes[axis].name}" for letter in "ABC")
             found |= {name: None for name, lever in zip(names, levers, strict=True) if abs(lever) > _NO_LEVER}
-    stated = {entry.name for entry in machine.errors}
+    stated = {entry.name for entry in machine.stated}
     return [name for name in found if name not in stated]
 
 
-def _wave(entry: ErrorEntry) -> Iterator[ErrorEntry]:
+def _wave(entry: Error) -> Iterator[Error]:
     """Yield the wave of a screw, scale or rack whose period is stated with the curve."""
-    if entry.period is not None and entry.kind == "motion" and not entry.harmonics:
-        yield ErrorEntry(f"{entry.name}_pitch", PITCH.size * entry.std, period=entry.period, harmonics=1)
+    if entry.period is not None and entry.kind == "motion" and not entry.repeats:
+        yield Error(f"{entry.name}_pitch", PITCH.size * entry.std, period=entry.period)
 
 
-def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[ErrorEntry]:
+def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[Error]:
     """Yield what pairs of linear axes do together that move in one set-up, where nobody stated it.
 
     Machines with rotary axes yield none: it would add half as many unknowns again.
@@ -121,8 +132,8 @@ def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[ErrorEntry]
     if any(axis.rotary for axis in machine.axes):
         return
     pairs = dict.fromkeys(pair for setup in setups for pair in combinations(setup.moves, 2))
-    stds = {entry.name: entry.std for entry in machine.errors if entry.kind == "motion"}
-    stated = {entry.name for entry in machine.planes}
+    stds = {entry.name: entry.std for entry in _single(machine) if entry.kind == "motion"}
+    stated = {entry.name for entry in _double(machine)}
     for pair in pairs:
         axes = [machine.axes[k] for k in pair]
         for component in range(3):
@@ -131,24 +142,23 @@ def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[ErrorEntry]
             name, turned = f"{names[0]}{axes[1].name}", f"{names[1]}{axes[0].name}"
             if std and not {name, turned} & stated:
                 sides = [
-                    ErrorEntry(name, 1.0, knots=_TOGETHER_KNOTS, length=_TOGETHER_LENGTH * axis.length)
+                    Error(name, 1.0, knots=_TOGETHER_KNOTS, length=_TOGETHER_LENGTH * axis.length)
                     for name, axis in zip(names, axes, strict=True)
                 ]
-                yield ErrorEntry(name, TOGETHER.size * std, sides=tuple(sides), usual=True)
+                yield Error(name, TOGETHER.size * std, sides=tuple(sides), usual=True)
 
 
-def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
-    if entry.constant or entry.harmonics or entry.joints:
+def _as_usual(entry: Error, axis: Axis) -> Error:
+    if entry.count < 2 or entry.repeats or entry.joints:
         return entry
     if entry.scale is None and not axis.rotary and entry.name == axis.positioning_error:
         entry = replace(entry, scale=SCALE.size)
     if entry.length is None:
-        knots = entry.knot_count(axis)  # as they are: a length alone would ask for others
-        entry = replace(entry, length=LENGTH_OF_TRAVEL * axis.length, knots=knots, spacing=None)
-    return replace(entry, rest=_usual_rest(entry), rest_estimated=False)
+        entry = replace(entry, length=LENGTH_OF_TRAVEL * axis.length)
+    return replace(entry, rest=_usual_rest(entry), learnt_rest=False)
 
 
-def _usual_rest(entry: ErrorEntry) -> float:
+def _usual_rest(entry: Error) -> float:
     """Return the white and the rough part of an error together, m or rad."""
     white = REST.size * entry.std if entry.rest is None else entry.rest
     return float(np.hypot(white, ROUGH.size * entry.std))
@@ -168,7 +178,7 @@ def sizes_of(machine: Machine, setups: Sequence[Setup], sure: Sure, *, usual: bo
             ("drift", DRIFT.spread), ("cycle", CYCLE.spread), ("growth", GROWTH.spread)
         )  # fmt: skip
         found += [Size(kind, names, spread) for kind, spread in passing]
-        turning = tuple(entry.name for entry in machine.errors if needs_a_way(entry.kind, machine.axis(entry.axis)))
+        turning = tuple(entry.name for entry in _single(machine) if needs_a_way(entry.kind, machine.axis(entry.axis)))
         found += [Size("way", turning, WAY.spread)] if turning else []
     elif sure != "exactly":
         wandering = tuple(setup.name for setup in setups if setup.drift > 0)
@@ -190,19 +200,20 @@ def _of_errors(machine: Machine, sure: Sure) -> Iterator[Size]:
     )  # fmt: skip
     for kind, most in kinds:
         groups = dict[tuple[float, tuple[bool, ...]], list[str]]()
-        for entry in machine.errors:
+        for entry in _single(machine):
             key, factor = _alike(entry, kind, machine), min(SURE[entry.sure or sure], most)
             if key is not None and factor > 1:
                 groups.setdefault((factor, key), []).append(entry.name)
         for (factor, _), names in groups.items():
             yield Size(kind, tuple(names), float(np.log(factor)))
-    if machine.planes and sure != "exactly":
-        yield Size("together", tuple(entry.name for entry in machine.planes), TOGETHER.spread)
-        if stated := tuple(entry.name for entry in machine.planes if not entry.usual and entry.std):
+    planes = _double(machine)
+    if planes and sure != "exactly":
+        yield Size("together", tuple(entry.name for entry in planes), TOGETHER.spread)
+        if stated := tuple(entry.name for entry in planes if not entry.usual and entry.std):
             yield Size("length", stated, LENGTH.spread)
 
 
-def _alike(entry: ErrorEntry, kind: Kind, machine: Machine) -> tuple[bool, ...] | None:
+def _alike(entry: Error, kind: Kind, machine: Machine) -> tuple[bool, ...] | None:
     """Return what errors have in common that share a size of a kind; None where an error has no such size."""
     rotary = machine.axis(entry.axis).rotary
     if entry.kind != ("reversal" if kind == "reversal" else "motion"):
@@ -211,31 +222,27 @@ def _alike(entry: ErrorEntry, kind: Kind, machine: Machine) -> tuple[bool, ...] 
         return (rotary,) if entry.scale else None
     if kind == "length":
         return (rotary,) if entry.length is not None else None
-    return (rotary, entry.parts.angular, entry.harmonics > 0)
+    return (rotary, entry.angular, entry.repeats)
 
 
 def _rests(machine: Machine, usual: bool) -> list[tuple[str, ...]]:
     """Return the names of errors that share the size of their rough part: all with usual causes, else some."""
     groups = dict[object, list[str]]()
-    for entry in (*machine.errors, *machine.planes):
-        if entry.first_rest > 0 and (usual or entry.rest_estimated):
+    for entry in machine.stated:
+        if entry.first_rest > 0 and (usual or entry.learnt_rest):
             alike = "together" if entry.sides else machine.axis(entry.axis).rotary
             groups.setdefault(alike, []).append(entry.name)
     return [tuple(names) for names in groups.values()]
 
 
-def rescaled_machine(machine: Machine, sizes: Mapping[tuple[Kind, str], float]) -> Machine:
+def rescaled_machine(machine: Built, sizes: Mapping[tuple[Kind, str], float]) -> Built:
     """Return the machine with its priors at other sizes.  sizes : factors by kind and owner"""
-    both = machine.errors, machine.planes
-    errors, planes = (tuple(_rescaled(each, machine.axis(each.axis), sizes) for each in entries) for entries in both)
-    return replace(machine, errors=errors, planes=planes)
+    return replace(machine, errors=tuple(_rescaled(each, sizes) for each in machine.stated))
 
 
-def _rescaled(entry: ErrorEntry, axis: Axis, sizes: Mapping[tuple[Kind, str], float]) -> ErrorEntry:
+def _rescaled(entry: Error, sizes: Mapping[tuple[Kind, str], float]) -> Error:
     kind: Kind = "together" if entry.sides else "reversal" if entry.kind == "reversal" else "std"
     longer = sizes.get(("length", entry.name), 1.0)
-    # The knots stay where they were: a spline does not move because its prior was learnt.
-    knots = None if entry.constant or entry.sides else entry.knot_count(axis)
     return replace(
         entry,
         std=entry.std * sizes.get((kind, entry.name), 1.0),
@@ -243,6 +250,5 @@ def _rescaled(entry: ErrorEntry, axis: Axis, sizes: Mapping[tuple[Kind, str], fl
         length=None if entry.length is None else entry.length * longer,
         stretch=tuple(each * longer for each in entry.stretch),
         rest=entry.first_rest * sizes.get(("rest", entry.name), 1.0),
-        knots=knots,
-        spacing=None,
+        free_knots=False,  # a spline does not move because its prior was learnt
     )

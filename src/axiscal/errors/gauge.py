@@ -14,18 +14,17 @@ from itertools import combinations
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.term import Term
 from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
 from axiscal.language.spoken import capital, counted, joined, later, listed, put, said
 from axiscal.machine.axis import letter_direction
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import COMPONENTS
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
 from axiscal_core.axes import Axis
+from axiscal_core.errors import COMPONENTS
 from axiscal_core.from_scipy import solution, triangle_over
+from axiscal_core.machine import Machine
 from axiscal_core.splines import NaturalSpline, gauss
+from axiscal_core.terms import Term
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""
@@ -68,7 +67,7 @@ class Aspect:
         return float(np.sqrt(self.share)) * self.scale
 
 
-def missing_words(model: ErrorModel, found: list[tuple[Aspect, float]]) -> Iterator[Hidden]:
+def missing_words(model: Machine, found: list[tuple[Aspect, float]]) -> Iterator[Hidden]:
     """Yield what moves the tool point unseen, joined by the reading that would show it, the worst first."""
     groups: dict[str, list[tuple[Aspect, float]]] = {}
     for aspect, effect in sorted(found, key=lambda pair: -pair[1]):
@@ -94,15 +93,15 @@ def _others(groups: list[list[tuple[Aspect, float]]]) -> Iterator[Hidden]:
         yield Hidden(names, said(text, names=joined(names), effect=said_quantity(effect, "um", 2)), effect)
 
 
-def reading_that_shows(model: ErrorModel, function: Term) -> str:
+def reading_that_shows(model: Machine, function: Term) -> str:
     """Return in words which reading would show an error that no allowed one shows."""
-    axis, component = model.machine.axes[function.axis], function.component % 3
+    axis, component = model.axes[function.axis], function.component % 3
     if function.kind == "location" and not axis.rotary:
         across = "xyz"[3 - component - letter_direction(axis.letter)]
         return said("a reading along {way} {when}", way=across, when=_moving(axis))
     when = _moving(axis)
     if len(function.axes) > 1:
-        when = said("while {axes} move", axes=joined([model.machine.axes[k].name for k in function.axes]))
+        when = said("while {axes} move", axes=joined([model.axes[k].name for k in function.axes]))
     if function.kind == "reversal":
         when = said("{when} and comes from both sides", when=when)
     text = "a reading of the rotation about {way} {when}" if function.angular else "a reading along {way} {when}"
@@ -113,7 +112,7 @@ def _moving(axis: Axis) -> str:
     return said("while {axis} turns", axis=axis.name) if axis.rotary else said("while {axis} moves", axis=axis.name)
 
 
-def conventions(model: ErrorModel, aspects: list[Aspect], none: str) -> Iterator[Hidden]:
+def conventions(model: Machine, aspects: list[Aspect], none: str) -> Iterator[Hidden]:
     """Yield what does not move the tool point: errors without effect, curves that act as one, and sums of constants.
 
     none : of which readings none shows it, in words
@@ -133,16 +132,16 @@ def conventions(model: ErrorModel, aspects: list[Aspect], none: str) -> Iterator
                 yield _sum(model, found, turning, direction)
 
 
-def _pattern(model: ErrorModel, aspect: Aspect) -> tuple[bool, int]:
+def _pattern(model: Machine, aspect: Aspect) -> tuple[bool, int]:
     """Return whether an aspect acts as a turn, or as a shift; and the direction, about or along which."""
-    function, axis = aspect.function, model.machine.axes[aspect.function.axis]
+    function, axis = aspect.function, model.axes[aspect.function.axis]
     component, along = function.component % 3, letter_direction(axis.letter)
     if aspect.kind == "slope" and not axis.rotary and not function.angular and component != along:
         return True, 3 - component - along
     return function.angular, component
 
 
-def _sum(model: ErrorModel, members: list[Aspect], turning: bool, direction: int) -> Hidden:
+def _sum(model: Machine, members: list[Aspect], turning: bool, direction: int) -> Hidden:
     names = tuple(dict.fromkeys(a.function.name for a in members))
     way = "xyz"[direction]
     where = said("About {way}", way=way) if turning else said("Along {way}", way=way)
@@ -153,7 +152,7 @@ def _sum(model: ErrorModel, members: list[Aspect], turning: bool, direction: int
             "tool point does not depend on it."
         )
         return Hidden(names, said(turned if turning else shifted, where=where, error=_phrase(members[0])))
-    shows = said("only sums of them show" if any(a.rotary for a in model.machine.axes) else "only their sum shows")
+    shows = said("only sums of them show" if any(a.rotary for a in model.axes) else "only their sum shows")
     together = "{where}: {errors} act together, {shows}. {convention}; the tool point does not depend on it."
     convention = _convention(members, turning)
     text = said(together, where=where, errors=_kinds(members), shows=shows, convention=convention)
@@ -170,9 +169,9 @@ def _convention(members: list[Aspect], turning: bool) -> str:
     return said("Which of them holds it is a matter of choice" if turning else "It is where the workpiece zero lies")
 
 
-def _twins(model: ErrorModel, curves: list[Aspect], none: str) -> Iterator[Hidden]:
+def _twins(model: Machine, curves: list[Aspect], none: str) -> Iterator[Hidden]:
     """Yield, axis by axis, the curves that act on the tool point as one: a turn then looks like a displacement."""
-    for k, axis in enumerate(model.machine.axes):
+    for k, axis in enumerate(model.axes):
         mine = [a for a in curves if a.function.axis == k]
         about = sorted({"xyz"[a.function.component % 3] for a in mine if a.function.angular})
         alone = (
@@ -211,7 +210,7 @@ def _phrase(aspect: Aspect) -> str:
 
 
 def _is_constant(aspect: Aspect) -> bool:
-    return aspect.function.basis.size == 1
+    return aspect.function.spline.size == 1
 
 
 _ABOUT = {"XY": "C", "XZ": "B", "YZ": "A"}
@@ -273,19 +272,19 @@ def unseen_factor(factor: Array, rows: Array) -> Array:
 
 def machine_check(machine: Machine) -> tuple[str, ...]:
     """Return what no reading of the tool point shows: along x, y and z, at any pose, from both directions."""
-    model = ErrorModel(machine)
+    model = machine
     if not model.size:
         return ()
     rng = np.random.default_rng(0)
     low, high = np.array([axis.travel for axis in machine.axes]).T
     poses = rng.uniform(low, high, (_POSES, len(low)))
-    rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape)).reshape(-1, model.size)
-    unseen = unseen_factor(model.prior_root(), rows / _NOISE)
+    rows = model.rows_at(poses, rng.choice([-1.0, 1.0], poses.shape)).reshape(-1, model.size)
+    unseen = unseen_factor(model.root(), rows / _NOISE)
     return tuple(one.text for one in hidden(model, unseen, none=later("no reading of the tool point")))
 
 
 def hidden(
-    model: ErrorModel, unseen: Array, moments: VolumeMoments | None = None, none: str = later("no allowed reading")
+    model: Machine, unseen: Array, moments: VolumeMoments | None = None, none: str = later("no allowed reading")
 ) -> tuple[Hidden, ...]:
     """Return what cannot be seen, in words: first what moves the tool point, the worst first, then what does not.
 
@@ -296,7 +295,7 @@ def hidden(
     moments = moments or volume_moments(model, whole_travel(model))
     shift = moments.mean[list(moments.counted)]
     beyond = moments.gram - shift.T @ shift  # without the part that is one shift of the whole volume
-    before = float(np.sum(beyond * model.prior_covariance()))
+    before = float(np.sum(beyond * model.covariance()))
     acting, idle = _split(unseen, beyond, _IDLE**2 * before)
     effects = [_effect(term, acting, beyond) for term in model.terms]
     counted = [i for i, effect in enumerate(effects) if effect > _COUNTS * np.sqrt(before)]
@@ -343,24 +342,24 @@ def _candidates(function: Term, unseen: Array) -> Iterator[Aspect]:
     """Yield constant, slope and the rest of the curve, as far as the spline has them."""
     own = unseen[function.columns]
     rows = [("constant", _projection(function, 0))]
-    if isinstance(function.basis, NaturalSpline):
+    if isinstance(function.spline, NaturalSpline):
         rows.append(("slope", _projection(function, 1)))
     for kind, row in rows:
         prior = float(row @ function.covariance @ row)
         yield Aspect(function, kind, float(np.sum((row @ own) ** 2)) / prior, np.sqrt(prior))
-    if function.basis.size > len(rows):
+    if function.spline.size > len(rows):
         straight = np.array([row for _, row in rows])
-        shape = np.eye(function.basis.size) - np.linalg.pinv(straight) @ straight
+        shape = np.eye(function.spline.size) - np.linalg.pinv(straight) @ straight
         prior = float(np.trace(shape @ function.covariance @ shape.T))
         share = float(np.sum((shape @ own) ** 2)) / prior
-        yield Aspect(function, "curve", share, float(np.sqrt(prior / function.basis.size)))
+        yield Aspect(function, "curve", share, float(np.sqrt(prior / function.spline.size)))
 
 
 def _projection(function: Term, degree: int) -> Array:
     """The row (size,) that reads the mean, or half the mean rise over the travel, off the control values."""
-    if function.basis.size == 1:
+    if function.spline.size == 1:
         return np.ones(1)
-    points, weights = (each.ravel() for each in gauss(function.basis.knots, 5))
-    ends = (function.basis.knots[0], function.basis.knots[-1])
+    points, weights = (each.ravel() for each in gauss(function.spline.knots, 5))
+    ends = (function.spline.knots[0], function.spline.knots[-1])
     legendre = np.polynomial.legendre.Legendre.basis(degree, domain=ends)(points)
-    return (weights * legendre) @ function.basis.rows(points) / (weights @ legendre**2)
+    return (weights * legendre) @ function.spline.rows(points) / (weights @ legendre**2)

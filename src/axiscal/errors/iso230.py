@@ -5,7 +5,7 @@ from __future__ import annotations
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import WORDS, later, said
 from axiscal.machine.axis import ROTARY_LETTERS, letter_direction
-from axiscal.machine.entry import parse_any_name
+from axiscal.machine.error_names import parse_any_name
 
 _WORDS = WORDS["errors"]
 _PITCH = ("y", "x", "x")

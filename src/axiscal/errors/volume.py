@@ -20,10 +20,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import Deviation, actual_deviation, tool_motion, turn_between
+from axiscal.machine.kinematics import (
+    Deviation,
+    actual_deviation,
+    composed,
+    motion_of,
+    small_motions,
+    tool_motion,
+    turn_between,
+)
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 from axiscal_core.rigid import Motion
 from axiscal_core.splines import gauss
 
@@ -31,12 +38,12 @@ _POSES = 8000
 """At once: of memory, not of the result."""
 
 
-def deviation_of(model: ErrorModel, coefficients: Array, poses: Array, approaches: Array) -> Deviation:
+def deviation_of(model: Machine, coefficients: Array, poses: Array, approaches: Array) -> Deviation:
     """Return how the tool deviates by the exact chain.  coefficients : (size,); poses, approaches : (m, q)."""
-    return actual_deviation(model.machine, poses, model.small_motions(coefficients, poses, approaches))
+    return actual_deviation(model, poses, small_motions(model, coefficients, poses, approaches))
 
 
-def deviations_of(model: ErrorModel, machines: Array, poses: Array, approaches: Array) -> Iterator[Deviation]:
+def deviations_of(model: Machine, machines: Array, poses: Array, approaches: Array) -> Iterator[Deviation]:
     """Yield the same of many machines at the same poses.  machines : (n, size) of coefficients; poses : (m, q)"""
     at_once = max(_POSES // max(len(poses), 1), 1)
     rows = [term.rows(*term.at(poses)) for term in model.terms]
@@ -45,8 +52,8 @@ def deviations_of(model: ErrorModel, machines: Array, poses: Array, approaches: 
         values = [own @ some[:, term.columns].T for own, term in zip(rows, model.terms, strict=True)]
         shape = len(model.terms), len(poses), len(some)
         moved = np.array(values).reshape(shape).swapaxes(1, 2).reshape(shape[0], -1)
-        small = model.compose(moved, np.tile(approaches, (len(some), 1)))
-        done = actual_deviation(model.machine, np.tile(poses, (len(some), 1)), small)
+        small = composed(model, moved, np.tile(approaches, (len(some), 1)))
+        done = actual_deviation(model, np.tile(poses, (len(some), 1)), small)
         straight, turned = (part.reshape(len(some), len(poses), 3) for part in done)
         yield from (Deviation(*each) for each in zip(straight, turned, strict=True))
 
@@ -55,34 +62,44 @@ _H = 2.0**-100
 """A complex step: its square is below rounding, and a power of two rounds nothing itself."""
 
 
-def levers_at(model: ErrorModel, coefficients: Array, poses: Array) -> tuple[Array, Array]:
+def levers_at(model: Machine, coefficients: Array, poses: Array) -> tuple[Array, Array]:
     """Return the levers of each term where the errors have moved the frames to; reversals at their middle.
 
     Of the TCP, m or m/rad, and of the tool's turn, (terms, m, 3) each, by complex steps of the exact chain.
     coefficients : (size,); poses : (m, q)
     """
-    small = model.small_motions(coefficients, poses, np.zeros_like(poses))
+    small = small_motions(model, coefficients, poses, np.zeros_like(poses))
     found = dict[tuple[str, int, int], Deviation]()
-    ways = [(model.part_of(term), term.axis, term.component % 3) for term in model.terms]
+    ways = [(motion_of(term), term.axis, term.component % 3) for term in model.terms]
     for part, axis, along in set(ways):
         step = np.zeros(small.rotation.shape, dtype=complex)
         step[axis, :, along] = 1j * _H
-        motion = tool_motion(model.machine, poses, small._replace(**{part: getattr(small, part) + step}))
+        motion = tool_motion(model, poses, small._replace(**{part: getattr(small, part) + step}))
         turned = turn_between(motion.rotation.real, motion.rotation.imag / _H)
         found[part, axis, along] = Deviation(motion.translation.imag / _H, turned)
     straight, angular = (np.array([found[way][k] for way in ways]).reshape(-1, len(poses), 3) for k in range(2))
     return straight, angular
 
 
-class MovedErrors(ErrorModel):
+class MovedErrors(Machine):
     """The same errors with levers at the frames of a machine that is as believed, for what is known of it.
 
-    point : (size,) where that is
+    machine : as described; point : (size,) where it is believed to be
     """
 
+    machine: Machine
+    point: Array
+
     def __init__(self, machine: Machine, point: Array) -> None:
-        super().__init__(machine)
-        self.point = point
+        super().__init__(machine.axes, machine.errors, machine.tool, machine.held, machine.name, machine.nose)
+        object.__setattr__(self, "machine", machine)
+        object.__setattr__(self, "point", point)
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __hash__(self) -> int:
+        return id(self)
 
     def levers(self, poses: Array, angular: bool = False) -> Array:
         """Return the TCP deviation, or the rotation of the tool, per unit of each term, (terms, m, 3)."""
@@ -90,7 +107,7 @@ class MovedErrors(ErrorModel):
 
     def motion(self, poses: Array) -> Motion:
         """Return orientation and TCP of the tool.  poses : (m, q)"""
-        return tool_motion(self.machine, poses, self.small_motions(self.point, poses, np.zeros_like(poses)))
+        return tool_motion(self, poses, small_motions(self, self.point, poses, np.zeros_like(poses)))
 
 
 Box = tuple[tuple[float, float], ...]
@@ -143,12 +160,12 @@ class SameAxes:
     rows: Mapping[int, Array]
 
 
-def whole_travel(model: ErrorModel) -> Box:
+def whole_travel(model: Machine) -> Box:
     """Return the box of all travels, bounds per axis in chain order, m or rad."""
-    return tuple(axis.travel for axis in model.machine.axes)
+    return tuple(axis.travel for axis in model.axes)
 
 
-def volume_moments(model: ErrorModel, box: Box, counted: Counted = EVERY_WAY) -> VolumeMoments:
+def volume_moments(model: Machine, box: Box, counted: Counted = EVERY_WAY) -> VolumeMoments:
     """Return the means over poses spread evenly in the box.
 
     Readings come from both directions evenly, so a reversal has mean zero and is alone with its own axis.
@@ -171,14 +188,14 @@ def volume_moments(model: ErrorModel, box: Box, counted: Counted = EVERY_WAY) ->
     return VolumeMoments(mean, weight, squares, rest_of(model, squares), counted)
 
 
-def along_axis(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> AlongAxis:
+def along_axis(model: Machine, axis: int, bounds: tuple[float, float]) -> AlongAxis:
     positions, weights = quadrature(model.knots_along(axis), bounds)
-    nodes, shares = lagrange(positions, bounds, model.machine.axes[axis].rotary)
+    nodes, shares = lagrange(positions, bounds, model.axes[axis].rotary)
     weighted = shares.T * weights
     return AlongAxis(nodes, positions, weighted, weighted.sum(axis=1))
 
 
-def terms_by_axes(model: ErrorModel, axes: Sequence[AlongAxis]) -> list[SameAxes]:
+def terms_by_axes(model: Machine, axes: Sequence[AlongAxis]) -> list[SameAxes]:
     """Return the terms with the same axes together."""
     found = dict[tuple[int, ...], list[int]]()
     for index, term in enumerate(model.terms):
@@ -186,7 +203,7 @@ def terms_by_axes(model: ErrorModel, axes: Sequence[AlongAxis]) -> list[SameAxes
     return [_same_axes(model, axes, *each) for each in found.items()]
 
 
-def _same_axes(model: ErrorModel, axes: Sequence[AlongAxis], own: tuple[int, ...], terms: list[int]) -> SameAxes:
+def _same_axes(model: Machine, axes: Sequence[AlongAxis], own: tuple[int, ...], terms: list[int]) -> SameAxes:
     each = [model.terms[i] for i in terms]
     columns = [np.arange(term.columns.start, term.columns.stop) for term in each]
     owner = np.repeat(np.arange(len(terms)), [len(mine) for mine in columns])
@@ -221,9 +238,9 @@ def _integrals(line: AlongAxis, axis: int, first: SameAxes, second: SameAxes) ->
     return np.broadcast_to(found, (len(line.weighted), len(first.columns), len(second.columns)))
 
 
-def _separate_reversals(model: ErrorModel, mean: Array, weight: Array) -> None:
+def _separate_reversals(model: Machine, mean: Array, weight: Array) -> None:
     sign = np.zeros(model.size)
-    for function in model.functions:
+    for function in model.curves:
         if function.kind == "reversal":
             sign[function.columns] = function.axis + 1
     reversal = sign > 0
@@ -232,12 +249,12 @@ def _separate_reversals(model: ErrorModel, mean: Array, weight: Array) -> None:
     weight[np.ix_(reversal, reversal)] /= 4.0
 
 
-def rest_of(model: ErrorModel, squares: Array) -> float:
+def rest_of(model: Machine, squares: Array) -> float:
     """Return the rests' share of the TCP variance, m².  squares : (terms,) mean squares of the levers"""
     return float(model.rests**2 @ squares)
 
 
-def of_rests(model: ErrorModel, moments: VolumeMoments) -> VolumeMoments:
+def of_rests(model: Machine, moments: VolumeMoments) -> VolumeMoments:
     """Return the means of a model that differs from theirs in the rests of its errors: nothing else follows these."""
     rest = rest_of(model, moments.squares)
     return moments if rest == moments.rest else replace(moments, rest=rest)

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 
 _ALIKE = 1e-9
 """Of the whole: what is less is rounding."""
@@ -20,7 +20,7 @@ class Across(NamedTuple):
     rests : (size,) variances that the rests of before give them; known : the names of errors that both have
     """
 
-    errors: ErrorModel
+    errors: Machine
     matrix: Array
     rests: Array
     known: frozenset[str]
@@ -30,7 +30,7 @@ class Across(NamedTuple):
 
         With P = M M⁺ the part of the coefficients that the other knots reach, S = (I − P) L for C₀ = L Lᵀ.
         """
-        root, parts = self.errors.prior_root(), [np.zeros((self.errors.size, 0))]
+        root, parts = self.errors.root(), [np.zeros((self.errors.size, 0))]
         for term in self.errors.terms:
             own, held = root[term.columns, term.columns], self.matrix[term.columns]
             left = own - held @ np.linalg.pinv(held, rcond=_ALIKE) @ own
@@ -52,7 +52,7 @@ class Across(NamedTuple):
         return Inherited(self.matrix @ mean, result)
 
 
-def carried_over(before: ErrorModel, errors: ErrorModel) -> Across:
+def carried_over(before: Machine, errors: Machine) -> Across:
     """Return how a belief over the errors of one model becomes one over those of another."""
     matrix, rests = np.zeros((errors.size, before.size)), np.zeros(errors.size)
     others = {term.name: term for term in before.terms}

@@ -13,7 +13,6 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES, Target
 from axiscal.description.usual import rescaled_machine, sizes_of
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.estimation.accuracy.yardstick import Yardstick
@@ -22,7 +21,6 @@ from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
@@ -34,6 +32,7 @@ from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Itself, Memo
+from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 from axiscal_core.theta import Kind, Sizes
 
@@ -172,13 +171,12 @@ class Case:
         return setup.found if moved < _STAYS else found
 
     @cached_property
-    def errors(self) -> ErrorModel:
+    def errors(self) -> Machine:
         """The error model of the machine, with levers where it is believed to be if nominal ones mislead."""
         machine, about = self.description.machine, self.about
         if about is None or not about.bent:
-            return ErrorModel(machine)
-        plain = ErrorModel(machine)
-        return MovedErrors(machine, about.point[: plain.size])
+            return machine
+        return MovedErrors(machine, about.point[: machine.size])
 
     @cached_property
     def observation(self) -> Observation:
@@ -220,7 +218,7 @@ class Case:
 
     def _found_yardstick(self) -> Yardstick:
         machine, *others = self._over_what
-        grounds = machine.with_rests(dict.fromkeys(machine.error_names, 0.0)), *others
+        grounds = replace(machine, errors=tuple(replace(each, rest=0.0) for each in machine.stated)), *others
         moments, sample, alignment = self.volumes.answer(grounds, self._found_volume)
         moments = of_rests(self.errors, moments)
         factor, left = self.prior.factor, self._left
@@ -257,7 +255,7 @@ class Case:
         """G (size, size): zᵀG z is in proportion to the mean square of the deviation by errors z, less its mean."""
         low, high = np.array(self.description.target.volume).T
         poses = np.random.default_rng(0).uniform(low, high, (_QUICK, len(low)))
-        rows = self.errors.rows(poses, np.ones_like(poses))[:, list(self.description.target.counted)]
+        rows = self.errors.rows_at(poses, np.ones_like(poses))[:, list(self.description.target.counted)]
         off: Array = (rows - rows.mean(axis=0)).reshape(-1, self.errors.size)
         return off.T @ off
 
@@ -290,7 +288,7 @@ class Case:
         """Whether the moving axes with a reversal to show came from sides that the set-up allows."""
         setup = self.description.setup(reading.setup)
         sides = (1, -1) if setup.name in self.both else setup.sides
-        sided, reversing = setup.sided(self.errors.machine.axes), self.errors.reversing
+        sided, reversing = setup.sided(self.errors.axes), self.errors.reversing
         return all(reading.approach[k] in sides for k in sided if k in reversing)
 
     @cached_property

@@ -24,10 +24,10 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.located import taken_as_normal
 from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
-from axiscal.machine.description import Machine
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
 from axiscal_core.draws import sized
+from axiscal_core.machine import Machine
 from axiscal_core.problem import Problem
 from axiscal_core.unknowns import space_of
 
@@ -71,14 +71,14 @@ def as_fine_as_shown(stated: Case, known: Estimation) -> Case:
 def _uneven(known: Estimation, problem: Problem) -> list[str]:
     """Return the reversals of one number each that seem to differ from place to place."""
     errors, found = known.case.errors, list[str]()
-    terms = [term for term in errors.functions if term.kind == "reversal" and term.basis.size == 1]
+    terms = [term for term in errors.curves if term.kind == "reversal" and term.spline.size == 1]
     each = as_stated_or_not(problem) if terms else []
     poses = np.array([known.readings[reading].pose for reading in problem.reading])
     for term in terms:
         whole = problem.rows[:, problem.rows.shape[1] - problem.answered + term.columns.start]
         if np.count_nonzero(np.diff(np.sign(whole[whole != 0]))) < _TURNS:
             continue
-        low, high = errors.machine.axes[term.axis].travel
+        low, high = errors.axes[term.axis].travel
         along = (2 * poses[:, term.axis] - low - high) / (high - low)
         columns = whole * along ** np.arange(1, _POWERS + 1)[:, None]
         gains = [gains_of_columns(given, columns[None], problem.values, [1.0])[0] for given in each]
@@ -90,9 +90,9 @@ def _uneven(known: Estimation, problem: Problem) -> list[str]:
 def _free(machine: Machine) -> dict[tuple[bool, bool], list[str]]:
     """Return the names of the curves whose knots nobody stated, by kind."""
     found = dict[tuple[bool, bool], list[str]]()
-    for entry in machine.errors:
-        if entry.follows_length:
-            kind = machine.axis(entry.axis).rotary, entry.parts.angular
+    for entry in machine.stated:
+        if entry.free_knots:
+            kind = machine.axis(entry.axis).rotary, entry.angular
             found.setdefault(kind, []).append(entry.name)
     return found
 
@@ -100,7 +100,7 @@ def _free(machine: Machine) -> dict[tuple[bool, bool], list[str]]:
 def _halved(case: Case, names: Sequence[str]) -> Case:
     """Return the case with half the distance between knots of some curves; itself where one of them would have many."""
     machine = case.description.machine
-    counts = {e.name: 2 * e.knot_count(machine.axis(e.axis)) - 1 for e in machine.errors if e.name in names}
+    counts = {e.name: 2 * e.count - 1 for e in machine.stated if e.name in names}
     return case if max(counts.values()) > _MOST else _with(case, counts)
 
 
@@ -108,10 +108,12 @@ def _with(case: Case, counts: Mapping[str, int]) -> Case:
     """Return the case with so many knots of some errors, by name."""
     machine = case.description.machine
     errors = tuple(
-        replace(e, knots=counts[e.name], length=e.length or LENGTH_OF_TRAVEL * machine.axis(e.axis).length)
+        replace(
+            e, knots=counts[e.name], free_knots=False, length=e.length or LENGTH_OF_TRAVEL * machine.axis(e.axis).length
+        )
         if e.name in counts
         else e
-        for e in machine.errors
+        for e in machine.stated
     )
     return replace(case, description=replace(case.description, machine=replace(machine, errors=errors)))
 

@@ -11,7 +11,6 @@ import json
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -22,6 +21,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.record.events import Created, Mounted, Recorded, Warmed
 from axiscal.record.payload import PayloadError, decode
+from axiscal_core.machine import Machine
 
 
 def case_of(description: CampaignDescription) -> Case:
@@ -30,7 +30,7 @@ def case_of(description: CampaignDescription) -> Case:
         return Case(description)
     stated = Case(description)
     found = inherited(description.prior_text, stated.errors)
-    return Case(description, drifted(found, stated.errors.prior_covariance(), description.kept))
+    return Case(description, drifted(found, stated.errors.covariance(), description.kept))
 
 
 def created_description(created: Created) -> CampaignDescription:
@@ -71,7 +71,7 @@ def last_estimation(text: str) -> Estimation:
     return concluded(case_of(description), readings)
 
 
-def inherited(text: str, errors: ErrorModel) -> Inherited:
+def inherited(text: str, errors: Machine) -> Inherited:
     """Return what the campaign in a heritage text knew; errors that it did not have are as their prior states.
 
     Its curves are read at the knots of today's; what these hold and its own could not is as the prior states.

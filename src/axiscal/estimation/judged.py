@@ -15,8 +15,6 @@ import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import later, listed, said
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.cells import wandered
 from axiscal.measurement.instrument import reads_angles
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS
@@ -27,6 +25,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 _LEARNABLE = 4.0
 """How many times larger than stated an error may be where its std is to be learnt."""
@@ -37,7 +36,7 @@ def judged(case: Case, readings: Sequence[Reading]) -> Mapping[int, Doubt]:
     order, mean = nearest_first(readings), np.zeros(case.errors.size)
     mean = mean if case.inherited is None else case.inherited.mean
     slack = _LEARNABLE if case.description.sure == "roughly" else 1.0
-    taken, covariance = [readings[index] for index in order], case.errors.prior_covariance()
+    taken, covariance = [readings[index] for index in order], case.errors.covariance()
     sizes = surprises(case.observation, mean, slack**2 * covariance, taken)
     far = np.array(sizes) > limit(sizes)
     if slack > 1 and np.any(far):  # what is printed, and which unit it tells, is by what is stated
@@ -126,7 +125,7 @@ def bent(machine: Machine, setup: Setup, reading: Reading) -> float:
     turned = sum(u.std**2 for u in setup.unknowns if u.name in TURNS)
     if not turned:
         return float((wide / (2 * _NEAREST)) ** 2)
-    place = frames(machine, np.array([reading.pose])).tcp[0]
+    place = machine.frames(np.array([reading.pose])).tcp[0]
     away = float(np.linalg.norm(place - np.array(setup.station or (0.0, 0.0, 0.0))))
     return float((turned * away / 2) ** 2)
 

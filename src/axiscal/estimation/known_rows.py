@@ -128,7 +128,7 @@ def _off_at_corners(case: Case) -> float:
     """Return the most that one unknown moves the tool point at two corners of the volume, along what counts, m."""
     target, factor = case.description.target, case.prior.factor[: case.errors.size]
     corners = np.array(target.volume).T
-    rows = case.errors.rows(corners, np.ones_like(corners))[:, list(target.counted)]
+    rows = case.errors.rows_at(corners, np.ones_like(corners))[:, list(target.counted)]
     return float(np.abs(rows @ factor).max())
 
 

@@ -10,16 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import EVERY_WAY, Box, Counted, deviation_of
+from axiscal.errors.volume import EVERY_WAY, Box, Counted, MovedErrors, deviation_of
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
-from axiscal.machine import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 _SILENT = 0.95
 Grid = tuple[Array, Array]
@@ -71,7 +70,7 @@ class Estimate:
     open : (size, n) root of what readings alone leave open, without causes of type B; None for all that the belief does
     """
 
-    model: ErrorModel
+    model: Machine
     belief: Belief
     box: Box
     grid: tuple[Array, Array] | None = None
@@ -87,13 +86,8 @@ class Estimate:
 
     @property
     def machine(self) -> Machine:
-        """The machine."""
-        return self.model.machine
-
-    @property
-    def as_described(self) -> ErrorModel:
-        """The errors about the axes of the machine as described, as a control has them, wherever levers were found."""
-        return ErrorModel(self.machine)
+        """The machine with levers as described, as a control has them, wherever they were found."""
+        return self.model.machine if isinstance(self.model, MovedErrors) else self.model
 
     @property
     def mean(self) -> Array:
@@ -114,8 +108,8 @@ class Estimate:
 
     def curve(self, name: str, positions: Array) -> Band:
         """Return an error at positions of its axis, m or rad."""
-        function = self.model.names[name]
-        rows = function.basis.rows(positions)
+        function = self.model.by_name[name]
+        rows = function.spline.rows(positions)
         variances = np.sum((rows @ self.factor[function.columns]) ** 2, axis=1) + function.rest**2
         return Band(rows @ self.mean[function.columns], np.sqrt(variances))
 
@@ -127,7 +121,7 @@ class Estimate:
         shape = rows - rows.mean(axis=0)
         counts = np.any(shape, axis=0)
         shape = shape[:, counts]
-        before, after = (np.linalg.norm(shape @ factor[counts]) for factor in (self.model.prior_root(), self.factor))
+        before, after = (np.linalg.norm(shape @ factor[counts]) for factor in (self.model.root(), self.factor))
         return bool(after < _SILENT * before)
 
     def deviation(self, poses: Array, approaches: Array) -> Array:
@@ -165,7 +159,7 @@ class Estimate:
         return self.rests[index][self.model.terms[index].cells(*at)] if index in self.rests else np.zeros(len(at[0]))
 
 
-def rest_means(errors: ErrorModel, cells: Mapping[tuple[int, int], float]) -> Mapping[int, Array]:
+def rest_means(errors: Machine, cells: Mapping[tuple[int, int], float]) -> Mapping[int, Array]:
     """Return the mean of the rest in every cell, of displacements by the index of their error.
 
     cells : means of the rests of visited cells by (term, cell), m or rad

@@ -19,7 +19,6 @@ import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.measurement.reading_rows import Seen, scaled_values, seen, shown_by_each
 from axiscal.measurement.setup import About
@@ -204,4 +203,4 @@ def mirrored(case: Case, readings: Sequence[Reading], point: Array, index: int) 
 
 def tips(case: Case, readings: Sequence[Reading]) -> Array:
     """Return the nominal tool points of readings in the workpiece frame, (m, 3), m."""
-    return frames(case.description.machine, np.array([reading.pose for reading in readings])).tcp
+    return case.description.machine.frames(np.array([reading.pose for reading in readings])).tcp

@@ -19,14 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames, turn_between
+from axiscal.machine.kinematics import turn_between
 from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control
 from axiscal_core.instrument import TOOL
+from axiscal_core.machine import Machine
 
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
@@ -209,7 +209,7 @@ def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Ar
     kind = model_of(setup)(setup, machine)
     if setup.base is not None:
         return np.zeros((len(poses), values_of(setup)))
-    before, after = frames(machine, poses), frames(machine, poses + control(poses, approaches))
+    before, after = machine.frames(poses), machine.frames(poses + control(poses, approaches))
     seen = kind.slopes(kind.places(poses, approaches))
     pairs = (seen.moved, after.tcp - before.tcp), (seen.turned, turn_between(before.tool, after.tool))
     added: Array = sum(np.einsum("mkc,mc->mk", ways, moved) for ways, moved in pairs)

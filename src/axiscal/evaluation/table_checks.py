@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.datums import Datum, added_to_values
 from axiscal.language.spoken import said
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
@@ -30,6 +28,7 @@ from axiscal.tables.offer import Export, title
 from axiscal.tables.surface import Control, sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity
+from axiscal_core.machine import Machine
 from axiscal_core.ties import ALIKE, first_best
 
 KNOWN = 0.15
@@ -170,7 +169,7 @@ def idle_axes(estimate: Estimate, setups: Sequence[Setup], places: Places) -> tu
     A rotary axis is read by any direction.
     """
     machine, idle = estimate.machine, list[str]()
-    turned = frames(machine, places.poses).rotations
+    turned = machine.frames(places.poses).rotations
     seen = list[tuple[NDArray[np.intp], Array]]()
     for index, of in places.by_setup():
         kind = model_of(setups[index])(setups[index], machine)

@@ -96,7 +96,7 @@ def expected(
     rests = np.zeros((len(values.of), len(model.terms)))
     for index, mine in places.by_setup():
         poses, approaches, of = places.poses[mine], places.approaches[mine], np.isin(values.of, mine)
-        kind = model_of(setups[index])(setups[index], model.machine)
+        kind = model_of(setups[index])(setups[index], model)
         seen = kind.slopes(kind.places(poses))
         levers = levers_of(model, seen, poses)
         turned = model.along(levers_of(model, seen._replace(moved=np.zeros_like(seen.moved)), poses), poses, approaches)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,11 +20,12 @@ from axiscal.document.validation import Stated
 from axiscal.exceptions import ChainError, DescriptionError, Faults, InputError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, iso_axis
-from axiscal.machine.entry import ErrorEntry, as_fine_as_is_cheap
 from axiscal.machine.errors_table import read_errors
 from axiscal.machine.machine_schema import AxisTable, MachineFile
 from axiscal.units import Dimension, format_quantity
-from axiscal_core.axes import Axis
+from axiscal_core.axes import Axis, Three
+from axiscal_core.errors import Basis, Error
+from axiscal_core.machine import Machine, Nose
 from axiscal_core.refusals import one
 
 Span = tuple[float, float]
@@ -42,7 +43,7 @@ _FAR = 1000 * math.tau
 """rad; no control counts the turns of an axis further."""
 
 
-def _described(document: Document, fine_knots: bool = True) -> Machine:
+def _described(document: Document, fine_knots: bool = True) -> DescribedMachine:
     """Return the machine in a document; raises DescriptionError, ChainError or UnitError.  fine_knots : as in it"""
     tables, faults = read_model(document, MachineFile), Faults()
     tool = Stated(document, tables.tool, ("tool",))
@@ -52,29 +53,23 @@ def _described(document: Document, fine_knots: bool = True) -> Machine:
     head = faults.tried(tool.each, "head", "length", _LEAST_HEAD, _LARGEST_HEAD) if stated else None
     sizes = {key: faults.tried(tool.within, key, "length", 0.0, most) for key, most in _TOOL.items()}
     known = {axis.name: axis for axis in axes}
-    curves, planes = read_errors(document, tables.errors, known, set(tables.axes), faults)
+    errors = read_errors(document, tables.errors, known, set(tables.axes), faults, fine_knots)
     faults.refuse()
     length, radius, stylus, reach = (size or 0.0 for size in sizes.values())
-    curves = as_fine_as_is_cheap(curves, known) if fine_knots else curves
-    return Machine(
+    return DescribedMachine(
+        axes,
+        errors,
+        length,
         name=name or "",
-        axes=axes,
-        tool=length,
-        errors=curves,
-        chain=tables.chain,
-        text=document.text,
-        planes=planes,
-        tool_radius=radius,
-        stylus=stylus,
-        reach=reach,
-        head=head or (),
-        fine_knots=fine_knots,
+        nose=Nose(radius, stylus, reach, head or ()),
         unit=_unit(axes, tables),
+        text=document.text,
+        fine_knots=fine_knots,
     )
 
 
 def _unit(axes: Sequence[Axis], tables: MachineFile) -> str:
-    """Return the unit in which the control counts lengths, mm or in."""
+    """Return the unit in which the control counts lengths: in where all linear travels are written so, else mm."""
     inches = [tables.axes[axis.name].travel[1].endswith(("in", "inch")) for axis in axes if not axis.rotary]
     return "in" if inches and all(inches) else "mm"
 
@@ -285,77 +280,44 @@ def _check_names(names: list[str], text: str) -> None:
         raise ChainError(what, "One to {most} axes are possible", text=shown(text), count=len(names), most=MOST_AXES)
 
 
-__all__ = ["ErrorEntry", "Machine", "builtin_names", "load_machine", "machine_from_text"]
-
 _LIBRARY = Path(__file__).parent / "library"
-TOOL_RADIUS = 0.04
-"""m, of the tool and what holds it where nobody says."""
 
 
-@dataclass(frozen=True, slots=True)
-class Machine:
-    """A machine as described by its owner.
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class DescribedMachine(Machine):
+    """A machine as its owner wrote it.
 
-    axes : in the order of the chain, from the workpiece to the tool; tool : length of the tool, m
-    tool_radius : m, of tool and holder, up to the spindle nose; reach : m, how far a stylus stands free below them
-    head : diameter and height of the nose with what carries it, m; none where nobody says
-    errors : one entry per error of one axis that is not taken to be zero; text : the TOML it came from
-    planes : one entry per error of two axes together; stylus : diameter of the ball at the end of a probe, m, or 0
+    text : the TOML that it came from
     fine_knots : knots of which nothing is said are as close as is cheap; in records of before they were not
-    unit : in which its control counts lengths: "in" where all linear travels are written in inches, else "mm"
     """
 
-    name: str
-    axes: tuple[Axis, ...]
-    tool: float
-    errors: tuple[ErrorEntry, ...]
-    chain: str
     text: str
-    planes: tuple[ErrorEntry, ...] = ()
-    tool_radius: float = TOOL_RADIUS
-    stylus: float = 0.0
-    reach: float = 0.05
-    head: tuple[float, ...] = ()
-    fine_knots: bool = True
-    unit: str = "mm"
+    fine_knots: bool
 
-    def index(self, axis_name: str) -> int:
+    def __init__(
+        self,
+        axes: Sequence[Axis],
+        errors: Iterable[Error | Basis] = (),
+        tool: float | Three = 0.0,
+        held: Sequence[Three] | None = None,
+        name: str = "",
+        nose: Nose | None = None,
+        unit: str = "mm",
+        text: str = "",
+        fine_knots: bool = True,
+    ) -> None:
+        super().__init__(axes, errors, tool, held, name, nose, unit)
+        object.__setattr__(self, "text", text)
+        object.__setattr__(self, "fine_knots", fine_knots)
+
+    def index(self, name: str) -> int:
         """Return the place of an axis in a pose; raises DescriptionError for an axis that the machine does not have."""
-        names = [axis.name for axis in self.axes]
-        if axis_name not in names:
-            same = [name for name in names if name.casefold() == axis_name.casefold()]
-            remedy = meant(axis_name, same, said("Its axes are {known}", known=", ".join(names)), quoted="{}")
+        if name not in self.names:
+            same = [each for each in self.names if each.casefold() == name.casefold()]
+            remedy = meant(name, same, said("Its axes are {known}", known=", ".join(self.names)), quoted="{}")
             what = "there is no axis {axis} on the machine {machine}"
-            raise DescriptionError(what, remedy, axis=shown(axis_name), machine=shown(self.name))
-        return names.index(axis_name)
-
-    def with_rests(self, rests: Mapping[str, float]) -> Machine:
-        """Return the machine with other rests of errors, by name, m or rad."""
-        errors = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in self.errors)
-        planes = tuple(replace(e, rest=rests.get(e.name, e.rest)) for e in self.planes)
-        return replace(self, errors=errors, planes=planes)
-
-    @property
-    def error_names(self) -> tuple[str, ...]:
-        """The names of all errors that are described, those of one axis first."""
-        return *(entry.name for entry in self.errors), *(entry.name for entry in self.planes)
-
-    @property
-    def only(self) -> int | None:
-        """The one linear axis of which displacements alone are described; None where more is, or an axis turns."""
-        names = [entry.parts for entry in self.errors]
-        axes = {name.axis for name in names}
-        more = len(axes) != 1 or self.planes or any(name.angular for name in names)
-        return None if more or any(axis.rotary for axis in self.axes) else self.index(*axes)
-
-    @property
-    def zero(self) -> tuple[float, ...]:
-        """The pose called machine zero: every axis at 0, or at the end of its travel nearest to it, m or rad."""
-        return tuple(min(max(0.0, axis.travel[0]), axis.travel[1]) for axis in self.axes)
-
-    def axis(self, name: str) -> Axis:
-        """Return the axis of that name; raises DescriptionError when there is none."""
-        return self.axes[self.index(name)]
+            raise DescriptionError(what, remedy, axis=shown(name), machine=shown(self.name))
+        return self.names.index(name)
 
 
 def builtin_names() -> tuple[str, ...]:
@@ -363,7 +325,7 @@ def builtin_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _LIBRARY.glob("*.toml")))
 
 
-def load_machine(source: str | Path) -> Machine:
+def load_machine(source: str | Path) -> DescribedMachine:
     """Return the machine in a file, or the built-in one of that name.
 
     source : a path, or a name of `builtin_names`, which goes before a file of the same name without an ending
@@ -380,7 +342,9 @@ def load_machine(source: str | Path) -> Machine:
     return _described(Document.read(path))
 
 
-def machine_from_text(text: str, source_name: str | Path = "machine.toml", *, fine_knots: bool = True) -> Machine:
+def machine_from_text(
+    text: str, source_name: str | Path = "machine.toml", *, fine_knots: bool = True
+) -> DescribedMachine:
     """Return the machine in a TOML text; raises as `load_machine`.
 
     source_name : what failures call it; fine_knots : as in `Machine`

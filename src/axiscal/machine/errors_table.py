@@ -5,6 +5,7 @@ Sizes must lie within what a machine can have.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from itertools import pairwise
@@ -14,24 +15,28 @@ from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.axis import letter_direction, travel_text
-from axiscal.machine.entry import (
-    COMPONENTS,
-    JOINT,
-    KNOTS_PER_WAVE,
-    MOST_BREAKS,
-    MOST_HARMONICS,
-    MOST_KNOTS,
-    ROUGH,
-    SMOOTH,
-    ErrorEntry,
-    ErrorName,
-    parse_any_name,
-    side_name,
-)
+from axiscal.machine.error_names import ErrorName, parse_any_name, side_name
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.units import Dimension
 from axiscal_core.axes import Axis
+from axiscal_core.errors import COMPONENTS, ROUGH, SMOOTH, Error
+from axiscal_core.terms import JOINT, WAVE_KNOTS
 
+FEWEST_INTERVALS = 4
+FEWEST_CYCLIC_KNOTS = 4
+MOST_KNOTS = 400
+_COARSE, _FINE = 2, 4
+"""Knot intervals in a correlation length: at two a smooth curve is followed, at four also one that is rougher, or that
+turns out to be of half the length.
+"""
+CHEAP = 200
+"""Control values of a machine: a plan of so many takes half a second more than one of half as many."""
+_USUAL_KNOTS = 7
+"""Of a motion of which nothing is said, as in the paper (B&H section V)."""
+MOST_HARMONICS = 4
+"""What is finer than a quarter of a period is noise; a matter of taste."""
+MOST_BREAKS = 4000
+"""Of a curve along an axis: a step search meets each of them, and takes a second for so many."""
 MOST_PRODUCTS = 1600
 """Control values of one plane: 40 x 40; an update with more takes seconds."""
 LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
@@ -49,18 +54,24 @@ _SHORTEST, _LONGEST = 1e-6, 1e4
 
 
 def read_errors(
-    document: Document, tables: Mapping[str, ErrorTable], axes: Mapping[str, Axis], described: set[str], faults: Faults
-) -> tuple[tuple[ErrorEntry, ...], tuple[ErrorEntry, ...]]:
-    """Return what is known of errors of one axis, and of two together; each is there once, whatever its spelling.
+    document: Document,
+    tables: Mapping[str, ErrorTable],
+    axes: Mapping[str, Axis],
+    described: set[str],
+    faults: Faults,
+    fine_knots: bool,
+) -> tuple[Error, ...]:
+    """Return what is known of errors, those of one axis first; each is there once, whatever its spelling.
 
     What is wrong is noted.
 
     described : axes that have a table; those not among `axes` have a faulty table; their errors are passed over
+    fine_knots : knots of which nothing is said are as close as a rough curve needs, if all control values stay few
     """
     if not tables:
         remedy = 'Name at least one, such as EXX = { std = "10 um" }; an error that is not named is taken to be zero'
         faults.found.append(document.fault(DescriptionError("no error is named", remedy), "errors"))
-    found = dict[object, tuple[str, ErrorEntry]]()
+    found = dict[object, tuple[str, Error, Error]]()
     for key, table in tables.items():
         with faults.noted(), document.placed("errors", key):
             name = parse_any_name(key)
@@ -68,15 +79,17 @@ def read_errors(
                 continue
             stated = Stated(document, table, ("errors", key))
             own = _checked(name, key, table, axes)
-            entry = _of_one(name, stated, own[0]) if name.second is None else _of_two(name, stated, own)
+            coarse, fine = _of_one(name, stated, own[0]) if name.second is None else (_of_two(name, stated, own),) * 2
             identity = name.kind, name.shape, name.component, frozenset(name.axes)
-            first, before = found.setdefault(identity, (key, entry))
-            if before is not entry:
+            first, before, _ = found.setdefault(identity, (key, coarse, fine))
+            if before is not coarse:
                 earlier = document.line("errors", first)
                 what = "{key} is {name}, which is there already in line {earlier}"
                 raise DescriptionError(what, "Keep one of them", key=key, name=before.name, earlier=earlier)
-    entries = [entry for _, entry in found.values()]
-    return tuple(each for each in entries if not each.sides), tuple(each for each in entries if each.sides)
+    every = sorted(found.values(), key=lambda each: bool(each[1].sides))
+    finer = tuple(fine for _, _, fine in every)
+    few = sum(each.count for each in finer if each.count > 1 and not each.sides) <= CHEAP
+    return finer if fine_knots and few else tuple(coarse for _, coarse, _ in every)
 
 
 def _needed(name: ErrorName) -> list[str]:
@@ -170,50 +183,100 @@ def _kind(name: ErrorName, given: Collection[str]) -> str:
     return name.shape if curved else name.kind
 
 
-def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> ErrorEntry:
-    """Return the prior of an error of one axis."""
+def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> tuple[Error, Error]:
+    """Return the prior of an error of one axis, with as many knots as a smooth curve needs, and as a rough one does."""
     table = stated.table
     value: Dimension = "angle" if name.angular else "length"
     rest, std = _rest(stated, value), _std(stated, value)
     period = stated.within("period", axis.dimension, _SHORTEST, _LONGEST)
-    entry = replace(
-        _side(name.canonical, stated, axis, 0, averaged=True),
-        std=std,
-        rest=rest,
-        rest_estimated=rest is None and table.rest is not None,
-        period=period,
-        harmonics=_harmonics(table, axis, period) if name.shape == "pitch" else 0,
-        joints=_joints(stated, axis) if name.shape == "step" else (),
-        smoothness_averaged=table.smoothness == AVERAGED,
-        sure=table.sure,
-        scale=stated.within("scale", "angle", 0.0, _LARGEST_SCALE),
+    length, shape = stated.within("length", axis.dimension, _SHORTEST, _LONGEST, 0), name.shape
+    free = (
+        name.kind == "motion"
+        and shape == "curve"
+        and length is not None
+        and table.knots is None
+        and table.spacing is None
     )
-    entry.knot_count(axis)
-    return entry
+    error = Error(
+        name.canonical,
+        std,
+        _knot_count(name, stated, axis, 0, length),
+        length,
+        rest,
+        stated.within("scale", "angle", 0.0, _LARGEST_SCALE),
+        period,
+        _harmonics(table, axis, period) if shape == "pitch" else 0,
+        table.sure,
+        smoothness=_smoothness(table, averaged=True),
+        joints=_joints(stated, axis) if shape == "step" else (),
+        learnt_rest=rest is None and table.rest is not None,
+        free_knots=free,
+    )
+    return error, replace(error, knots=_knot_count(name, stated, axis, 0, length, fine=True)) if free else error
 
 
-def _of_two(name: ErrorName, stated: Stated[ErrorTable], axes: list[Axis]) -> ErrorEntry:
+def _of_two(name: ErrorName, stated: Stated[ErrorTable], axes: list[Axis]) -> Error:
     """Return the prior of what two axes do together; its size may be zero where there is a rest."""
     value: Dimension = "angle" if name.angular else "length"
     rest = _rest(stated, value)
     std = _std(stated, value, SMALLEST_ERROR if rest is None else 0.0)
-    first, second = (_side(side_name(name.component, axis.name), stated, axis, k) for k, axis in enumerate(axes))
-    count = first.knot_count(axes[0]) * second.knot_count(axes[1])
+    first, second = (_side(name, stated, axis, k) for k, axis in enumerate(axes))
+    count = first.count * second.count
     if std and count > MOST_PRODUCTS:
         remedy = "At most {most} are possible; give knots, spacing or length accordingly"
         raise DescriptionError("{count} knots in the plane are too many", remedy, count=count, most=MOST_PRODUCTS)
-    estimated = rest is None and stated.table.rest is not None
-    return ErrorEntry(name.canonical, std, rest=rest, rest_estimated=estimated, sides=(first, second))
+    learnt = rest is None and stated.table.rest is not None
+    return Error(name.canonical, std, rest=rest, learnt_rest=learnt, sides=(first, second))
 
 
-def _side(name: str, stated: Stated[ErrorTable], axis: Axis, index: int, averaged: bool = False) -> ErrorEntry:
-    """Return an error of std 1 with knots and correlation length along one axis; one value for both counts for each."""
-    knots = stated.table.knots
-    spacing, length = (stated.within(key, axis.dimension, _SHORTEST, _LONGEST, index) for key in ("spacing", "length"))
-    smoothness = _smoothness(stated.table, averaged)
-    return ErrorEntry(
-        name, 1.0, knots[index] if isinstance(knots, tuple) else knots, spacing, length, smoothness=smoothness
-    )
+def _side(name: ErrorName, stated: Stated[ErrorTable], axis: Axis, index: int) -> Error:
+    """Return what is known along one of two axes: an error of std 1; one value for both counts for each."""
+    length = stated.within("length", axis.dimension, _SHORTEST, _LONGEST, index)
+    knots = _knot_count(name, stated, axis, index, length)
+    smoothness = _smoothness(stated.table, averaged=False)
+    return Error(side_name(name.component, axis.name), 1.0, knots, length, smoothness=smoothness)
+
+
+def _knot_count(
+    name: ErrorName, stated: Stated[ErrorTable], axis: Axis, index: int, length: float | None, fine: bool = False
+) -> int | None:
+    """Return the number of equidistant knots over the travel, both ends included; None of one number or a shape.
+
+    `knots` as written. `spacing`: the fewest intervals not longer than it. Neither: at least four intervals, not
+    longer than half the correlation length (a quarter for `fine` or a rough curve). Without a correlation length:
+    7 knots, as in the paper (B&H section V).
+    Raises DescriptionError when that is not between 2 and 400 (a full turn needs 4 for a periodic curve).
+    """
+    table, knots = stated.table, stated.table.knots
+    spacing = stated.within("spacing", axis.dimension, _SHORTEST, _LONGEST, index)
+    if name.kind == "location" or name.shape in ("pitch", "step"):
+        return None
+    if name.kind == "reversal" and knots is None and spacing is None:
+        return None
+    if knots is not None:
+        count: float = knots[index] if isinstance(knots, tuple) else knots
+    elif spacing is not None:
+        count = 1 + max(1, _intervals(axis.length, spacing))
+    elif length is not None:
+        parts = _FINE if fine or table.smoothness not in (None, SMOOTH) else _COARSE
+        count = 1 + max(FEWEST_INTERVALS, _intervals(axis.length, length / parts))
+    else:
+        count = _USUAL_KNOTS
+    fewest = FEWEST_CYCLIC_KNOTS if axis.cyclic else 2
+    if not fewest <= count <= MOST_KNOTS:
+        what = "{error}: {count:.0f} knots are too few"
+        what = what if count < fewest else "{error}: {count:.0f} knots are too many"
+        if axis.cyclic:
+            what = "{error}: {count:.0f} knots over a full turn are too many"
+            what = "{error}: {count:.0f} knots over a full turn are too few" if count < fewest else what
+        remedy = "Between {least} and {most} knots are possible; give knots, spacing or length accordingly"
+        raise DescriptionError(what, remedy, error=name.canonical, count=count, least=fewest, most=MOST_KNOTS)
+    return int(count)
+
+
+def _intervals(travel: float, longest: float) -> int:
+    """Return how many equal intervals, none longer than `longest`, fill the travel."""
+    return math.ceil(travel / longest - 1e-9)
 
 
 def _std(stated: Stated[ErrorTable], dimension: Dimension, least: float = SMALLEST_ERROR) -> float:
@@ -259,9 +322,9 @@ def _harmonics(table: ErrorTable, axis: Axis, period: float | None) -> int:
     if not 1 <= harmonics <= MOST_HARMONICS:
         remedy = "Write 1 to {most}"
         raise DescriptionError("harmonics = {text} is not possible", remedy, text=shown(harmonics), most=MOST_HARMONICS)
-    if turns * KNOTS_PER_WAVE * harmonics > MOST_BREAKS:
+    if turns * WAVE_KNOTS * harmonics > MOST_BREAKS:
         what = "{waves:.0f} waves over the travel of {axis} are too many"
-        remedy, most = "At most {most}; fewer harmonics, or a longer period", MOST_BREAKS // KNOTS_PER_WAVE
+        remedy, most = "At most {most}; fewer harmonics, or a longer period", MOST_BREAKS // WAVE_KNOTS
         raise DescriptionError(what, remedy, waves=turns * harmonics, axis=axis.name, most=most)
     if axis.cyclic and abs(turns - round(turns)) > _TURN * turns:
         remedy = "A period that repeats in every turn"

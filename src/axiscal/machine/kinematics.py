@@ -14,10 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.machine.axis import LINEAR_LETTERS, letter_direction
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal_core import rigid
-from axiscal_core.axes import Frames, chain, from_frame, to_frame
+from axiscal_core.axes import from_frame, to_frame
+from axiscal_core.machine import Machine
+from axiscal_core.rigid import SmallMotions
+from axiscal_core.terms import Term
 
 _FLAT = 1e-6
 """Volume of three unit directions: less lie in a plane, as far as a machine is built."""
@@ -45,7 +47,7 @@ def tip_at(machine: Machine, poses: Array, points: Array) -> Array:
     axes, result = list(linear_axes(machine)), poses.copy()
     result[:, axes] = 0.0
     alike = len(result) > 0 and bool(np.all(result == result[0]))
-    at = frames(machine, result[:1] if alike else result)
+    at = machine.frames(result[:1] if alike else result)
     ways = np.stack([at.rotations[k] @ np.array(machine.axes[k].direction) for k in axes], axis=2)
     ways, away = np.broadcast_to(ways, (len(poses), *ways.shape[1:])), points - at.tcp
     result[:, axes] = solved(ways, away)
@@ -56,7 +58,7 @@ def tip_at(machine: Machine, poses: Array, points: Array) -> Array:
 
 def drawn_back(machine: Machine, poses: Array, far: float) -> Array:
     """Return poses (m, q) with the linear axes moved so that the tool is drawn back along itself.  far : m"""
-    at = frames(machine, poses)
+    at = machine.frames(poses)
     return tip_at(machine, poses, at.tcp + far * at.stem)
 
 
@@ -67,26 +69,31 @@ def solved(ways: Array, away: Array) -> Array:
     return np.asarray((np.linalg.pinv(ways) @ away[:, :, None])[:, :, 0], dtype=np.float64)
 
 
-class SmallMotions(NamedTuple):
-    """The error motion of each axis frame at each pose, in the axis frame.
-
-    displacement : (q, m, 3) m; rotation : (q, m, 3) rad
-    tilt : (q, m, 3) rad, turn of the direction of travel of a linear axis
-    """
-
-    displacement: Array
-    rotation: Array
-    tilt: Array
+def small_motions(machine: Machine, coefficients: Array, poses: Array, approaches: Array) -> SmallMotions:
+    """Return what each axis frame does beside its nominal motion.  coefficients : (size,)."""
+    values = [term.rows(*term.at(poses)) @ coefficients[term.columns] for term in machine.terms]
+    return composed(machine, np.array(values).reshape(len(machine.terms), len(poses)), approaches)
 
 
-def frames(machine: Machine, poses: Array) -> Frames:
-    """Return the nominal axis frames and TCP.  poses : (m, q) m or rad."""
-    return chain(machine.axes, poses, tool_point(machine))
+def composed(machine: Machine, values: Array, approaches: Array) -> SmallMotions:
+    """Return the small motions of the axis frames from the value of every term.  values : (terms, m)."""
+    shape = (len(machine.axes), values.shape[1], 3)
+    parts = SmallMotions(np.zeros(shape), np.zeros(shape), np.zeros(shape))
+    signed = machine.effects(values, approaches)
+    for i, term in enumerate(machine.terms):
+        getattr(parts, motion_of(term))[term.axis, :, term.component % 3] += signed[i]
+    return parts
+
+
+def motion_of(term: Term) -> str:
+    """Return which of the small motions of its axis a term is."""
+    tilts = term.kind == "location" and term.linear
+    return "tilt" if tilts else "rotation" if term.angular else "displacement"
 
 
 def bed_in_workpiece(machine: Machine, poses: Array) -> Array:
     """Return rotations that take directions of the machine's own x, y, z to those of the workpiece, (m, 3, 3)."""
-    at = frames(machine, poses)
+    at = machine.frames(poses)
     first = next((k for k, axis in enumerate(machine.axes) if not axis.workpiece_side), None)
     found: Array = at.tool if first is None else at.rotations[first]
     return found
@@ -99,7 +106,7 @@ def in_frame(machine: Machine, axis: int, pose: Array) -> Array:
     """
     stands = pose.copy()
     stands[axis] = 0.0
-    directions: Array = frames(machine, stands[None]).rotations[axis][0].T
+    directions: Array = machine.frames(stands[None]).rotations[axis][0].T
     return directions
 
 
@@ -118,7 +125,7 @@ def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Mo
         else:
             motion = motion.shifted(small.displacement[k]).then(turn)
         motion = from_frame(axis, motion, coordinate, tilt)
-    return motion.shifted(tool_point(machine))
+    return motion.shifted(np.array(machine.tool))
 
 
 class Deviation(NamedTuple):
@@ -133,7 +140,7 @@ class Deviation(NamedTuple):
 
 def actual_deviation(machine: Machine, poses: Array, small: SmallMotions) -> Deviation:
     """Return how the tool deviates with small motions, nothing linearised."""
-    actual, nominal = tool_motion(machine, poses, small), frames(machine, poses)
+    actual, nominal = tool_motion(machine, poses, small), machine.frames(poses)
     return Deviation(actual.translation - nominal.tcp, turn_between(nominal.tool, actual.rotation))
 
 
@@ -142,8 +149,3 @@ def turn_between(before: Array, after: Array) -> Array:
     turn = after @ np.swapaxes(before, 1, 2)
     skew = (turn - np.swapaxes(turn, 1, 2)) / 2
     return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
-
-
-def tool_point(machine: Machine) -> Array:
-    """Return the TCP in the frame of the spindle nose, (3,) m."""
-    return np.array([0.0, 0.0, -machine.tool])

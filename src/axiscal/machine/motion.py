@@ -17,9 +17,9 @@ import numpy as np
 
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 FAMILIES = ("XYZ", "UVW", "PQR", "ABC")
 """Letters that one feed counts for; LinuxCNC takes a feed for XYZ alone when U moves too."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from axiscal.language.spoken import counted, joined, later, listed, said
-from axiscal.machine.description import Machine
 from axiscal.units import format_quantity, said_quantity
+from axiscal_core.machine import Machine
 
 _LONGEST, _SHORTEST, _TOOL = 50.0, 1e-3, 2.0
 """m: travels of machine tools, and lengths of tools, lie between."""
@@ -55,17 +55,16 @@ def _axes(machine: Machine) -> Iterator[str]:
         if not axis.rotary and axis.speed > _FASTEST:
             speed = said_quantity(axis.speed, "m/min")
             yield said("{axis} moves at {size}: is that the unit that is meant?", axis=axis.name, size=speed)
-    if machine.tool > _TOOL:
-        tool = said_quantity(machine.tool, "m")
+    if machine.tool_length > _TOOL:
+        tool = said_quantity(machine.tool_length, "m")
         yield said("The tool is {size} long: is that the unit that is meant?", size=tool)
 
 
 def _errors(machine: Machine) -> Iterator[str]:
-    for entry in (*machine.errors, *machine.planes):
-        name = entry.parts
-        most = _LARGEST_ANGLE if name.angular else _LARGEST_OFFSET if name.kind == "location" else _LARGEST_LENGTH
+    for entry in machine.stated:
+        most = _LARGEST_ANGLE if entry.angular else _LARGEST_OFFSET if entry.kind == "location" else _LARGEST_LENGTH
         if not _SMALLEST <= entry.std <= most and (entry.std or not entry.sides):
-            unit = "mrad" if name.angular else "mm"
+            unit = "mrad" if entry.angular else "mm"
             yield said(_WIDE, name=entry.name, size=said_quantity(entry.std, unit))
         axis = machine.axis(entry.axis)
         if (entry.length or 0.0) > axis.length:

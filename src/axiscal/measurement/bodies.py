@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import Artefact
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 
 CLEAR = 5e-3
 """m by which everything keeps clear of a body: it is put down by eye, and a touch goes 4 mm too far."""
@@ -33,12 +33,14 @@ class Cylinder(NamedTuple):
 
 def parts(machine: Machine) -> tuple[Cylinder, ...]:
     """Return what moves, from the tip on: stylus, tool with holder, spindle nose. The first of them is what touches."""
-    free = min(machine.reach, machine.tool) if machine.stylus > 0 else 0.0
-    body = Cylinder(free, machine.tool, machine.tool_radius)
-    found = [Cylinder(-machine.stylus / 2, free, machine.stylus / 2), body] if machine.stylus > 0 else [body]
-    if machine.head:
-        wide, high = machine.head
-        found.append(Cylinder(machine.tool, machine.tool + high, wide / 2))
+    free = min(machine.nose.reach, machine.tool_length) if machine.nose.stylus > 0 else 0.0
+    body = Cylinder(free, machine.tool_length, machine.nose.radius)
+    found = (
+        [Cylinder(-machine.nose.stylus / 2, free, machine.nose.stylus / 2), body] if machine.nose.stylus > 0 else [body]
+    )
+    if machine.nose.head:
+        wide, high = machine.nose.head
+        found.append(Cylinder(machine.tool_length, machine.tool_length + high, wide / 2))
     return tuple(found)
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.errors.volume import Box
-from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.charts.room import Chart, Coordinate, arrivals, has_room, side_choices
 from axiscal.measurement.observation import Observation
@@ -19,6 +18,7 @@ from axiscal.measurement.touched import touching_sides
 from axiscal.measurement.travel import SHORTEST
 from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
+from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
 _COINCIDE = 1e-12
@@ -182,7 +182,7 @@ def chart_sides(machine: Machine, setup: Setup, chart: Chart) -> Array:
 
 def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.bool_]:
     """Return of which coordinates the side shows: where an axis that they move has a reversal value."""
-    reversals = {entry.name for entry in machine.errors if entry.kind == "reversal"}
+    reversals = {entry.name for entry in machine.stated if entry.kind == "reversal"}
     reverses = [k for k, axis in enumerate(machine.axes) if f"{axis.positioning_error}_reversal" in reversals]
     shown = [k for k in reverses if machine.axes[k].rotary or setup.sides_follow]
     middle = np.array([[(each.low + each.high) / 2 for each in chart.coordinates]])

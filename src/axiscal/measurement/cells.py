@@ -20,10 +20,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import feet_of
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 
 Cell = tuple[int, int]
 """Index of an error with a rest, and the number of the cell along its axis, or of the plane of its axes."""
@@ -42,7 +42,7 @@ class RestEffects(NamedTuple):
 
 
 def rest_effects(
-    errors: ErrorModel, mounted: Setup, levers: Array, poses: Array, approaches: Array, among: Sequence[int]
+    errors: Machine, mounted: Setup, levers: Array, poses: Array, approaches: Array, among: Sequence[int]
 ) -> RestEffects:
     """Return what the rests of some errors do to readings of a set-up; at each place of which they show a sum.
 
@@ -61,7 +61,7 @@ def rest_effects(
     return RestEffects(np.repeat(felt, len(standing)), reach.reshape(*reach.shape[:-3], *every), cells.reshape(every))
 
 
-def _cells_of(errors: ErrorModel, functions: NDArray[np.intp], poses: Array) -> NDArray[np.int64]:
+def _cells_of(errors: Machine, functions: NDArray[np.intp], poses: Array) -> NDArray[np.int64]:
     """Return the cells of some errors at poses, (e, m); those of errors with the same cells once."""
     firsts = errors.firsts[functions].tolist()
     found = {i: errors.terms[i].cells(*errors.terms[i].at(poses)) for i in {*firsts}}
@@ -74,7 +74,7 @@ class CellColumns:
     first : (terms,) where the cells of each error begin in the list of all of them; columns : (all cells,)
     """
 
-    def __init__(self, errors: ErrorModel, with_rest: Sequence[int], cells: Mapping[Cell, int]) -> None:
+    def __init__(self, errors: Machine, with_rest: Sequence[int], cells: Mapping[Cell, int]) -> None:
         counts = np.zeros(len(errors.terms), dtype=np.intp)
         counts[list(with_rest)] = [errors.terms[i].cell_count for i in with_rest]
         self.first: NDArray[np.intp] = np.cumsum(counts) - counts

@@ -20,9 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, deviations_of
-from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
 from axiscal.measurement.instrument import model_of
@@ -31,6 +29,7 @@ from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import feet_of, heights, slope_rows
 from axiscal.numerics import Array
 from axiscal_core.instrument import At
+from axiscal_core.machine import Machine
 
 Key = tuple[str, str]
 """Owner and name; the owner of what belongs to one set-up is that set-up."""
@@ -97,7 +96,7 @@ class Observation:
     cells : column of the rest of each visited cell; courses : how each zero has wandered that may
     """
 
-    errors: ErrorModel
+    errors: Machine
     setups: tuple[Setup, ...]
     about: About | None = None
     cells: Mapping[Cell, int] = field(default_factory=dict)
@@ -106,7 +105,7 @@ class Observation:
     @property
     def machine(self) -> Machine:
         """The machine that is read."""
-        return self.errors.machine
+        return self.errors
 
     @cached_property
     def size(self) -> int:
@@ -135,7 +134,7 @@ class Observation:
     def prior_covariance(self) -> Array:
         """Return the covariance of all unknowns before the first reading, (size, size)."""
         result = np.zeros((self.size, self.size))
-        result[: self.errors.size, : self.errors.size] = self.errors.prior_covariance()
+        result[: self.errors.size, : self.errors.size] = self.errors.covariance()
         own = [unknown.std**2 for unknown in self.unknowns]
         tail = np.arange(self.errors.size, self.size)
         result[tail, tail] = [*own, *self.bare.rest_variances(self)]
@@ -157,7 +156,7 @@ class Observation:
     def prior_variances(self) -> Array:
         """Return the variances of errors and unknowns before the first reading, (errors and unknowns,)."""
         own = [unknown.std**2 for unknown in self.unknowns]
-        return np.concatenate([np.diagonal(self.errors.prior_covariance()), own])
+        return np.concatenate([np.diagonal(self.errors.covariance()), own])
 
     def unknowns_of(self, setup: int) -> NDArray[np.intp]:
         """Return the columns of one set-up's unknowns, in its order."""
@@ -233,11 +232,11 @@ class Observation:
             return added
         if mounted.lag:
             added += np.where(np.any(approaches[:, list(mounted.moves)] == 0, axis=1), mounted.lag**2, 0.0)
-        for index, function in enumerate(self.errors.functions):
-            evened = mounted.mean_sides and not self.errors.machine.axes[function.axis].rotary
+        for index, function in enumerate(self.errors.curves):
+            evened = mounted.mean_sides and not self.errors.axes[function.axis].rotary
             if function.kind == "reversal" and function.axis in mounted.moves and not evened:
                 for at, weight in standing:
-                    rows = function.basis.rows(at[:, function.axis])
+                    rows = function.spline.rows(at[:, function.axis])
                     spread = np.einsum("mi,ij,mj->m", rows, function.covariance, rows) + function.rest**2
                     shown = (weight * levers[:, index] / 2) ** 2 * spread
                     added += np.where(approaches[:, function.axis] == 0, shown, 0.0)

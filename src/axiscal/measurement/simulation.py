@@ -18,12 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.term import Term
 from axiscal.exceptions import DescriptionError, ReadingError
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry, ErrorName, parse_error_name
-from axiscal.machine.kinematics import Deviation, actual_deviation
+from axiscal.machine.error_names import ErrorName, parse_error_name
+from axiscal.machine.kinematics import Deviation, actual_deviation, composed
 from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.observation import Owned
@@ -36,7 +33,10 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import SHORTEST, belongs
 from axiscal.numerics import Array
 from axiscal_core.eigen import unique_root
+from axiscal_core.errors import Error
+from axiscal_core.machine import Machine
 from axiscal_core.refusals import finite, one, whole
+from axiscal_core.terms import Term
 
 _LAYOUT = {"error": TEXT, "position": LENGTHS + ANGLES, "value": LENGTHS + ANGLES}
 
@@ -117,7 +117,7 @@ class VirtualMachine:
     drifts : per set-up name how far its zeros have moved after so many seconds
     """
 
-    model: ErrorModel
+    model: Machine
     curves: tuple[Curve, ...]
     offsets: Mapping[str, Mapping[str, float]]
     drifts: Mapping[str, Wander] = field(default_factory=dict)
@@ -133,7 +133,7 @@ class VirtualMachine:
 
     def does(self, poses: Array, approaches: Array) -> Deviation:
         """Return how the tool deviates in the workpiece frame.  poses, approaches : (m, q)"""
-        return actual_deviation(self.model.machine, poses, self.model.compose(self.values(poses), approaches))
+        return actual_deviation(self.model, poses, composed(self.model, self.values(poses), approaches))
 
     def read_all(
         self,
@@ -191,7 +191,7 @@ class VirtualMachine:
 
         pose, approach : (1, q) where it reads; actual : what the machine does, there or where it touches beside
         """
-        kind = model_of(setup)(setup, self.model.machine)
+        kind = model_of(setup)(setup, self.model)
         at = kind.places(pose, approach, deviation=actual)
         shown: list[float] = (kind.shown(at, self.offsets.get(setup.name, {}))[0] / scales_of(setup)).tolist()
         return shown
@@ -207,7 +207,7 @@ class VirtualMachine:
     def _chord(self, setup: Setup, poses: Array) -> Deviation:
         """Return by how much the way differs between the two feet of a level, per length between them."""
         (axis,) = setup.moves
-        low, high = self.model.machine.axes[axis].travel
+        low, high = self.model.axes[axis].travel
         half = max(setup.base or 0.0, SHORTEST) / 2
         ends = [poses.copy(), poses.copy()]
         for end, sign in zip(ends, (1, -1), strict=True):
@@ -219,8 +219,8 @@ class VirtualMachine:
     def _way(self, axis: int, poses: Array) -> Array:
         """Return how far the shape of one axis' way alone would displace the TCP, (m, 3), m."""
         own = np.array([belongs(term, axis) for term in self.model.terms])
-        way = self.model.compose(self.values(poses) * own[:, None], np.zeros_like(poses))
-        return actual_deviation(self.model.machine, poses, way).displacement
+        way = composed(self.model, self.values(poses) * own[:, None], np.zeros_like(poses))
+        return actual_deviation(self.model, poses, way).displacement
 
 
 def by_number(seed: int, first: int = 1) -> Iterator[np.random.Generator]:
@@ -242,13 +242,13 @@ class Simulator:
 
     def drawn(self, seed: int) -> VirtualMachine:
         """Return a machine whose errors, rests included, are drawn from the prior."""
-        model, rng = ErrorModel(self.machine), np.random.default_rng((whole("Simulator.drawn", "seed", seed, 0), 1))
+        model, rng = self.machine, np.random.default_rng((whole("Simulator.drawn", "seed", seed, 0), 1))
         drawn = ((f, unique_root(f.covariance) @ rng.standard_normal(len(f.covariance))) for f in model.terms)
         return VirtualMachine(model, tuple(_rough(f, control, rng) for f, control in drawn), *self._mounted(seed))
 
     def with_coefficients(self, coefficients: Array, seed: int) -> VirtualMachine:
         """Return a machine whose errors have these control values; rests are drawn.  coefficients : (n,)"""
-        model = ErrorModel(self.machine)
+        model = self.machine
         rng = np.random.default_rng((whole("Simulator.with_coefficients", "seed", seed, 0), 1))
         coefficients = finite("Simulator.with_coefficients", "coefficients", coefficients, (model.size,))
         each = tuple(_rough(f, coefficients[f.columns], rng) for f in model.terms)
@@ -267,8 +267,8 @@ class Simulator:
                 what = '"{name}" is an error of axis {axis}, which "{machine}" does not have'
                 remedy, known = "Take the curve out; the axes are {known}", ", ".join(sorted(names))
                 raise ReadingError(what, remedy, path, name=name, axis=axis, machine=self.machine.name, known=known)
-        errors = tuple(ErrorEntry(name, std=1.0, knots=4) for name in curves)
-        model = ErrorModel(replace(self.machine, errors=errors, planes=()))
+        errors = tuple(Error(name, 1.0, period=1.0 if name.endswith("_pitch") else None) for name in curves)
+        model = replace(self.machine, errors=errors)
         return VirtualMachine(model, tuple(map(_through, curves.values())), *self._mounted(seed))
 
     def _mounted(self, seed: int) -> tuple[Mapping[str, Mapping[str, float]], Mapping[str, Wander]]:

@@ -13,11 +13,11 @@ import numpy as np
 
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError, ReadingError
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames, linear_axes, tip_at
+from axiscal.machine.kinematics import linear_axes, tip_at
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, from_unit
+from axiscal_core.machine import Machine
 
 _KINDRED = 1e-6
 """Sines nearer than this are alike: the first one is taken."""
@@ -84,15 +84,15 @@ def cycle_of(machine: Machine, setup: Setup) -> Cycle:
         what = what if setup.artefact else "nobody says how large the sphere is, and it is to be touched"
         remedy = 'Give it under [[artefacts]], as in diameter = "25 mm"'
         raise DescriptionError(what, remedy, artefact=shown(setup.artefact.name if setup.artefact else ""))
-    if machine.stylus <= 0:
+    if machine.nose.stylus <= 0:
         what = "nobody says how large the ball of the stylus is, and it is to touch spheres"
         raise DescriptionError(what, 'Give it in machine.toml under [tool], as in stylus = "6 mm"')
-    return Cycle((setup.artefact.diameter + machine.stylus) / 2)
+    return Cycle((setup.artefact.diameter + machine.nose.stylus) / 2)
 
 
 def stated(setup: Setup, machine: Machine, pose: Array) -> Array:
     """Return where the ball that the tip is at in a pose (q,) is said to stand, (3,) m, workpiece frame."""
-    tip = frames(machine, pose[None]).tcp
+    tip = machine.frames(pose[None]).tcp
     place: Array = (
         tip[0] if setup.artefact is None else setup.artefact.points[setup.artefact.nearest(tip, setup.balls)[0]]
     )
@@ -105,7 +105,7 @@ ALL_ROUND = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (
 
 def touches(machine: Machine, pose: Array, cycle: Cycle) -> tuple[SideTouch, ...]:
     """Return the touches of the sphere that the tip is at in a pose (q,); NaN where the linear axes do not reach."""
-    centre, frame = frames(machine, pose[None]).tcp[0], touch_frames(machine, pose[None])[0]
+    centre, frame = machine.frames(pose[None]).tcp[0], touch_frames(machine, pose[None])[0]
     found = []
     for side in ALL_ROUND:
         stops = centre + _stops(cycle, side) @ frame
@@ -120,7 +120,7 @@ def gone_to(machine: Machine, cycle: Cycle, poses: Array) -> Array:
     poses : (m, q) with the tip at the centres.  The axes follow the tip evenly: p + e leads to t + J⁻¹ e.
     """
     stops = np.unique(np.concatenate([_stops(cycle, side) for side in ALL_ROUND]), axis=0)
-    at = frames(machine, poses).tcp
+    at = machine.frames(poses).tcp
     ways = [tip_at(machine, poses, at + way) - poses for way in np.swapaxes(touch_frames(machine, poses), 0, 1)]
     return poses + np.tensordot(stops, np.array(ways), axes=1)
 
@@ -169,7 +169,7 @@ def found(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array], me
     Raises ReadingError where the touches are not those of a sphere of this size near its stated place.
     """
     cycle, at = cycle_of(machine, setup), stated(setup, machine, pose)
-    tips = frames(machine, np.array(hits)).tcp
+    tips = machine.frames(np.array(hits)).tcp
     off = tips - (at + cycle.radius * met)
     if (far := np.linalg.norm(off, axis=1)).max() > _AFAR:
         x, y, z = (format_quantity(each, "mm", 4) for each in off[far.argmax()].tolist())
@@ -213,7 +213,7 @@ def off_ball(machine: Machine, setup: Setup, pose: Array, met: Sequence[float]) 
         raise ReadingError(what, "Give value_x, value_y and value_z", names=", ".join(names))
     at = pose.copy()
     at[[machine.index(name) for name in "XYZ"]] = met
-    off: list[float] = (stated(setup, machine, pose) - frames(machine, at[None]).tcp[0]).tolist()
+    off: list[float] = (stated(setup, machine, pose) - machine.frames(at[None]).tcp[0]).tolist()
     return off
 
 
@@ -223,7 +223,7 @@ def touch_frames(machine: Machine, poses: Array) -> Array:
     poses : (m, q).  The pole is towards the spindle, the first side where the linear axis goes that is most across it;
     where none goes across it, the coordinate of the workpiece that does.
     """
-    at, every = frames(machine, poses), np.arange(len(poses))
+    at, every = machine.frames(poses), np.arange(len(poses))
     axes = [at.rotations[k] @ np.array(machine.axes[k].direction) for k in linear_axes(machine)]
     ways = np.stack([*axes, *np.broadcast_to(np.eye(3)[:, None], (3, len(poses), 3))], axis=1)
     level = ways - np.sum(ways * at.stem[:, None], axis=2)[:, :, None] * at.stem[:, None]
@@ -240,7 +240,7 @@ def touching_sides(machine: Machine, poses: Array) -> Array:
     An axis comes as it goes in the touch that moves it most: J t = -n, n where the sphere is met.
     """
     known = np.nan_to_num(poses)
-    at, axes = frames(machine, known), linear_axes(machine)
+    at, axes = machine.frames(known), linear_axes(machine)
     ways = np.stack([at.rotations[k] @ np.array(machine.axes[k].direction) for k in axes], axis=2)
     into = -np.swapaxes(touch_frames(machine, known), 1, 2)
     moved = np.linalg.pinv(ways) @ into

@@ -14,15 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.term import Term
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import drawn_back, frames
+from axiscal.machine.kinematics import drawn_back
 from axiscal.machine.motion import approach_seconds
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import route
+from axiscal_core.machine import Machine
+from axiscal_core.terms import Term
 
 SHORTEST = 1e-4
 """Stands for a base without length, m: the slope of so short a chord is that of the curve."""
@@ -52,7 +51,7 @@ def feet_of(setup: Setup, poses: Array) -> tuple[Foot, ...]:
 def across(machine: Machine, setup: Setup, poses: Array) -> Array:
     """Return d × a, a the way along which the axis goes: the direction whose slope is a turn about d, (m, 3)."""
     (axis,) = setup.moves
-    along = frames(machine, poses).rotations[axis] @ np.array(machine.axes[axis].direction)
+    along = machine.frames(poses).rotations[axis] @ np.array(machine.axes[axis].direction)
     return np.cross(np.array(setup.direction), along)
 
 
@@ -63,15 +62,15 @@ def belongs(function: Term, axis: int) -> bool:
     )
 
 
-def heights(errors: ErrorModel, setup: Setup, poses: Array) -> Array:
+def heights(errors: Machine, setup: Setup, poses: Array) -> Array:
     """Return what a unit of each error of the way's shape adds to its height across, at poses, (terms, m)."""
     (axis,) = setup.moves
     own = np.array([belongs(term, axis) for term in errors.terms])
-    levers = np.einsum("fmc,mc->fm", errors.levers(poses), across(errors.machine, setup, poses))
+    levers = np.einsum("fmc,mc->fm", errors.levers(poses), across(errors, setup, poses))
     return np.asarray(levers * own[:, None], dtype=np.float64)
 
 
-def slope_rows(errors: ErrorModel, setup: Setup, poses: Array) -> Array:
+def slope_rows(errors: Machine, setup: Setup, poses: Array) -> Array:
     """Return the rows of what feet show, the slope of their chord, (m, size)."""
     rows = np.zeros((len(poses), errors.size))
     for at, weight in feet_of(setup, poses):

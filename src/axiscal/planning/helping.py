@@ -19,7 +19,6 @@ from axiscal.estimation.known_rows import known_rows
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, quoted, said
-from axiscal.machine import Machine
 from axiscal.measurement.setup import Setup
 from axiscal.planning.enough import enough, goal_of, reached_by
 from axiscal.planning.next_readings import posed
@@ -29,6 +28,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.instrument import TOOL
+from axiscal_core.machine import Machine
 
 _KINDS = ("interferometer", "ballbar", "dial", "sphere")
 """Those whose set-ups follow from the machine alone, and of which nothing has to be looked up first."""

@@ -24,7 +24,6 @@ from itertools import count as count_from
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.exceptions import PlanError
@@ -39,6 +38,7 @@ from axiscal.planning.promise import EVERY
 from axiscal.record.events import Gap
 from axiscal.units import from_unit, to_unit
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 from axiscal_core.theta import MANY
 
 Pose = tuple[float, ...]
@@ -57,7 +57,7 @@ def with_rooms(case: Case, places: Places) -> tuple[Place, ...]:
     return tuple(Place(setup, *room) for setup, room in rooms)
 
 
-def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) -> tuple[Pose, Approach]:
+def with_room(errors: Machine, setup: Setup, pose: Pose, approach: Approach) -> tuple[Pose, Approach]:
     """Return a place near the planned one that can be approached from the planned side.
 
     The place moves inward by the lack of overrun if the side matters, because the axis has a reversal value. Otherwise
@@ -65,8 +65,8 @@ def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) 
     """
     if setup.chart is not None:  # its places leave room for the approach, and lie where the chart has them
         return pose, approach
-    at, come = [_readable(axis, value) for axis, value in zip(errors.machine.axes, pose, strict=True)], list(approach)
-    for k, axis in enumerate(errors.machine.axes):
+    at, come = [_readable(axis, value) for axis, value in zip(errors.axes, pose, strict=True)], list(approach)
+    for k, axis in enumerate(errors.axes):
         place = _with_room(axis, at[k], approach[k], setup.raster[k])
         if place != at[k] and k in errors.reversing:
             at[k] = place

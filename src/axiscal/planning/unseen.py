@@ -19,7 +19,6 @@ from axiscal.errors.gauge import EITHER, Hidden, hidden, unseen_factor
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import joined, later, said
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
@@ -44,7 +43,7 @@ def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
     unseen = yardstick.unseen_rms
     if not all(yardstick.counted):
         return
-    if unseen < _LEAST or len({axis.letter for axis in yardstick.errors.machine.axes} & set("XYZ")) < 3:
+    if unseen < _LEAST or len({axis.letter for axis in yardstick.errors.axes} & set("XYZ")) < 3:
         return
     scale, turn = uniform_parts(yardstick)
     if scale > _SAID * unseen:
@@ -64,12 +63,12 @@ def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
 def uniform_parts(yardstick: Yardstick) -> tuple[float, float]:
     """Return what a common scale and a turn of the whole make of the unseen, RMS over the volume, m."""
     poses = yardstick.inside
-    machine, sides = yardstick.errors.machine, np.zeros_like(poses)
-    rows = yardstick.errors.rows(poses, sides)
+    machine, sides = yardstick.errors, np.zeros_like(poses)
+    rows = yardstick.errors.rows_at(poses, sides)
     if yardstick.alignment is not None:
         rows = rows - yardstick.alignment.taken_off(poses)
     hidden = rows.reshape(-1, yardstick.errors.size) @ yardstick.unseen
-    away = frames(machine, poses).tcp
+    away = machine.frames(poses).tcp
     away = away - away.mean(axis=0)
     turned = np.asarray(-rigid.skew(away), dtype=np.float64).reshape(-1, 3)
     return _rms(away.reshape(-1, 1), hidden), _rms(turned, hidden)

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.errors.term import Term
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.language.spoken import WORDS, said
 from axiscal.measurement.instrument import model_of
@@ -19,6 +18,7 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.summary import ConstantSummary, CurvePoint, CurveSummary
 from axiscal.units import said_quantity, to_unit
+from axiscal_core.terms import Term
 
 _POSITIONS = 101
 """Points of a drawn curve."""
@@ -34,7 +34,7 @@ def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMa
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
     left = numbers.values[firsts] - numbers.rows[firsts] @ estimation.printed.belief.mean
     sight = _Sight(numbers.rows[firsts], left, np.sqrt(numbers.variances[firsts]))
-    drawn = [function for function in estimation.case.errors.functions if function.basis.size > 1]
+    drawn = [function for function in estimation.case.errors.curves if function.spline.size > 1]
     return [_curve(estimation, each, [*_points(estimation, each, readings, sight)], truth) for each in drawn]
 
 
@@ -45,9 +45,9 @@ def value_unit(function: Term) -> str:
 
 def _curve(known: Estimation, function: Term, points: list[CurvePoint], truth: VirtualMachine | None) -> CurveSummary:
     estimate = known.estimate()
-    axis = known.case.errors.machine.axes[function.axis]
+    axis = known.case.errors.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
-    rows = function.basis.rows(positions)
+    rows = function.spline.rows(positions)
     unit, position_unit = value_unit(function), axis.unit
     told = np.sum((rows @ known.printed.belief.factor[function.columns]) ** 2, axis=1)
     hidden = np.sum((rows @ known.case.yardstick.unseen[function.columns]) ** 2, axis=1)
@@ -78,7 +78,7 @@ def _curve(known: Estimation, function: Term, points: list[CurvePoint], truth: V
 def constants(estimation: Estimation) -> list[ConstantSummary]:
     """Return location errors, constant reversals, and the unknowns of the set-ups."""
     case, own = estimation.case, list[ConstantSummary]()
-    for function in (each for each in case.errors.functions if each.basis.size == 1):
+    for function in (each for each in case.errors.curves if each.spline.size == 1):
         column = function.columns.start
         found = _found(estimation, function.name, words(function.name), column, value_unit(function))
         hidden = float(np.linalg.norm(case.yardstick.unseen[column]))
@@ -137,13 +137,13 @@ def _points(known: Estimation, function: Term, readings: Sequence[Reading], sigh
     """Yield each reading as a curve sees it: less what the rest of the model says, per unit of the lever."""
     setups = known.case.description.setups
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
-    whole = sum(sight.shares(each) for each in known.case.errors.functions)
-    unit, axis = value_unit(function), known.case.errors.machine.axes[function.axis]
+    whole = sum(sight.shares(each) for each in known.case.errors.curves)
+    unit, axis = value_unit(function), known.case.errors.axes[function.axis]
     for index in np.flatnonzero(sight.shares(function) > _BEARS_ON * whole).tolist():
         reading = readings[index]
         if function.axis not in moves[reading.setup]:
             continue
-        basis = function.basis.rows(np.array([reading.pose[function.axis]]))[0]
+        basis = function.spline.rows(np.array([reading.pose[function.axis]]))[0]
         lever = float(sight.rows[index, function.columns] @ basis / (basis @ basis))
         value = float(basis @ known.printed.belief.mean[function.columns]) + float(sight.left[index]) / lever
         yield CurvePoint(

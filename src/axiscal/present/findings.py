@@ -223,9 +223,9 @@ def turned_alike(estimation: Estimation) -> Iterator[Finding]:
         "whole travel both look alike. To tell them apart, read three places again from both sides, soon after a turn."
     )
     errors, setups = estimation.case.errors, estimation.case.description.setups
-    for term in errors.functions:
-        axis = errors.machine.axes[term.axis]
-        if term.kind == "reversal" and term.basis.size > 1 and not axis.rotary:
+    for term in errors.curves:
+        axis = errors.axes[term.axis]
+        if term.kind == "reversal" and term.spline.size > 1 and not axis.rotary:
             found = [_turns(estimation, setup, term.axis) for setup in setups if term.axis in setup.moves]
             inside = [np.minimum(turns - at.min(), at.max() - turns) for at, turns in found if len(at)]
             if all(np.all(far < _ENDS * axis.length) for far in inside):

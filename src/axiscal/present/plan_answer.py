@@ -29,7 +29,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place, Reading, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.planning.helping import helping_setups
@@ -227,7 +226,7 @@ def _setups(case: Case, places: Sequence[Place], passed: Callable[[int], float])
 def _points(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlanPoint]:
     machine = case.description.machine
     for place, reading in zip(places, plan.readings, strict=True):
-        setup, tips = case.description.setup(place.setup), frames(machine, np.array([place.pose])).tcp
+        setup, tips = case.description.setup(place.setup), machine.frames(np.array([place.pose])).tcp
         artefact = setup.artefact
         ball = None if artefact is None else artefact.balls[int(artefact.nearest(tips, setup.balls)[0])].name
         yield PlanPoint(

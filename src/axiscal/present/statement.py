@@ -181,11 +181,11 @@ def conditions(case: Case) -> str:
     return counted(
         "for a tool of {tool}, over {volume}, {assumed}, of the one error that is described ({names})",
         "for a tool of {tool}, over {volume}, {assumed}, of the {count} errors that are described ({names})",
-        len(machine.error_names),
-        tool=said_quantity(machine.tool, "mm", 4),
+        len([each.name for each in machine.stated]),
+        tool=said_quantity(machine.tool_length, "mm", 4),
         volume=volume,
         assumed=listed(", ", [*alone, warm, *drift_words(setups)]),
-        names=" ".join(machine.error_names),
+        names=" ".join([each.name for each in machine.stated]),
     )
 
 

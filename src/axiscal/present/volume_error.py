@@ -11,19 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.term import Term
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import listed, put
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import COMPONENTS
-from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, left_by
 from axiscal.units import said_quantity, to_unit
+from axiscal_core.errors import COMPONENTS
+from axiscal_core.machine import Machine
+from axiscal_core.terms import Term
 
 _POSITIONS = 31
 """Points of a drawn map along each axis."""
@@ -60,18 +58,18 @@ def planes(estimation: Estimation) -> list[PlaneSummary]:
 
 def _plane(estimation: Estimation, plane: Term) -> PlaneSummary:
     errors, belief = estimation.case.errors, estimation.printed.belief
-    axes = tuple(errors.machine.axes[index] for index in plane.axes)
+    axes = tuple(errors.axes[index] for index in plane.axes)
     at = tuple(np.linspace(*axis.travel, _POSITIONS) for axis in axes)
-    poses = np.tile(np.array(errors.machine.zero), (_POSITIONS**2, 1))
+    poses = np.tile(np.array(errors.zero), (_POSITIONS**2, 1))
     poses[:, list(plane.axes)] = np.stack([grid.ravel() for grid in np.meshgrid(*at, indexing="ij")], axis=1)
     names = {f"E{COMPONENTS[plane.component]}{axis.name}" for axis in axes}  # of curves in the same direction
     beside: list[Term] = [
-        *(function for function in errors.functions if function.name in names),
+        *(function for function in errors.curves if function.name in names),
         plane,
     ]  # in its direction
     own, whole = (_rows_of_plane(errors, terms, poses) for terms in ([plane], beside))
     whole -= whole.mean(axis=0)  # where the zero lies is no shape
-    sign = float(errors.machine.axes[plane.axis].sign)
+    sign = float(errors.axes[plane.axis].sign)
     rest, rests = plane.rest**2, sum(term.rest**2 for term in beside)
     known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.without_readings))
     mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
@@ -93,11 +91,11 @@ def _plane(estimation: Estimation, plane: Term) -> PlaneSummary:
     )
 
 
-def _rows_of_plane(errors: ErrorModel, terms: Sequence[Term], poses: Array) -> Array:
+def _rows_of_plane(errors: Machine, terms: Sequence[Term], poses: Array) -> Array:
     """Return the rows of a sum of errors, each with the sign that it has at the tool, (m, size)."""
     rows = np.zeros((len(poses), errors.size))
     for term in terms:
-        rows[:, term.columns] = errors.machine.axes[term.axis].sign * term.rows(*term.at(poses))
+        rows[:, term.columns] = errors.axes[term.axis].sign * term.rows(*term.at(poses))
     return rows
 
 
@@ -153,9 +151,9 @@ def volume_error(estimation: Estimation, control: Control | None = None) -> Volu
     axes = estimate.machine.axes
     at = {axis.name: said_quantity(float(poses[0, k]), axis.unit, 4) for k, axis in enumerate(axes) if k not in moving}
     parked = listed(", ", [put("{axis} {at}", axis=name, at=at[name]) for name in sorted(at)])
-    places = _triples(frames(estimate.machine, poses).tcp, "mm")
+    places = _triples(estimate.machine.frames(poses).tcp, "mm")
     names = [axes[k].name for k in moving]
-    spread = _shifted(_either_way(estimate.model.rows, poses)) @ estimate.factor
+    spread = _shifted(_either_way(estimate.model.rows_at, poses)) @ estimate.factor
     rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
     half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
     return VolumeError(names, parked, places, _triples(found), _triples(half), left)
@@ -227,7 +225,7 @@ def bent_volume(estimation: Estimation, controller: str = "", control: Control |
     estimate = estimation.estimate()
     _, poses, counts = places_over(estimate, _SMOOTH)
     shape = (*counts, *(1,) * (3 - len(counts)), 3)
-    tcp = frames(estimate.machine, poses).tcp
+    tcp = estimate.machine.frames(poses).tcp
     aligned, part = estimate.alignment is not None, Alignment(estimate.model, poses)
 
     def off(deviations: Array) -> Array:
@@ -237,7 +235,7 @@ def bent_volume(estimation: Estimation, controller: str = "", control: Control |
     found = off(_either_way(estimate.deviation, poses))
     left = None if control is None else off(_left(estimate, control, poses))
     chances = np.random.default_rng(_SEED).standard_normal((MACHINES, estimate.factor.shape[1]))
-    draws = np.einsum("mij,nj->nmi", _either_way(estimate.model.rows, poses), chances @ estimate.factor.T)
+    draws = np.einsum("mij,nj->nmi", _either_way(estimate.model.rows_at, poses), chances @ estimate.factor.T)
     allowed = np.stack([off(each) for each in draws])
     return BentVolume(estimate.machine, tcp.reshape(shape), found, left, allowed, aligned, controller)
 

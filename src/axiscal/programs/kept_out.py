@@ -13,8 +13,6 @@ import numpy as np
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
 from axiscal.language.spoken import said
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.bodies import lever
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import Setup
@@ -22,6 +20,7 @@ from axiscal.numerics import Array
 from axiscal.programs.scale import AxisScale
 from axiscal.programs.steps import Arrival, Move, Step
 from axiscal.units import from_unit
+from axiscal_core.machine import Machine
 
 _LIMIT = 2e-6
 """m, by which a way may enter a box: angles are written with four decimals, and some controls take three."""
@@ -42,7 +41,7 @@ def free(room: Room, start: Array, stop: Array) -> bool:
         tried += len(left)
         middle = (left + right) / 2
         shares = np.concatenate([left, middle, right])
-        seen = frames(room.machine, start + shares[:, None] * (stop - start))
+        seen = room.machine.frames(start + shares[:, None] * (stop - start))
         if tried > _MOST_TRIED or room.hit(seen.tcp, seen.stem, -_LIMIT).any():
             return False
         tips, stems = (each.reshape(3, -1, 3) for each in (seen.tcp, seen.stem))

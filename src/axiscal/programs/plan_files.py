@@ -9,12 +9,12 @@ from axiscal.document import shown
 from axiscal.document.durable import write_whole
 from axiscal.document.ports import rendered
 from axiscal.exceptions import ProgramError
-from axiscal.machine.description import Machine
 from axiscal.measurement.readers.touch_log import LISTS, plan_code
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs.dialects import dialect
 from axiscal.programs.program import form, programs
+from axiscal_core.machine import Machine
 
 
 def write_programs(

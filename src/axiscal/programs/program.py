@@ -12,8 +12,7 @@ import numpy as np
 from axiscal.document import shown
 from axiscal.document.ports import rendered
 from axiscal.exceptions import ProgramError
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import drawn_back, frames
+from axiscal.machine.kinematics import drawn_back
 from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.readers.touch_log import plan_code
@@ -26,6 +25,7 @@ from axiscal.programs.scale import ReadingTarget, target
 from axiscal.programs.sphere_cycle import SphereCycle
 from axiscal.programs.standing import standing
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 LONGEST = 60
 """Characters of a remark that every control shows."""
@@ -155,7 +155,7 @@ class _Writer:
         """Return the ball of each reading by its number; none where no ball is read."""
         if self._setup.artefact is None or not self._setup.balls:
             return {}
-        tips = frames(self._machine, np.array([place.pose for _, place in self._places])).tcp
+        tips = self._machine.frames(np.array([place.pose for _, place in self._places])).tcp
         balls = self._setup.artefact.nearest(tips, self._setup.balls).tolist()
         return {number: ball for (number, _), ball in zip(self._places, balls, strict=True)}
 

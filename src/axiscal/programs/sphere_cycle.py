@@ -10,7 +10,6 @@ import numpy as np
 
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError, TravelError
-from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import SideTouch, cycle_of, touches
@@ -18,6 +17,7 @@ from axiscal.numerics import Array
 from axiscal.programs.scale import Decimals, ReadingTarget, exact
 from axiscal.programs.steps import Group, ProgramAxes, Step, Touched
 from axiscal.units import to_unit
+from axiscal_core.machine import Machine
 
 _TRAVEL = 600
 """mm/min beside a sphere, where no feed near the place is asked for: gentle on any probe."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from axiscal.machine.description import Machine
 from axiscal.measurement.bodies import parts
 from axiscal.measurement.setup import Setup
 from axiscal.units import to_unit
+from axiscal_core.machine import Machine
 
 CLEAR = "PRESS START WHEN THE WAY TO THE START IS CLEAR"
 """What the first stop is for."""
@@ -47,10 +47,10 @@ def standing(machine: Machine, setup: Setup) -> Iterator[str]:
     yield f"IT IS ASSUMED THAT NOTHING {'ELSE ' if balls or boxes else ''}STANDS IN THE WAY"
     if balls or boxes:
         each = zip(
-            ("STYLUS", "HOLDER", "NOSE") if machine.stylus > 0 else ("TOOL", "NOSE"), parts(machine), strict=False
+            ("STYLUS", "HOLDER", "NOSE") if machine.nose.stylus > 0 else ("TOOL", "NOSE"), parts(machine), strict=False
         )
         yield from (f"{name} {_mm((2 * part.radius,))} WIDE UP TO {_mm((part.stop,))}" for name, part in each)
-    if (balls or boxes) and not machine.head:
+    if (balls or boxes) and not machine.nose.head:
         yield "THE SIZE OF THE SPINDLE NOSE IS NOT KNOWN"
 
 

@@ -14,13 +14,13 @@ import numpy as np
 
 from axiscal.exceptions import ProgramError
 from axiscal.language.spoken import said
-from axiscal.machine.description import Machine
 from axiscal.machine.motion import FAMILIES, Driving, move_groups, quick_share, turn_parts
 from axiscal.measurement.setup import Setup
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget
 from axiscal.programs.standing import CLEAR, mounting
 from axiscal.units import format_quantity, to_unit
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 FASTEST = 99_999
 """mm/min or deg/min; not every control is known to read a longer number."""

@@ -13,7 +13,6 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from axiscal.answers.prediction import pose_and_sides, tcp_joint, tcp_normal
-from axiscal.errors.term import Term
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
@@ -22,7 +21,6 @@ from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.promise.agreement import Agreement
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import said
-from axiscal.machine.description import Machine
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import deliver, evaluated, write_files
@@ -35,8 +33,10 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.units import format_quantity, to_unit
 from axiscal_core import curve as own
 from axiscal_core import refusals
+from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.refusals import Array, finite, one, sided, whole
+from axiscal_core.terms import Term
 from axiscal_core.units import EITHER, METRES, RADIANS, Quantity, quantities, si
 
 
@@ -257,7 +257,7 @@ class Estimated(Mapping[str, Curve]):
         mean, factor = known.mean[function.columns], known.factor[function.columns]
         unit = "urad" if function.angular else "um"
         at = self.machine.axes[function.axis].unit
-        curve = Curve.of(function.basis, Normal(mean, factor @ factor.T))
+        curve = Curve.of(function.spline, Normal(mean, factor @ factor.T))
         curve.name, curve.rest, curve.unit, curve.position_unit = name, function.rest, unit, at
         return curve
 
@@ -265,7 +265,7 @@ class Estimated(Mapping[str, Curve]):
         return iter(self.estimation.case.errors.names)
 
     def __len__(self) -> int:
-        return len(self.estimation.case.errors.functions)
+        return len(self.estimation.case.errors.curves)
 
     def deviation(self, *poses: Poses, approach: Mapping[str, int] | None = None, joint: bool = False) -> MeanAndStd:
         """Return the deviation of the tool point in the workpiece frame.
@@ -320,10 +320,10 @@ class Estimated(Mapping[str, Curve]):
 
     def plot(self) -> NotebookPicture:
         """Return a picture of every curve with its 95 % band."""
-        return NotebookPicture(tuple(self[name].line() for name in self if self._function(name).basis.size > 1))
+        return NotebookPicture(tuple(self[name].line() for name in self if self._function(name).spline.size > 1))
 
     def _function(self, name: str) -> Term:
-        return self.estimation.case.errors.names[name]
+        return self.estimation.case.errors.by_name[name]
 
     def __repr__(self) -> str:
         count, known = len(self.estimation.readings), format_quantity(self.rms, "um", 3)

@@ -22,7 +22,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.located import absorbed
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import DescriptionError, InputError, PlanError, TargetError
-from axiscal.machine.description import Machine
+from axiscal.machine import DescribedMachine
 from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.reading import Reading, approach_text, place_text
 from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at, shown_by_each, visited
@@ -153,9 +153,9 @@ class Case:
     Of a machine that is made in Python it is the case of the core, which takes the same instruments.
     """
 
-    def __new__(cls, machine: Machine | OwnMachine, setups: Any = (), *more: Any, **named: Any) -> Any:
+    def __new__(cls, machine: OwnMachine, setups: Any = (), *more: Any, **named: Any) -> Any:
         """Return the case."""
-        if not isinstance(machine, OwnMachine):
+        if isinstance(machine, DescribedMachine) or not isinstance(machine, OwnMachine):
             return super().__new__(cls)
         if more or {"target", "learn"} & {*named}:
             remedy = "Give a criterion to its plans; its sizes are learnt as `sure` says"
@@ -164,7 +164,7 @@ class Case:
 
     def __init__(
         self,
-        machine: Machine | OwnMachine,
+        machine: OwnMachine,
         setups: Sequence[SetupKeys | Instrument],
         target: Mapping[str, Any] | None = None,
         learn: bool = False,
@@ -172,8 +172,8 @@ class Case:
         usual: Literal["on", "off"] = "on",
         sure: Literal["exactly", "well", "roughly"] | None = None,
     ) -> None:
-        one("Case", "machine", machine, Machine, 'load_machine("dmu60")')
-        assert isinstance(machine, Machine), "the case of any other is the core's"
+        one("Case", "machine", machine, DescribedMachine, 'load_machine("dmu60")')
+        assert isinstance(machine, DescribedMachine), "the case of any other is the core's"
         scales = "estimate" if one("Case", "learn", learn, bool, "True or False") else "stated"
         every = [given.mounted(s) if isinstance(s, Instrument) else s for s in listed("Case", "setups", setups)]
         for each in every:

@@ -23,12 +23,13 @@ from axiscal.present.whose_language import named_language
 from axiscal.python.estimated import Curve
 from axiscal.units import to_unit
 from axiscal_core import refusals
-from axiscal_core.errors import Curved, Offset, Plane
+from axiscal_core.errors import Offset
 from axiscal_core.known import Known
 from axiscal_core.model import Model
 from axiscal_core.normal import Normal
 from axiscal_core.places import Readings
 from axiscal_core.refusals import named, one, one_of
+from axiscal_core.terms import Term
 from axiscal_core.units import like
 
 UNITS = {"m": "um", "rad": "urad"}
@@ -69,7 +70,7 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
 def _filled(known: Known, readings: Readings, told: dict[str, Any], folder: Path) -> str:
     """Return the report as typst sets it; its pictures are written into a folder."""
     kept, normal = kept_in(folder), known.normal
-    drawn = (term for _, term in known.case.machine.curves if term.spline.size > 1)
+    drawn = (term for term in known.case.machine.curves if term.spline.size > 1)
     curves = [_curve(known.case, term, normal) for term in drawn]
     values = {
         "figures": _figures(known),
@@ -109,10 +110,9 @@ def _sentences(known: Known) -> Iterator[str]:
         yield said("Sizes that much larger contradict what is stated: look at the unit of the readings first.")
 
 
-def _curve(case: Model, term: Curved, known: Normal) -> Curve:
+def _curve(case: Model, term: Term, known: Normal) -> Curve:
     """Return a curve as it is drawn.  known : of the unknowns, now or before"""
-    axis = case.machine.axes[term.at]
-    columns = case.machine.columns[case.machine.terms.index(term)]
+    axis, columns = case.machine.axes[term.axis], term.columns
     normal = Normal(known.mean[columns], known.covariance[columns, columns])
     curve = Curve.of(term.spline, normal, axis.of)
     curve.name, curve.rest, curve.position_unit = term.name, term.rest, "deg" if axis.rotary else "mm"
@@ -122,21 +122,21 @@ def _curve(case: Model, term: Curved, known: Normal) -> Curve:
 
 def _unit(term: object) -> str:
     """Return "m" or "rad", what a number of an error is; "" of a basis of one's own, which does not say."""
-    if isinstance(term, Curved):
-        return "m" if term.error.component < 3 else "rad"
+    if isinstance(term, Term):
+        return "rad" if term.angular else "m"
     basis = getattr(term, "basis", None)
     if isinstance(basis, Offset):
         return "rad" if basis.twist[3:].any() else "m"
-    return ("m" if basis.name[1] in "XYZ" else "rad") if isinstance(basis, Plane) else ""
+    return ""
 
 
 def _found(known: Known) -> Iterator[list[str]]:
     """Give each unknown with its 95 %, now and before; of a curve that is drawn its range, and both on average."""
     machine, both = known.case.machine, (known.normal, known.case.prior)
     now, before = (each.std for each in both)
-    for term, columns in zip(machine.terms, machine.columns, strict=True):
-        unit = _unit(term)
-        if (count := columns.stop - columns.start) > 1 and isinstance(term, Curved):
+    for term in machine.parts:
+        unit, columns = _unit(term), term.columns
+        if (count := columns.stop - columns.start) > 1 and isinstance(term, Term) and not term.error.sides:
             yield _range(*(_curve(known.case, term, each) for each in both))
             continue
         for i in range(columns.start, columns.stop):

@@ -11,9 +11,10 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from axiscal.machine import Machine, machine_from_text
+from axiscal.machine import machine_from_text
 from axiscal.machine.kinematics import bed_in_workpiece
 from axiscal.measurement.reading import Reading
+from axiscal_core.machine import Machine
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.errors.term import Term
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import letter_direction
 from axiscal.units import format_quantity
+from axiscal_core.terms import Term
 
 SIZE = 10e-6
 """m: a dial gauge shows it, and no tool feels it."""
@@ -34,7 +34,7 @@ def bumped(estimate: Estimate, controller: str, unstated: str) -> tuple[Estimate
         moved = own if unstated == "own" else function.component in ways and not own
         return function.kind == "motion" and not axis.rotary and moved
 
-    chosen = next(filter(shows, model.functions), None)
+    chosen = next(filter(shows, model.curves), None)
     if chosen is None:
         what = "no error of machine.toml goes into tables of {controller} whose sign is not stated"
         raise TableError(what, "Leave --probe-sign out", controller=controller)

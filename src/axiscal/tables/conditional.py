@@ -11,13 +11,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import AlongAxis, Box, along_axis, averaged, lagrange, terms_by_axes
-from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 
 
-def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, positions: Array, sign: int) -> Array:
+def mean_along(model: Machine, box: Box, moved: Sequence[int], over: int, positions: Array, sign: int) -> Array:
     """Return rows (moved, positions, size) of E[ δp · u_o | t_over ] for every linear axis o in `moved`.
 
     sign : +1 or -1, the direction in which the position was approached
@@ -39,7 +38,7 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
     return rows
 
 
-def _along(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> AlongAxis:
+def _along(model: Machine, axis: int, bounds: tuple[float, float]) -> AlongAxis:
     """Return one axis of a mean, also where it stands."""
     if bounds[0] < bounds[1]:
         return along_axis(model, axis, bounds)
@@ -47,46 +46,46 @@ def _along(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> AlongAx
     return AlongAxis(place, place, one[:, None], one)
 
 
-def _levers_along(model: ErrorModel, axes: Sequence[AlongAxis], moved: Sequence[int], over: int, sign: int) -> Array:
+def _levers_along(model: Machine, axes: Sequence[AlongAxis], moved: Sequence[int], over: int, sign: int) -> Array:
     """Return the levers of all terms along moved axes, (terms, moved, ...) at the nodes of all axes."""
     grid = np.meshgrid(*(axis.nodes for axis in axes), indexing="ij")
     poses = np.stack([each.ravel() for each in grid], axis=1)
-    rotations = frames(model.machine, poses).rotations
-    along_axes = [rotations[o] @ np.array(model.machine.axes[o].direction) for o in moved]
+    rotations = model.frames(poses).rotations
+    along_axes = [rotations[o] @ np.array(model.axes[o].direction) for o in moved]
     ways = np.array(along_axes).reshape(len(moved), len(poses), 3)  # of no axis too
     counted = np.array([_counted(model, index, over, sign) for index in range(len(model.terms))])
     found: Array = np.einsum("f,fmc,omc->fom", counted, model.levers(poses), ways)
     return found.reshape(len(counted), len(moved), *grid[0].shape)
 
 
-def _counted(model: ErrorModel, index: int, over: int, sign: int) -> float:
+def _counted(model: Machine, index: int, over: int, sign: int) -> float:
     """Return how much of an error is seen along linear axes: reversals, and planes, of the axis of the positions alone.
 
     A turn of a rotor about its own line is in its own table.
     """
-    if index >= len(model.functions):
+    if index >= len(model.curves):
         return float(over in model.terms[index].axes)
-    function = model.functions[index]
+    function = model.curves[index]
     if taken_by_rotor(model, index):
         return 0.0
     return 0.5 * sign * (function.axis == over) if function.kind == "reversal" else 1.0
 
 
-def turned(model: ErrorModel, box: Box, axis: int, positions: Array, sign: int) -> Array:
+def turned(model: Machine, box: Box, axis: int, positions: Array, sign: int) -> Array:
     """Return rows (positions, size) of the rotation of a rotary axis about its own line beyond its command."""
     poses = np.tile(np.mean(box, axis=1), (len(positions), 1))
     poses[:, axis] = positions
-    direction = frames(model.machine, poses).rotations[axis] @ np.array(model.machine.axes[axis].direction)
+    direction = model.frames(poses).rotations[axis] @ np.array(model.axes[axis].direction)
     levers = np.zeros((len(model.terms), len(poses)))
-    own = [i for i, f in enumerate(model.functions) if f.axis == axis]
+    own = [i for i, f in enumerate(model.curves) if f.axis == axis]
     levers[own] = np.einsum("fmc,mc->fm", model.levers(poses, angular=True)[own], direction)
     approaches = np.zeros_like(poses)
     approaches[:, axis] = sign
     return model.along(levers, poses, approaches)
 
 
-def taken_by_rotor(model: ErrorModel, index: int) -> bool:
+def taken_by_rotor(model: Machine, index: int) -> bool:
     """Return whether an error turns a rotary axis about its own line, which its own table takes away."""
-    function = model.functions[index]
-    axis = model.machine.axes[function.axis]
+    function = model.curves[index]
+    axis = model.axes[function.axis]
     return axis.rotary and function.angular and bool(abs(axis.direction[function.component % 3]) > 0.5)

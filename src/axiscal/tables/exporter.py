@@ -23,11 +23,11 @@ from axiscal.document.ports import of_class, rendered
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
-from axiscal.machine.description import Machine
 from axiscal.tables.loaded import Loaded, OldFile, read_old, refuse_long_numbers, table_control
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
 from axiscal.tables.surface import Control, sum_of, with_height
 from axiscal.tables.table import CompensationTable
+from axiscal_core.machine import Machine
 
 _KINDS = "a table, backlash, pitch or sag compensation, a bed mesh or skew correction"
 _BEGINNING = later(

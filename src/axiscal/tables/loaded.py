@@ -17,14 +17,13 @@ import numpy as np
 
 from axiscal.description.ini_file import IniFile, IniValue, read_ini
 from axiscal.description.ini_machine import unit_in
-from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import InputError, TableError
-from axiscal.machine.description import Machine
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, Mesh, Skew, mesh_control, skew_control, sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError, tip_control
+from axiscal_core.machine import Machine
 
 _SECTION = re.compile(r"^\s*\[\w+\]", re.MULTILINE)
 _JOINT = re.compile(r"(?:JOINT|AXIS)_(\d{1,2})")
@@ -164,7 +163,7 @@ class Loaded:
         """Return what it adds to commands."""
         parts = [table_control(machine, self.tables), *self.others]
         parts += [mesh_control(machine, mesh) for mesh in self.meshes]
-        parts += [tip_control(ErrorModel(machine), self.errors)] if self.errors else []
+        parts += [tip_control(machine, self.errors)] if self.errors else []
         return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew else []))
 
     def alone(self, within: bool) -> Loaded:

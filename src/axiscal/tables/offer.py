@@ -14,8 +14,6 @@ from axiscal.document.ports import of_class, rendered
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, put, said
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array, even_subset
 from axiscal.tables.exporter import Draft, paragraphs
@@ -23,6 +21,7 @@ from axiscal.tables.sampling import untold
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
 from axiscal.units import digits, format_quantity, to_unit
+from axiscal_core.machine import Machine
 
 POSES = 1000
 """Poses at which a file is tried: a file that adds the wrong thing does so at almost every pose."""
@@ -174,7 +173,7 @@ def _reach(estimate: Estimate, name: str) -> float:
     """Return the lever, m/rad, by which a rotary axis moves the TCP at most; 1 for a linear axis."""
     if not estimate.machine.axis(name).rotary:
         return 1.0
-    return 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box)) + estimate.machine.tool
+    return 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box)) + estimate.machine.tool_length
 
 
 def spread_poses(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
@@ -209,8 +208,8 @@ def foreword(estimate: Estimate, control: Control) -> tuple[str, ...]:
 def shifts(machine: Machine, control: Control, poses: Array) -> Array:
     """Return how a control moves the tool on the workpiece at poses (m, q), the mean of both directions, (m, 3), m."""
     ways = [np.full(poses.shape, side) for side in (1.0, -1.0)]
-    sent = [frames(machine, poses + control(poses, way)).tcp for way in ways]
-    return (sent[0] + sent[1]) / 2 - frames(machine, poses).tcp
+    sent = [machine.frames(poses + control(poses, way)).tcp for way in ways]
+    return (sent[0] + sent[1]) / 2 - machine.frames(poses).tcp
 
 
 def _place(machine: Machine, pose: Array) -> str:

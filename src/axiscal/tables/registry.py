@@ -16,11 +16,11 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, Faults, TableError
 from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
-from axiscal.machine.description import Machine
 from axiscal.tables.exporter import OFF, Draft, Exporter, ExportOptions, asked_about, informed, on_top
 from axiscal.tables.loaded import Loaded, refuse_long_numbers
 from axiscal.tables.offer import Export, tried_out, tried_over_box
 from axiscal.tables.surface import Control
+from axiscal_core.machine import Machine
 from axiscal_core.threads import one_thread
 
 _ABSURD = 1.0

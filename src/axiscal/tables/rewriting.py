@@ -20,12 +20,12 @@ import numpy as np
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import travel_text
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames, solved
+from axiscal.machine.kinematics import solved
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.programs.part_program import PartLine, PartMotion, Spot, read_program
 from axiscal.units import format_quantity, to_unit
+from axiscal_core.machine import Machine
 
 _ROUNDS = 2
 """Of c = p + Δ(c): the second changes it by the deviation times its slope."""
@@ -75,7 +75,7 @@ class Sent:
             if column >= 0:
                 ways[:, column] = sides[:, letter]
         sent = [k for k in self.columns if k >= 0]
-        rotations = frames(self._machine, poses).rotations
+        rotations = self._machine.frames(poses).rotations
         moves = np.stack([rotations[k] @ np.array(self._machine.axes[k].direction) for k in sent], axis=2)
         added = np.zeros_like(poses)
         for _ in range(_ROUNDS):

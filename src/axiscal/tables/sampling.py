@@ -25,7 +25,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
@@ -33,6 +32,7 @@ from axiscal.tables.conditional import mean_along, turned
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.units import format_quantity
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 SAMPLES = 1025
 """Places at which curve and line are compared; a table has some tens of points."""
@@ -76,7 +76,7 @@ def _own_tables(
 ) -> Iterator[tuple[CompensationTable, bool]]:
     """Yield the table of every axis with an error, and whether readings tell what it holds."""
     model = estimate.model
-    known = {function.axis for function in model.functions}
+    known = {function.axis for function in model.curves}
     axes = [(k, axis.rotary) for k, axis in enumerate(estimate.machine.axes) if k in known]
     grids = ((k, points(model, k, spacing, most, multiples[rotary])) for k, rotary in axes)
     for k, positions in grids:
@@ -145,7 +145,7 @@ def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = Fa
 
 
 def points(
-    model: ErrorModel, axis: int, spacing: Spacing = None, most: int = MOST_POINTS, multiple: float | None = None
+    model: Machine, axis: int, spacing: Spacing = None, most: int = MOST_POINTS, multiple: float | None = None
 ) -> Array:
     """Return evenly spaced positions that cover the travel of an axis.
 
@@ -153,12 +153,12 @@ def points(
     multiple : the distance shall be a multiple of this, m or rad; the last point may then lie beyond the travel
     Raises TableError for a spacing that does not divide the travel, or needs more points than fit.
     """
-    own = model.machine.axes[axis]
+    own = model.axes[axis]
     start, stop = own.travel
     chosen = spacing.get(own.name) if isinstance(spacing, Mapping) else None if own.rotary else spacing
     if chosen is not None:
         return _spaced(own, chosen, most)
-    intervals = max((len(f.basis.knots) - 1 for f in model.functions if f.axis == axis), default=1)
+    intervals = max((len(f.spline.knots) - 1 for f in model.curves if f.axis == axis), default=1)
     count = max(min(_POINTS_PER_INTERVAL * intervals, most - 1), 1)
     if multiple is None:
         return np.linspace(start, stop, count + 1)
@@ -233,12 +233,12 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     shown = curves @ estimate.mean - anchor @ estimate.mean
     values = hats.best(shown.T).T
     left = estimate.factor if estimate.open is None else estimate.open
-    roots = estimate.factor, estimate.model.prior_root(), left
+    roots = estimate.factor, estimate.model.root(), left
     known, before, read = (_Spread.from_rows(free, anchor, root, hats.points) for root in roots)
     departure = max(hats.departure(curve, line) for curve, line in zip(shown, values, strict=True))
     values = values + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
-    rest = float(sum(estimate.model.functions[index].rest for index in _followed(estimate, axis, over)))
+    rest = float(sum(estimate.model.curves[index].rest for index in _followed(estimate, axis, over)))
     return CompensationTable(
         own.name,
         hats.points,
@@ -340,7 +340,7 @@ def _rest_read(estimate: Estimate, axis: int, over: int, points: Array) -> Array
 
 def _beside(estimate: Estimate, index: int, points: Array) -> Array:
     """Return the rest of an error at points, or of the cell on the other side of an edge on which a point lies."""
-    step = _EDGE * estimate.model.functions[index].sides[0].cell
+    step = _EDGE * estimate.model.curves[index].sides[0].cell
     after, before = (estimate.rest_at(index, points + side * step) for side in (1, -1))
     return np.where(after != 0, after, before)
 
@@ -348,7 +348,7 @@ def _beside(estimate: Estimate, index: int, points: Array) -> Array:
 def _followed(estimate: Estimate, axis: int, over: int) -> list[int]:
     """Return the indices of the errors that a table follows directly."""
     name = f"E{estimate.machine.axes[axis].positioning_error[1]}{estimate.machine.axes[over].name}"
-    return [index for index, function in enumerate(estimate.model.functions) if function.name == name]
+    return [index for index, function in enumerate(estimate.model.curves) if function.name == name]
 
 
 def closest(curves: Array, at: Array, knots: Array, even: Array) -> Array:

@@ -14,14 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import EVERY_WAY, Box, Counted
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import iso_axis, letter_direction
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import Deviation, frames, solved, turn_between
+from axiscal.machine.kinematics import Deviation, solved, turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -29,6 +27,7 @@ from axiscal.numerics.remembered import remembered
 from axiscal.tables.sampling import cross_tables, hats_along
 from axiscal.tables.table import Hats
 from axiscal.units import format_quantity
+from axiscal_core.machine import Machine
 from axiscal_core.splines import gauss
 
 Sent = Callable[[Array, Array], Array]
@@ -83,14 +82,14 @@ def tour(poses: Array, box: Box) -> tuple[Array, Array]:
 def left_by(machine: Machine, deviation: Field, control: Control, poses: Array, approaches: Array) -> Array:
     """Return the TCP deviation (m, 3) that is left when the control sends the axes elsewhere."""
     sent = poses + control(poses, approaches)
-    shifted: Array = frames(machine, sent).tcp - frames(machine, poses).tcp
+    shifted: Array = machine.frames(sent).tcp - machine.frames(poses).tcp
     return shifted + deviation(sent, approaches)
 
 
 def turned_by(machine: Machine, rotation: Field, control: Control, poses: Array, approaches: Array) -> Array:
     """Return the rotation of the tool (m, 3) that is left when the control sends the axes elsewhere, rad."""
     sent = poses + control(poses, approaches)
-    turned: Array = turn_between(frames(machine, poses).tool, frames(machine, sent).tool)
+    turned: Array = turn_between(machine.frames(poses).tool, machine.frames(sent).tool)
     return turned + rotation(sent, approaches)
 
 
@@ -108,7 +107,7 @@ def by_linear_axes(machine: Machine, fewest: int = 3) -> Callable[[Array, Array]
         raise TableError(what, remedy, names=names, fewest=fewest)
 
     def added(poses: Array, deviation: Array) -> Array:
-        rotations = frames(machine, poses).rotations
+        rotations = machine.frames(poses).rotations
         moves = np.stack([rotations[k] @ np.array(machine.axes[k].direction) for k in linear], axis=2)
         found = np.zeros_like(poses)
         found[:, linear] = -solved(moves, deviation)
@@ -135,7 +134,7 @@ def planes_left(estimate: Estimate, control: Control, poses: Array, approaches: 
     if not errors.planes:
         return ""
     levers = errors.levers(poses)
-    levers[: len(errors.functions)] = 0.0
+    levers[: len(errors.curves)] = 0.0
     own = (errors.along(levers.transpose(2, 0, 1), poses, approaches) @ estimate.mean).T
     shape = own - own.mean(axis=0)
     found = left_by(estimate.machine, estimate.deviation, control, poses, approaches)
@@ -166,14 +165,14 @@ class CommandedMachine(VirtualMachine):
 
     def does(self, poses: Array, approaches: Array) -> Deviation:
         """Return how the tool deviates from commands (m, q), turns to first order in what the control adds."""
-        sent, machine = self.sent(poses, approaches), self.model.machine
+        sent, machine = self.sent(poses, approaches), self.model
         straight, turned = VirtualMachine.does(self, sent, approaches)
-        nominal = frames(machine, poses)
+        nominal = machine.frames(poses)
         for k, axis in enumerate(machine.axes):
             if axis.rotary:
                 ways = nominal.rotations[k] @ np.array(axis.direction)
                 turned = turned + (sent[:, k] - poses[:, k])[:, None] * ways
-        return Deviation(frames(machine, sent).tcp - nominal.tcp + straight, turned)
+        return Deviation(machine.frames(sent).tcp - nominal.tcp + straight, turned)
 
 
 _GAUSS = 6
@@ -237,8 +236,8 @@ def with_height(estimate: Estimate) -> Estimate:
     if sorted(axis.name for axis in machine.axes) != ["X", "Y"]:
         return estimate
     upright = iso_axis("Z", False, (0.0, 1e-3))
-    taller = replace(machine, axes=(*machine.axes, upright), chain=f"{machine.chain.removesuffix('-t')}-Z-t")
-    return Estimate(ErrorModel(taller), estimate.belief, (*estimate.box, (0.0, 0.0)), estimate.grid)
+    taller = replace(machine, axes=(*machine.axes, upright))
+    return Estimate(taller, estimate.belief, (*estimate.box, (0.0, 0.0)), estimate.grid)
 
 
 def height_seen(estimate: Estimate) -> bool:

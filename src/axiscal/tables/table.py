@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
-from axiscal.machine.entry import AXIS_NAME
+from axiscal.machine.error_names import AXIS_NAME
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 from axiscal_core.from_scipy import sparse_product, sparse_solution

@@ -17,13 +17,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import TableError
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.conditional import taken_by_rotor
 from axiscal.tables.surface import Control, by_linear_axes
 from axiscal.units import from_unit, to_unit
+from axiscal_core.machine import Machine
 from axiscal_core.rigid import about
 
 KNOTS, MOTIONS = 96, 6
@@ -182,21 +181,21 @@ def _once(file: VcompFile, at: Array, ways: Array) -> Array:
     return out
 
 
-def whole_control(model: ErrorModel, mean: Array) -> Control:
+def whole_control(model: Machine, mean: Array) -> Control:
     """Return the control that takes the deviation of these errors away.  mean : (size,) control values
 
     Without rotary axes it adds nothing at machine zero, the mean of both directions: a constant is a matter of the
     workpiece's zero. Errors of two axes together are left, and with two linear axes what leads out of their plane.
     Raises TableError when the machine has not two or three linear axes, each along a direction of its own.
     """
-    axes = model.machine.axes
-    taken, constant = by_linear_axes(model.machine, fewest=2), at_zero(model, mean)
+    axes = model.axes
+    taken, constant = by_linear_axes(model, fewest=2), at_zero(model, mean)
 
     def once(poses: Array, approaches: Array) -> Array:
         values = _values(model, mean, poses, approaches)
-        levers, turned = model.levers(poses)[: len(model.functions)], np.zeros_like(poses)
+        levers, turned = model.levers(poses)[: len(model.curves)], np.zeros_like(poses)
         for k in (k for k, axis in enumerate(axes) if axis.rotary):
-            own = [i for i, f in enumerate(model.functions) if f.axis == k and taken_by_rotor(model, i)]
+            own = [i for i, f in enumerate(model.curves) if f.axis == k and taken_by_rotor(model, i)]
             turned[:, k] = -axes[k].sign * np.sum(axes[k].direction) * values[own].sum(axis=0)
             levers[own] = 0.0
         return turned + taken(poses, np.einsum("fmc,fm->mc", levers, values) - constant)
@@ -204,25 +203,25 @@ def whole_control(model: ErrorModel, mean: Array) -> Control:
     return lambda poses, approaches: once(poses + once(poses, approaches), approaches)
 
 
-def at_zero(model: ErrorModel, mean: Array) -> Array:
+def at_zero(model: Machine, mean: Array) -> Array:
     """Return the constant deviation that is not corrected, (3,) m: that at machine zero, none where axes turn."""
-    if any(axis.rotary for axis in model.machine.axes):
+    if any(axis.rotary for axis in model.axes):
         return np.zeros(3)
-    zero = np.array([model.machine.zero])
+    zero = np.array([model.zero])
     values = _values(model, mean, zero, np.zeros_like(zero))
-    deviation: Array = np.einsum("fmc,fm->mc", model.levers(zero)[: len(model.functions)], values)[0]
+    deviation: Array = np.einsum("fmc,fm->mc", model.levers(zero)[: len(model.curves)], values)[0]
     return deviation
 
 
-def _values(model: ErrorModel, mean: Array, poses: Array, approaches: Array) -> Array:
+def _values(model: Machine, mean: Array, poses: Array, approaches: Array) -> Array:
     """Return what every error of one axis is at poses, as the component has it, (functions, m); reversals by side."""
     found, reached = [], poses.copy()
-    for k, axis in enumerate(model.machine.axes):
+    for k, axis in enumerate(model.axes):
         if not axis.cyclic:
             fade = from_unit(FADE_DEG, "deg") if axis.rotary else from_unit(FADE_MM, "mm")
             inside = np.clip(poses[:, k], *axis.travel)
             reached[:, k] = inside + _faded(poses[:, k] - inside, fade)
-    for function in model.functions:
+    for function in model.curves:
         value = function.rows(reached[:, function.axis]) @ mean[function.columns]
         found.append(value * (0.5 * approaches[:, function.axis]) if function.kind == "reversal" else value)
-    return np.array(found).reshape(len(model.functions), len(poses))
+    return np.array(found).reshape(len(model.curves), len(poses))

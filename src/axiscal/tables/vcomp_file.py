@@ -11,18 +11,17 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.document.ports import templates
-from axiscal.errors.model import ErrorModel
-from axiscal.errors.term import Term
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import letter_direction
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.vcomp_applying import KNOTS, MOTIONS, VcompAxis, VcompFile, at_zero, component_control, fnv1a
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
+from axiscal_core.terms import Term
 
 _FORM = "axiscal-vcomp 1"
 _AGAIN = "export it again; nothing in it may be changed"
@@ -127,28 +126,28 @@ def content_of(
     given : joints of each axis, and how long its reversal takes, s; unit : mm or in
     largest : (q,) m or rad, that each axis is corrected by; origin : hash of the record
     """
-    model, mean, axes = estimate.as_described, estimate.mean, estimate.machine.axes
+    model, mean, axes = estimate.machine, estimate.mean, estimate.machine.axes
     own = [axis_content(model, mean, k, joints, unit, seconds) for k, (joints, seconds) in enumerate(given)]
     turning = [axis.rotary for axis in axes]
     if not any(turning):
         own = list(anchored(own, to_unit(1.0, unit) * at_zero(model, mean)))
     furthest = max(_MARGIN * float(np.max(largest[~np.array(turning)])), _LEAST)
     turned = max(_MARGIN * float(np.max(largest[turning], initial=0.0)), _LEAST)
-    tool = np.array([0.0, 0.0, -to_unit(model.machine.tool, unit)])
+    tool = np.array([0.0, 0.0, -to_unit(model.tool_length, unit)])
     limits = float(to_unit(furthest, unit)), float(to_unit(turned, "deg"))
     return VcompFile(origin[:16] or "none", {"mm": "mm", "in": "inch"}[unit], *limits, tool, tuple(own))
 
 
 def axis_content(
-    model: ErrorModel, mean: Array, index: int, joints: Sequence[int], unit: str, seconds: float
+    model: Machine, mean: Array, index: int, joints: Sequence[int], unit: str, seconds: float
 ) -> VcompAxis:
     """Return one axis.  mean : (size,) control values; unit : mm or in; seconds : that a reversal takes
 
     Raises TableError for an axis that the file cannot hold.
     """
-    axis = model.machine.axes[index]
+    axis = model.axes[index]
     _refuse_axis(axis, joints)
-    own = [function for function in model.functions if function.axis == index]
+    own = [function for function in model.curves if function.axis == index]
     per_m, at = float(to_unit(1.0, unit)), float(to_unit(1.0, "deg" if axis.rotary else unit))
     scale = np.array([per_m] * 3 + [1.0] * 3)
     place, sense = np.zeros(MOTIONS), -1 if axis.reversed else 1
@@ -198,7 +197,7 @@ def _refuse_axis(axis: Axis, joints: Sequence[int]) -> None:
 
 def _knots(axis: Axis, own: Sequence[Term]) -> Array:
     """Return the union of the knots of all curves of an axis, m or rad, ends of the travel included."""
-    both = np.sort(np.concatenate([np.array(axis.travel), *(f.basis.knots for f in own if f.kind != "location")]))
+    both = np.sort(np.concatenate([np.array(axis.travel), *(f.spline.knots for f in own if f.kind != "location")]))
     knots = both[np.r_[True, np.diff(both) > _APART * axis.length]]
     if len(knots) > KNOTS:
         what = "the curves of {axis} have {count} knots together, the component holds {most}"
@@ -218,7 +217,7 @@ def _cubics(functions: Sequence[Term], mean: Array, knots: Array, sense: int, at
     for function in functions:
         control = mean[function.columns]
         f, f1, f2, f3 = (
-            sense**order * function.basis.rows(middle, order) @ control / factorial
+            sense**order * function.spline.rows(middle, order) @ control / factorial
             for order, factorial in enumerate((1.0, 1.0, 2.0, 6.0))
         )
         h = -half

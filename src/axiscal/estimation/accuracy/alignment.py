@@ -12,11 +12,10 @@ from functools import cached_property
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import EVERY_WAY, Counted, VolumeMoments, rest_of
-from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal_core import rigid
+from axiscal_core.machine import Machine
 
 _BLOCK = 1000
 """Poses at once: of memory, not of the result."""
@@ -31,7 +30,7 @@ class Alignment:
     poses : (m, q) over which it is aligned, spread evenly; counted : the directions in which it is, x, y and z
     """
 
-    errors: ErrorModel
+    errors: Machine
     poses: Array
     counted: Counted = EVERY_WAY
 
@@ -41,11 +40,11 @@ class Alignment:
 
     @cached_property
     def _middle(self) -> Array:
-        return np.asarray(frames(self.errors.machine, self.poses).tcp.mean(axis=0), dtype=np.float64)
+        return np.asarray(self.errors.frames(self.poses).tcp.mean(axis=0), dtype=np.float64)
 
     def motions(self, poses: Array) -> Array:
         """Return T at poses, (m, 3, 6): what shifts and turns of the part do to the tool point."""
-        away = frames(self.errors.machine, poses).tcp - self._middle
+        away = self.errors.frames(poses).tcp - self._middle
         shifts = np.broadcast_to(np.eye(3), (len(poses), 3, 3))
         return np.concatenate([shifts, -rigid.skew(away)], axis=2)
 
@@ -56,7 +55,7 @@ class Alignment:
         crossed = np.zeros((6, self.errors.size))
         for at in range(0, len(self.poses), _BLOCK):
             part = self.poses[at : at + _BLOCK]
-            rows = self.errors.rows(part, np.zeros_like(part)).reshape(-1, self.errors.size)
+            rows = self.errors.rows_at(part, np.zeros_like(part)).reshape(-1, self.errors.size)
             crossed += motion[3 * at : 3 * (at + _BLOCK)].T @ rows
         return np.asarray(np.linalg.lstsq(motion.T @ motion, crossed, rcond=_NO_MOTION)[0], dtype=np.float64)
 
@@ -73,7 +72,7 @@ class Alignment:
 
 
 def sampled_moments(
-    errors: ErrorModel, poses: Array, alignment: Alignment | None, counted: Counted = EVERY_WAY
+    errors: Machine, poses: Array, alignment: Alignment | None, counted: Counted = EVERY_WAY
 ) -> VolumeMoments:
     """Return the means over poses, from both directions evenly; what an alignment takes off is taken off.
 
@@ -100,8 +99,8 @@ def sampled_moments(
     return VolumeMoments(mean / count, gram / count, squares, rest_of(errors, squares), counted)
 
 
-def _reversals(errors: ErrorModel) -> list[list[int]]:
+def _reversals(errors: Machine) -> list[list[int]]:
     """Return the columns of the reversals of each axis: the side of one axis says nothing of another's."""
-    axes = range(len(errors.machine.axes))
-    of = [[f.columns for f in errors.functions if f.kind == "reversal" and f.axis == axis] for axis in axes]
+    axes = range(len(errors.axes))
+    of = [[f.columns for f in errors.curves if f.kind == "reversal" and f.axis == axis] for axis in axes]
     return [[c for columns in each for c in range(columns.start, columns.stop)] for each in of if each]

@@ -17,12 +17,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import Box, Counted, VolumeMoments, of_rests
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import corners
 from axiscal.numerics import Array, even_subset
+from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
 _ROUNDING = 1e-15
@@ -61,13 +61,13 @@ class Root:
         return self.matrix.T @ self.matrix
 
 
-def joint_root(model: ErrorModel) -> Root:
+def joint_root(model: Machine) -> Root:
     """Return V of the paper's criterion: one Gram matrix per spline (B&H eq. 24-26; several joints B&H eq. 34-36).
 
     A rotation counts as the displacement it makes at the machine's own reach, half the diagonal of its linear travels.
     """
     gram = np.zeros((model.size, model.size))
-    travels = [axis.length for axis in model.machine.axes if not axis.rotary]
+    travels = [axis.length for axis in model.axes if not axis.rotary]
     reach = float(np.linalg.norm(travels)) / 2 if travels else 1.0
     for term in model.terms:
         gram[term.columns, term.columns] = (reach if term.angular else 1.0) ** 2 * term.gram()
@@ -129,7 +129,7 @@ class Yardstick:
     like : one for errors of other sizes, whose rows at these places it has, found where somebody asks for them
     """
 
-    errors: ErrorModel
+    errors: Machine
     box: Box
     moments: VolumeMoments
     unseen: Array
@@ -139,7 +139,7 @@ class Yardstick:
     alignment: Alignment | None = None
     like: Yardstick | None = None
 
-    def with_rests_of(self, errors: ErrorModel, left: Array | None = None) -> Yardstick:
+    def with_rests_of(self, errors: Machine, left: Array | None = None) -> Yardstick:
         """Return the same yardstick for errors of other sizes: what follows from places alone is not found again.
 
         left : what endless readings leave of these errors, with what is unseen; None where both stay
@@ -265,7 +265,7 @@ class Yardstick:
         """The same in every direction, counted or not."""
         if self.like is not None:
             return self.like._every_row
-        rows: Array = self.errors.rows(*self.poses) - self._shift
+        rows: Array = self.errors.rows_at(*self.poses) - self._shift
         return rows if self.alignment is None else rows - self.alignment.taken_off(self.poses[0])
 
     @cached_property

@@ -23,10 +23,10 @@ from axiscal.estimation.functionals.functional import (
     ways_of,
 )
 from axiscal.machine.axis import letter_direction
-from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 _LETTERS = "XYZ"
 EACH = 0.1
@@ -153,7 +153,7 @@ def _only_line(description: CampaignDescription, lines: dict[RowName, AxisLine])
 def _one_way(machine: Machine) -> bool:
     """Return whether the only errors are along the axis that they belong to: its positioning is all there is."""
     axis = machine.axes[machine.only or 0]
-    return {entry.parts.component for entry in machine.errors} == {letter_direction(axis.letter)}
+    return {error.component for error in machine.stated if not error.sides} == {letter_direction(axis.letter)}
 
 
 def offset_each(description: CampaignDescription) -> float | None:

@@ -24,18 +24,17 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import ABOUT, ANGLES, Kind
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import letter_direction
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames, in_frame
+from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 NOUGHT = 1e-12
 """m or rad: rounding. No error that the machine describes makes such a number."""
@@ -74,13 +73,13 @@ class Functional:
         return row
 
     @remembered
-    def rows(self, errors: ErrorModel) -> Array:
+    def rows(self, errors: Machine) -> Array:
         """Return the row as a map of the error coefficients, (k, size)."""
-        rows = errors.rows(self.poses, self.sides, self.angular)
+        rows = errors.rows_at(self.poses, self.sides, self.angular)
         mapped: Array = np.einsum("kmc,mcs->ks", self.weights, rows)
         return mapped
 
-    def spectra(self, errors: ErrorModel, factor: Array) -> Array:
+    def spectra(self, errors: Machine, factor: Array) -> Array:
         """Return the variances of each vector along its main directions, (k/d, d).
 
         factor : F (n, r) of what is not known, of the errors first; the rest of each cell is not known beside
@@ -91,7 +90,7 @@ class Functional:
         return spectra
 
     @remembered
-    def _rests(self, errors: ErrorModel) -> Array:
+    def _rests(self, errors: Machine) -> Array:
         """Return what one standard deviation of the rest of each cell of each term does to the row, (k, cells)."""
         levers = errors.levers(self.poses, self.angular)
         ways = errors.effects(levers.transpose(2, 0, 1), self.sides)  # which halve those of reversals
@@ -112,7 +111,7 @@ class SignedSize(NamedTuple):
     known: float
 
 
-def signed_numbers(functional: Functional, row: Array, errors: ErrorModel, belief: Belief) -> tuple[SignedSize, ...]:
+def signed_numbers(functional: Functional, row: Array, errors: Machine, belief: Belief) -> tuple[SignedSize, ...]:
     """Return the numbers of a row that have a sign and that some error makes; none of a curve.
 
     row : (k,) as estimated
@@ -196,7 +195,7 @@ def _squareness(lines: Sequence[AxisLine], machine: Machine, ways: Sequence[int]
 def _turning(line: AxisLine, machine: Machine, *, angular: bool) -> Functional:
     """Return e of the best fit d ≈ c − T e across the axis: a number along, or about, each of x, y, z that has one."""
     zero = line.poses_at([0.0])
-    turns = frames(machine, line.poses).tool @ frames(machine, zero).tool[0].T
+    turns = machine.frames(line.poses).tool @ machine.frames(zero).tool[0].T
     across = np.linalg.svd(turns.mean(axis=0) - turns[0])[2][:2].T
     columns = np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns @ across], axis=2).reshape(-1, 5)
     fit: Array = np.asarray(np.linalg.pinv(columns), dtype=float)[3:]

@@ -158,7 +158,7 @@ def turning(observation: Observation, index: int, poses: Array, approaches: Arra
     setup, machine, found = observation.setups[index], observation.machine, list[Turning]()
     terms = [
         (number, term)
-        for number, term in enumerate(observation.errors.functions)
+        for number, term in enumerate(observation.errors.curves)
         if term.axis in setup.moves and needs_a_way(term.kind, machine.axes[term.axis]) and len(setup.sides) > 1
     ]
     if not terms:

@@ -9,8 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.prior import covariance
-from axiscal.errors.term import Term
 from axiscal.estimation.promise.causes import absent, contributions, passing_columns
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
@@ -30,6 +28,7 @@ from axiscal_core.columns import NUGGET, Bent, Curves, Scale
 from axiscal_core.eigen import unique_root
 from axiscal_core.problem import MOST_NUMBERS, Problem, by_blocks
 from axiscal_core.splines import distances, ramp
+from axiscal_core.terms import Term, covariance
 from axiscal_core.theta import MANY, Kind, Sizes
 
 MOST_COLUMNS = 620
@@ -157,7 +156,7 @@ class PlaneUnknowns(Bent):
 
     def _stretch(self, theta: Array) -> tuple[float, ...]:
         factor = float(np.exp(np.append(theta, 0.0)[self.length_at[0]]))
-        return tuple(each * factor for each in self.plane.stretch)
+        return tuple(each * factor for each in self.plane.error.stretch)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,8 +181,8 @@ class _Builder:
         absent : as of `causes.absent`; a belief that was inherited has the scales of axes
         """
         for term in self.observation.errors.terms:
-            if self.inherited is None and term.entry.scale:
-                yield term.name, Scale("scale", term.columns, term.entry.scale * ramp(term.basis)), None
+            if self.inherited is None and term.error.scale:
+                yield term.name, Scale("scale", term.columns, term.error.scale * ramp(term.spline)), None
             for share in absent.get(term.name, np.zeros((0, 0))).T:
                 part = WAY * np.sqrt(np.diagonal(term.covariance))
                 yield term.name, Scale("way", term.columns, part), share
@@ -201,16 +200,16 @@ class _Builder:
             roots.append((0, unique_root(self.inherited.covariance)))
         else:
             for term in self.observation.errors.terms:
-                entry = term.entry
+                entry = term.error
                 kind: Kind = "together" if len(term.axes) > 1 else "reversal" if term.kind == "reversal" else "std"
                 size_at[term.columns] = self.sizes.index(kind, term.name)
-                if entry.length is not None and term.basis.size > 1 and not term.stated_shape:
-                    by_kind.setdefault((term.basis.size, entry.smoothness), []).append(term)
+                if entry.length is not None and term.spline.size > 1 and not term.stated_shape:
+                    by_kind.setdefault((term.spline.size, entry.smoothness), []).append(term)
                 elif kind == "together" and (length := self.sizes.index("length", term.name)) >= 0:
                     columns = np.arange(term.columns.start, term.columns.stop)[None] + start
                     curves.append(PlaneUnknowns(columns, np.array([length]), term))
                 else:
-                    bare = covariance(replace(entry, scale=None), term.basis) if entry.scale else term.covariance
+                    bare = covariance(replace(entry, scale=None), term.spline) if entry.scale else term.covariance
                     roots.append((term.columns.start, unique_root(bare)))  # the scale of its axis has a column
         stds = [unknown.std for unknown in self.observation.unknowns]
         roots += [(self.observation.errors.size + i, np.array([[std]])) for i, std in enumerate(stds)]
@@ -226,9 +225,9 @@ class _Builder:
             np.array([np.arange(term.columns.start, term.columns.stop) + start for term in terms]),
             self.sizes.indices("length", [term.name for term in terms]),
             smoothness,
-            np.array([term.entry.std for term in terms]),
-            np.array([term.entry.length for term in terms], dtype=float),
-            np.array([distances(term.basis) for term in terms]),
+            np.array([term.error.std for term in terms]),
+            np.array([term.error.length for term in terms], dtype=float),
+            np.array([distances(term.spline) for term in terms]),
         )
 
 

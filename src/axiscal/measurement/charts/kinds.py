@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.machine.kinematics import drawn_back, frames, tip_at
+from axiscal.machine.kinematics import drawn_back, tip_at
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, within_cone
 from axiscal.numerics import Array
 from axiscal_core.axes import Frames
@@ -39,7 +39,7 @@ class SmoothChart(Chart, Protocol):
         """Return which poses are in travel, with nothing in the way, and every angle within its cone."""
         found = self.room.holds(poses)
         if found.any():
-            angles = self.angles(frames(self.room.machine, poses[found]))
+            angles = self.angles(self.room.machine.frames(poses[found]))
             found[found] = np.all([within_cone(*each) for each in angles], axis=0)
         return found
 
@@ -90,7 +90,7 @@ class Line(SmoothChart):
 
     def places(self, poses: Array) -> Array:
         """Return how far along the line poses are."""
-        tips = frames(self.room.machine, poses).tcp
+        tips = self.room.machine.frames(poses).tcp
         along: Array = (tips - self.ends[0]) @ self.direction
         return along[:, None]
 
@@ -132,7 +132,7 @@ class Sight(Chart):
         within: NDArray[np.bool_] = np.all((moved >= low - slack) & (moved <= high + slack), axis=1)
         found = within & self.room.holds(poses)
         if found.any():
-            tcp = frames(self.room.machine, poses[found]).tcp
+            tcp = self.room.machine.frames(poses[found]).tcp
             found[found] = np.all([self._seen(station - tcp) for station in self.stations], axis=0)
         return found
 
@@ -230,7 +230,7 @@ class Balls(Chart):
 
     def _nearest(self, poses: Array) -> NDArray[np.intp]:
         finite = np.where(np.isfinite(poses), poses, 0.0)
-        tips = frames(self.each[0].room.machine, finite).tcp
+        tips = self.each[0].room.machine.frames(finite).tcp
         apart = np.stack([np.linalg.norm(tips - chart.point, axis=1) for chart in self.each])
         nearest: NDArray[np.intp] = apart.argmin(axis=0)
         return nearest
@@ -271,7 +271,7 @@ class Bar(SmoothChart):
 
     def places(self, poses: Array) -> Array:
         """Return azimuth, elevation and rotary coordinates of poses."""
-        bar = frames(self.room.machine, poses).tcp - self.centre
+        bar = self.room.machine.frames(poses).tcp - self.centre
         azimuth = np.mod(np.arctan2(bar[:, 1], bar[:, 0]), math.tau)
         elevation = np.arctan2(bar[:, 2], np.hypot(bar[:, 0], bar[:, 1]))
         return np.column_stack([azimuth, elevation, poses[:, list(self.turning)]])
@@ -317,7 +317,7 @@ class Circle(SmoothChart):
 
     def places(self, poses: Array) -> Array:
         """Return the angles of poses, within the arc as far as whole turns allow."""
-        bar = frames(self.room.machine, poses).tcp - self.centre
+        bar = self.room.machine.frames(poses).tcp - self.centre
         angle, (low, high, *_) = np.arctan2(bar @ self.second, bar @ self.first), self.coordinates[0]
         around = low + np.mod(angle - low, math.tau)
         beyond = around - low > math.tau - 1e-9

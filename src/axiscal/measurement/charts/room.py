@@ -10,11 +10,10 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.bodies import parts, posts
 from axiscal.numerics import Array
+from axiscal_core.machine import Machine
 
 _OUTSIDE = 1e-9
 """Share of a coordinate: rounding."""
@@ -145,7 +144,7 @@ class Room:
         boxes, each = np.array(artefact.keep_out, dtype=np.float64).reshape(-1, 3, 2), posts(artefact)
         own = [post for ball, post in enumerate(each) if ball in touching]
         others = [post for ball, post in enumerate(each) if ball not in touching]
-        at = artefact.points[list(touching)] if own and machine.stylus > 0 and not met else np.zeros((0, 3))
+        at = artefact.points[list(touching)] if own and machine.nose.stylus > 0 and not met else np.zeros((0, 3))
         balls = np.column_stack([at, np.full(len(at), (artefact.diameter or 0.0) / 2)])
         return cls(machine, np.concatenate([boxes, *others]), np.concatenate([np.zeros((0, 3, 2)), *own]), balls)
 
@@ -166,7 +165,7 @@ class Room:
         """Return at which poses (m, q) nothing is in the way."""
         found = self.in_travel(poses)
         if self.occupied and found.any():
-            at = frames(self.machine, poses[found])
+            at = self.machine.frames(poses[found])
             found[found] = ~self.hit(at.tcp, at.stem)
         return found
 

@@ -14,7 +14,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import Kind, Reads
 from axiscal.numerics import Array
 from axiscal_core import rigid
@@ -83,7 +82,7 @@ class Length(Displacement):
 
     def middle(self, at: At) -> Array:
         """Return its first end."""
-        first: Array = frames(self.machine, np.array([self.setup.start])).tcp
+        first: Array = self.machine.frames(np.array([self.setup.start])).tcp
         return first
 
     def grown(self, at: At) -> Array:

@@ -30,13 +30,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.kind import TOOL_READS, Kind, Reads, need_station
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.touched import touch_frames
 from axiscal.numerics import Array
 from axiscal_core import rigid
 from axiscal_core.instrument import At, Unknowns, length
+from axiscal_core.machine import Machine
 
 RADIUS = "radius"
 ZEROS = ("zero_x", "zero_y", "zero_z")

@@ -19,18 +19,17 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import travel_text
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import Deviation, frames
+from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.setup import Figures, Setup
 from axiscal.measurement.travel import across, slope_rows
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 from axiscal_core import rigid
 from axiscal_core.instrument import TOOL, At, Slopes, Unknowns, numbers, own_slopes, slopes
+from axiscal_core.machine import Machine
 
 Reads = Literal["length", "angle"]
 
@@ -109,7 +108,7 @@ class Kind:
         moved, turned = np.zeros((2, len(poses), 3)) if deviation is None else deviation
         if actual is not None:
             return At(poses, come, actual.translation, actual.rotation, moved, turned)
-        nominal = frames(self.machine, poses)
+        nominal = self.machine.frames(poses)
         return At(poses, come, nominal.tcp, nominal.tool, moved, turned)
 
     def shown(self, at: At, own: Unknowns) -> Array:
@@ -139,7 +138,7 @@ class Kind:
         """Return the way that this axis goes in the workpiece frame, (m, 3); zero where none moves."""
         if self.slide is None:
             return np.zeros((len(poses), 3))
-        ways: Array = frames(self.machine, poses).rotations[self.slide] @ np.array(
+        ways: Array = self.machine.frames(poses).rotations[self.slide] @ np.array(
             self.machine.axes[self.slide].direction
         )
         return ways
@@ -151,7 +150,7 @@ class Kind:
 
     def grown(self, at: At) -> Array:
         """Return how much farther a machine that is warmer than 20 °C takes the tool from the middle, (m, 3) m."""
-        away: Array = self.setup.growth * (at.tcp - frames(self.machine, np.array([self.setup.park])).tcp)
+        away: Array = self.setup.growth * (at.tcp - self.machine.frames(np.array([self.setup.park])).tcp)
         return away
 
     def tip(self, at: At, u: Unknowns) -> Array:
@@ -172,7 +171,7 @@ def need_station(setup: Setup, what: str) -> None:
         raise DescriptionError("it is not said where {thing} is", remedy, thing=said(what, instrument=setup.instrument))
 
 
-def levers_of(errors: ErrorModel, seen: Slopes, poses: Array) -> Array:
+def levers_of(errors: Machine, seen: Slopes, poses: Array) -> Array:
     """Return what a unit of each error adds to each number of readings, sides apart, (k, terms, m).  poses : (m, q)"""
     result = np.zeros((seen.moved.shape[1], len(errors.terms), len(poses)))
     for angular, ways in enumerate(seen):
@@ -231,7 +230,7 @@ def _refuse_other_moves(setup: Setup, machine: Machine) -> None:
 
 def _refuse_unseen(setup: Setup, machine: Machine) -> None:
     """Raise DescriptionError where the way has no shape, or a rest whose slope over such a short base nobody knows."""
-    errors, base = ErrorModel(machine), setup.base or 0.0
+    errors, base = machine, setup.base or 0.0
     (seen,) = np.abs(slope_rows(errors, setup, np.array([setup.park])))
     levelled = any(unknown.name == "zero" for unknown in setup.unknowns)
     shown = [term for term in errors.terms if seen[term.columns].max(initial=0.0) > _UNSEEN]

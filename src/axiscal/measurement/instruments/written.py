@@ -23,7 +23,6 @@ from axiscal.document.consent import refuse_unread
 from axiscal.document.ports import one_of
 from axiscal.document.quoting import shown
 from axiscal.exceptions import AxiscalError, CodeError, DescriptionError
-from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.kind import Instrument, Kind, Reads
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
@@ -31,6 +30,7 @@ from axiscal.units import dimension_of
 from axiscal_core import refusals
 from axiscal_core.instrument import At, Unknowns, numbers, own_slopes, refuse_what_is_not_analytic
 from axiscal_core.instrument import Instrument as Seeing
+from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 from axiscal_core.units import Quantity, si
 

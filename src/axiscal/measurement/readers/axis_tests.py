@@ -17,7 +17,7 @@ from itertools import pairwise
 from typing import Literal
 
 from axiscal.language.spoken import later, said
-from axiscal.machine.entry import AXIS_NAME
+from axiscal.machine.error_names import AXIS_NAME
 from axiscal.measurement.readers.columns import LENGTHS, STEMS, TEXT, TILTS, Column, run_of, sign_of, unread, whole
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test, read_times
 from axiscal.measurement.readers.csv_table import CsvTable, header_of, table_of

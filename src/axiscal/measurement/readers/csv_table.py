@@ -26,7 +26,7 @@ from pathlib import Path
 from axiscal.document.quoting import meant
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import said
-from axiscal.machine.entry import AXIS_NAME
+from axiscal.machine.error_names import AXIS_NAME
 from axiscal.measurement.readers.columns import (
     ANGLES,
     GERMAN,

@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.machine.description import Machine
 from axiscal.measurement.candidates import snapped, spread
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Places
@@ -21,6 +20,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Patience, Task
 from axiscal.planning.step.starts_stacked import Grid, StackedStarts, adds_up, stack_of
+from axiscal_core.machine import Machine
 from axiscal_core.ties import ALIKE, first_best, first_best_each, ranked
 
 _SEED = 1

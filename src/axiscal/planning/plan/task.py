@@ -12,10 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.target import Target
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.yardstick import Root, Yardstick
 from axiscal.estimation.belief import Belief
-from axiscal.machine import Machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
@@ -24,6 +22,7 @@ from axiscal.measurement.travel import reading_seconds, short_way
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal.planning.gains.covariance import Covariance
+from axiscal_core.machine import Machine
 
 PATIENCE = 1e11
 """Operations that climbing off the lattice may take unless said otherwise: half a minute."""
@@ -145,7 +144,7 @@ class Clock(NamedTuple):
     def reading(self, setups: Iterable[int]) -> Array:
         """Return the seconds of a reading of each of some set-ups, (m,)."""
         of, described = self.observation.errors, self.observation.setups
-        return np.array([_reading_with_way(of, _moved(of.machine, described[setup])) for setup in setups])
+        return np.array([_reading_with_way(of, _moved(of, described[setup])) for setup in setups])
 
 
 def _moved(machine: Machine, setup: Setup) -> Setup:
@@ -156,10 +155,10 @@ def _moved(machine: Machine, setup: Setup) -> Setup:
 
 
 @remembered
-def _reading_with_way(of: ErrorModel, setup: Setup) -> float:
+def _reading_with_way(of: Machine, setup: Setup) -> float:
     """Return the seconds of a reading of a set-up; the way is that between a few evenly spread readings."""
-    sample = spread(of.machine, (setup,), _TYPICAL)
-    _, ways = short_way(of.machine, setup, sample.poses, np.zeros_like(sample.poses))
+    sample = spread(of, (setup,), _TYPICAL)
+    _, ways = short_way(of, setup, sample.poses, np.zeros_like(sample.poses))
     return reading_seconds(setup) + float(ways.mean())
 
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.model import ErrorModel
 from axiscal.measurement.candidates import knot_lattice, raster_positions
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
+from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
 _PER_INTERVAL = 8
@@ -26,7 +26,7 @@ _LOOKS = 3
 
 
 @remembered
-def adds_up(errors: ErrorModel, mounted: Setup) -> bool:
+def adds_up(errors: Machine, mounted: Setup) -> bool:
     """Return whether the rows of a set-up are sums over its axes, looked at in a few poses."""
     moves = mounted.moves
     if len(moves) == 1:
@@ -36,7 +36,7 @@ def adds_up(errors: ErrorModel, mounted: Setup) -> bool:
     park = np.array(mounted.park)
     poses = np.tile(park, (_LOOKS, len(moves) + 1, 1))
     for i, share in enumerate(even_points(_LOOKS, len(moves)).T):
-        axis = errors.machine.axes[moves[i]]
+        axis = errors.axes[moves[i]]
         poses[:, [0, i + 1], moves[i]] = (axis.travel[0] + axis.length * share)[:, None]
     flat = np.concatenate([park[None], poses.reshape(-1, len(park))])
     rows = Observation(errors, (mounted,)).numbers(0, flat, np.zeros_like(flat)).rows

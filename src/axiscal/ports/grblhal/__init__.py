@@ -38,7 +38,7 @@ class GrblHal(vcomp_file.VolumetricFormat):
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files; raises TableError."""
-        machine, wanted = estimate.machine, whole_control(estimate.as_described, estimate.mean)
+        machine, wanted = estimate.machine, whole_control(estimate.machine, estimate.mean)
         poses, _ = spread_poses(estimate)
         largest = np.max([np.abs(wanted(poses, way * np.ones_like(poses))) for way in (1.0, -1.0)], axis=(0, 1))
         if np.max(largest) <= _NOTHING:

@@ -13,13 +13,13 @@ from axiscal.description.ini_file import IniFile, read_ini
 from axiscal.description.ini_machine import BELTS, IniAxis, IniMachine, machine_of
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.description import Machine
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.ports.linuxcnc import patching
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
 from axiscal.units import format_quantity, from_unit
+from axiscal_core.machine import Machine
 
 _WHOLE = "axiscal-volumetric.hal"
 LIBRARY = Path("/usr/share/linuxcnc/hallib")

@@ -56,7 +56,7 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files; raises TableError."""
-        wanted, machine = whole_control(estimate.as_described, estimate.mean), estimate.machine
+        wanted, machine = whole_control(estimate.machine, estimate.mean), estimate.machine
         poses, _ = spread_poses(estimate)
         sides = [wanted(poses, way * np.ones_like(poses)) for way in (1.0, -1.0)]
         largest = np.max(np.abs(sides), axis=(0, 1))
@@ -79,7 +79,7 @@ def reversal_times(estimate: Estimate) -> list[float]:
 
     a : the acceleration of that joint; a reversal then takes a fifth of it.
     """
-    control = whole_control(estimate.as_described, estimate.mean)
+    control = whole_control(estimate.machine, estimate.mean)
     poses = spread_poses(estimate)[0][::_EVERY]
     accelerations = np.array([axis.acceleration for axis in estimate.machine.axes])
     times = []

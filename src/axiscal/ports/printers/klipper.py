@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.csv_readings import ALONE
@@ -20,6 +19,7 @@ from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraph
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
+from axiscal_core.machine import Machine
 
 _SAVED = "#*# "
 _HEADER = """

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.marlin_map import is_nodes, nodes
 from axiscal.measurement.readers.text_file import TextFile
@@ -18,6 +17,7 @@ from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraph
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
+from axiscal_core.machine import Machine
 
 _FILE = "axiscal.gcode"
 _COMMAND = re.compile(r"(M425|M852) ([^;\n]*)")

@@ -9,7 +9,6 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.csv_readings import ALONE
 from axiscal.measurement.readers.text_file import TextFile
@@ -18,6 +17,7 @@ from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraph
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import PLANES, Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
+from axiscal_core.machine import Machine
 
 _MAP, _CODE = "heightmap.csv", "axiscal.g"
 _FIRST = "RepRapFirmware height map file v2"

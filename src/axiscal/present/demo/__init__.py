@@ -16,7 +16,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Milestone, reaches
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.evaluation.check import Check, Taken
 from axiscal.machine import load_machine
@@ -25,6 +24,7 @@ from axiscal.present.check_answer import check_answer
 from axiscal.present.delivery import deliver
 from axiscal.present.summarising import Extras
 from axiscal.present.summary import Summary
+from axiscal_core.machine import Machine
 
 SEED = 2005
 """Any seed: the demo is to be the same every time."""
@@ -67,7 +67,7 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     return check_answer(check.judged(readings, None), places, check.tables.certain, Taken()).summary
 
 
-def measured_truth(model: ErrorModel, seed: int) -> dict[str, TruthCurve]:
+def measured_truth(model: Machine, seed: int) -> dict[str, TruthCurve]:
     """Return a curve for every error of the model: a measured shape for a motion, a drawn value for a constant.
 
     seed : of the constants, and of which shape goes where
@@ -77,13 +77,13 @@ def measured_truth(model: ErrorModel, seed: int) -> dict[str, TruthCurve]:
     shapes = tuple(np.array([float(v) for v in line.split(",")[1].split()]) for line in text.splitlines()[1:])
     order = rng.permutation(len(shapes))
     curves, used = {}, 0
-    for function in model.functions:
-        if function.basis.size == 1:
+    for function in model.curves:
+        if function.spline.size == 1:
             value = np.sqrt(function.covariance[0, 0]) * rng.standard_normal()
             curves[function.name] = TruthCurve(np.zeros(1), np.array([value]))
             continue
         lap, place = divmod(used, len(shapes))
-        shape, axis, size = shapes[order[place]], model.machine.axes[function.axis], function.basis.size
+        shape, axis, size = shapes[order[place]], model.axes[function.axis], function.spline.size
         shape, even = shape[:: -1 if lap else 1], np.linspace(0.0, 1.0, len(shape))
         values = shape - (shape[0] + (shape[-1] - shape[0]) * even) if axis.cyclic else shape
         # the RMS that the prior expects of a curve beyond its constant and slope, which the shapes do not have

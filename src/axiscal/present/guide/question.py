@@ -20,8 +20,6 @@ from axiscal.answers.prediction import expectation
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
-from axiscal.machine import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import instrument_of, model_of, values_of
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.reading import (
@@ -38,6 +36,7 @@ from axiscal.measurement.touched import off_ball
 from axiscal.numerics import Array
 from axiscal.record.events import Asked
 from axiscal.units import parse_quantity, to_unit
+from axiscal_core.machine import Machine
 
 _PLAIN = re.compile(r"[+−-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?")
 _MORE = re.compile(r"\s*[+−-]?[0-9.,]")
@@ -308,7 +307,7 @@ def touch_text(campaign: Campaign, asked: Asked) -> str:
     way = f"{together} (TRAORI, TCPM, G43.4)" if setup.contact == "held" else said("off the ball, turn, and back to it")
     if setup.artefact is None:
         return way if any(machine.axes[k].rotary for k in setup.moves) else ""
-    tip = frames(machine, np.array([asked.place.pose])).tcp
+    tip = machine.frames(np.array([asked.place.pose])).tcp
     ball = setup.artefact.balls[int(setup.artefact.nearest(tip, setup.balls)[0])]
     return said("ball {ball} of {artefact}: {way}", ball=ball.name, artefact=setup.artefact.name, way=way)
 

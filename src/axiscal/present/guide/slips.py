@@ -16,7 +16,6 @@ from axiscal.estimation.promise.agreement import PRIOR
 from axiscal.estimation.promise.sick import repeats
 from axiscal.exceptions import AxiscalError, ReadingError
 from axiscal.language.spoken import WORDS, decimals, put, said
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Reading, reading_unit, units_of
 from axiscal.measurement.setup import Setup
@@ -201,7 +200,7 @@ def _jog(campaign: Campaign) -> Jog | None:
         return None
     ways = (1.0 if x + _STEP <= axis.travel[1] else -1.0 for axis, x in zip(machine.axes, pose, strict=True))
     steps = np.array([0.0 if axis.rotary else _STEP * way for axis, way in zip(machine.axes, ways, strict=True)])
-    moved = frames(machine, pose + np.diag(steps)).tcp - frames(machine, pose[None]).tcp
+    moved = machine.frames(pose + np.diag(steps)).tcp - machine.frames(pose[None]).tcp
     shows = moved @ np.array(setup.direction)
     axis = int(np.argmax(np.abs(shows)))
     if abs(shows[axis]) < _ALONG * _STEP:

@@ -31,8 +31,8 @@ def tool_side(sizes: Measures) -> Iterator[Laid]:
     """Yield the bed and the parts between it and the tool."""
     room = sizes.room
     linear = [k for k in room.tool if not room.machine.axes[k].rotary]
-    nose = float(room.tip[2]) + room.machine.tool
-    if room.machine.tool > 0:
+    nose = float(room.tip[2]) + room.machine.tool_length
+    if room.machine.tool_length > 0:
         yield room.spindle, cylinder(room.tip, room.tip * [1, 1, 0] + up(nose), 0.012 * sizes.spindle, "stone")
     top, parts = head(sizes, nose)
     yield from parts
@@ -167,7 +167,7 @@ def frame(sizes: Measures, level: list[int], top: float) -> Iterator[Laid]:
     bridge = box(near - cross + up(high + rail), near + behind * 0.05 * s + cross + up(high + 2.2 * rail), "head")
     yield first, bridge
     half = 0.05 * s * (along + beam_way)
-    low = float(room.tip[2]) + room.machine.tool
+    low = float(room.tip[2]) + room.machine.tool_length
     yield second, box(flat - half + up(low), flat + half - behind * 0.02 * s + up(high + 2.6 * rail), "table")
     yield straight(sizes, first, near + cross + behind * 0.12 * s + up(high + rail))
     yield straight(sizes, second, near + 0.22 * s * beam_way + up(high + 1.6 * rail))

@@ -9,8 +9,6 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, said
-from axiscal.machine import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -21,6 +19,7 @@ from axiscal.present.machine_drawing.instruments import MountedSetup, instrument
 from axiscal.present.machine_drawing.machine_scene import box_corners, edges, machine_parts, reach_edges
 from axiscal.present.machine_drawing.standing_machine import Measures, StandingMachine, name_of, up
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 _LINE = 20.0
 """Pixels from one line of text to the next."""
@@ -122,7 +121,7 @@ def _tips(room: StandingMachine, places: Sequence[Place]) -> Array:
     """Return where the tool point is at places, (n, 3) m, in the room as the table stands."""
     if not places:
         return np.zeros((0, 3))
-    return room.on_table(frames(room.machine, np.array([place.pose for place in places])).tcp)
+    return room.on_table(room.machine.frames(np.array([place.pose for place in places])).tcp)
 
 
 def _sides(room: StandingMachine, places: Sequence[Place]) -> Array:
@@ -136,7 +135,7 @@ def _best_seen(campaign: CampaignDescription, setup: Setup, places: Sequence[Pla
         return None
     upright = StandingMachine(campaign.machine, np.array(setup.park)).upright
     turned = [k for k, axis in enumerate(campaign.machine.axes) if axis.rotary]
-    tips = frames(campaign.machine, np.array([place.pose for place in places])).tcp @ upright.T
+    tips = campaign.machine.frames(np.array([place.pose for place in places])).tcp @ upright.T
     high = abs(setup.direction[2]) > 0.7 and setup.instrument == "interferometer"
 
     def merit(n: int) -> tuple[float, float]:

@@ -12,12 +12,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import EYE, Arrow, Part
 from axiscal_core import rigid
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 BED = -1
 """The part that nothing moves."""
@@ -54,10 +53,10 @@ class StandingMachine:
         )
         self.table, self.spindle = self.work[0] if self.work else BED, self.tool[-1] if self.tool else BED
         self.origin = self._in_room(_carried(axes, self.from_bed(self.table), self.home), np.zeros(3))
-        self.tip = self._in_room(_carried(axes, self.tool, self.home), np.array([0.0, 0.0, -machine.tool]))
-        self.tip_now: Array = self.on_table(frames(machine, pose[None]).tcp)[0]
+        self.tip = self._in_room(_carried(axes, self.tool, self.home), np.array([0.0, 0.0, -machine.tool_length]))
+        self.tip_now: Array = self.on_table(machine.frames(pose[None]).tcp)[0]
         ends = [(0.0, 0.0) if axis.rotary else axis.travel for axis in axes]
-        reached = frames(machine, np.array(np.meshgrid(*ends)).reshape(len(ends), -1).T).tcp
+        reached = machine.frames(np.array(np.meshgrid(*ends)).reshape(len(ends), -1).T).tcp
         self.reach = reached.min(axis=0), reached.max(axis=0)
         sides = np.abs(self.upright @ (self.reach[1] - self.reach[0])) / 2
         self.half = np.maximum(sides, _LEAST * max(float(sides.max()), 1e-3))
@@ -143,7 +142,7 @@ class Measures:
 
     def __init__(self, room: StandingMachine) -> None:
         self.room, self.whole = room, 2 * float(room.half.max())
-        self.spindle = float(np.clip(6 * room.machine.tool, 0.4 * self.whole, self.whole))
+        self.spindle = float(np.clip(6 * room.machine.tool_length, 0.4 * self.whole, self.whole))
         self.pad, self.step = 0.07 * self.whole, 0.13 * self.whole
         self.ram, self.plate = 0.08 * self.spindle, 0.09 * self.whole
         self.table = float(room.tip[2] - room.half[2]) - 0.03 * self.whole

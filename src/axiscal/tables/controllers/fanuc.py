@@ -13,7 +13,6 @@ import numpy as np
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import later, said
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
@@ -21,6 +20,7 @@ from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 EXPECTED = later(
     "punch parameters and pitch data from the control: records like N10000P0; between % and %, with N3620 to N3624 for "

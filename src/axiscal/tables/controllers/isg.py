@@ -23,8 +23,7 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import parse_error_name
+from axiscal.machine.error_names import parse_error_name
 from axiscal.numerics import Array
 from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs, sign_said, summed
 from axiscal.tables.loaded import Loaded, OldFile, table_control
@@ -34,6 +33,7 @@ from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError, anchored, curves, tip_control
 from axiscal.units import from_unit, to_unit
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 _UNIT = 1e-4
 """One unit of a list in mm or deg."""
@@ -203,7 +203,7 @@ class Isg(Exporter):
             lists=lists,
         )
         holds = _HOLDS.format(_BOTH * any(curve.over for curve in found.values()) + (_APART if lists else ""))
-        wanted = sum_of(tip_control(estimate.as_described, found), table_control(machine, halves))
+        wanted = sum_of(tip_control(estimate.machine, found), table_control(machine, halves))
         written = Written(files, steps, notes, holds, first=sign_said(options, _SIGN))
         return self.draft(written, wanted, machine, options, halves)
 
@@ -229,7 +229,7 @@ class Isg(Exporter):
             raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=other)
         if not found:
             raise TableError("there is no deviation that these files could hold", "take readings first")
-        return anchored(estimate.as_described, found) | nominal(estimate.machine)
+        return anchored(estimate.machine, found) | nominal(estimate.machine)
 
 
 def apart(estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
@@ -242,7 +242,7 @@ def apart(estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable
 
 def nominal(machine: Machine) -> dict[str, SampledError]:
     """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
-    places = {"P0{}": (0.0, 0.0, -machine.tool)}
+    places = {"P0{}": (0.0, 0.0, -machine.tool_length)}
     places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
     return {
         name.format(direction): SampledError(np.zeros(1), np.array([value]))

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
+from axiscal_core.machine import Machine
 
 _STEP = 0.5e-4  # of the deviations' unit, by their four decimals
 

@@ -18,12 +18,12 @@ from axiscal.document.file import number_or_none
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import later
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
+from axiscal_core.machine import Machine
 
 _BESIDE = re.compile(r"^\s*N\d+\s+|'[\da-fA-F]{2,8}\s*$|;.*")  # numbers of blocks, sums of archives, remarks
 _PASSED = ("%_N_", "CHANDATA(", "$MA_ENC_COMP_ENABLE", "$MA_CEC_ENABLE", "$SN_CEC_TABLE_ENABLE", "NEWCONF", "STOPRE")

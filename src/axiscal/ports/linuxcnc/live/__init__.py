@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from axiscal.machine.description import Machine
 from axiscal.ports.linuxcnc.live.attached import LiveSource
 from axiscal.ports.linuxcnc.live.connection import Connection, command
 from axiscal.ports.linuxcnc.live.in_force import InForce
+from axiscal_core.machine import Machine
 
 __all__ = ["InForce", "LiveSource", "attached_to", "running"]
 

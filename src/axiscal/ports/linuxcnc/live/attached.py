@@ -17,8 +17,7 @@ from axiscal.document import shown
 from axiscal.exceptions import InputError, SourceError, TravelError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import travel_text
-from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import drawn_back, frames
+from axiscal.machine.kinematics import drawn_back
 from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
@@ -31,6 +30,7 @@ from axiscal.programs.scale import Decimals, ReadingTarget, exact, target
 from axiscal.programs.sphere_cycle import SphereCycle
 from axiscal.programs.steps import Arrival, Move, ProgramAxes, Step, Touched
 from axiscal.units import format_quantity, from_unit
+from axiscal_core.machine import Machine
 
 _DECIMALS = 6
 """Of mm and deg: a nanometre is nothing to any machine."""
@@ -249,7 +249,7 @@ class _WayToBall:
             return
         begun = [] if standing is None else [Move(dict(enumerate(standing[1])), 1, 0.0)]
         reached, known = Arrival(self.target), np.array([self._pose])
-        (ball,) = setup.artefact.nearest(frames(self._machine, known).tcp, setup.balls).tolist()
+        (ball,) = setup.artefact.nearest(self._machine.frames(known).tcp, setup.balls).tolist()
         run = [*begun, *to, reached, *touching]
         if not all(free_ways(self._machine, setup, {self._request.reading: ball}, scales, run)):
             what = (
@@ -329,7 +329,7 @@ def refuse(status: dict[str, Any], machine: Machine, in_force: InForce) -> None:
         raise SourceError(amiss[0][1], amiss[0][2])
     _refuse_other_machine(status, machine)
     in_force.refuse(status)
-    if machine.tool <= 0:
+    if machine.tool_length <= 0:
         what = "the length of the tool is not known: [tool] length of machine.toml is 0"
         raise SourceError(what, "Write how far the middle of the stylus' ball is from the spindle nose")
 

@@ -18,7 +18,6 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import said
-from axiscal.machine.description import Machine
 from axiscal.ports.linuxcnc.tables import cross, pivots
 from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
 from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, summed
@@ -28,6 +27,7 @@ from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit
 from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
 
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
@@ -121,7 +121,7 @@ class Linuxcnc(TableFormat):
 def _pivots(estimate: Estimate) -> pivots.Pivots:
     model = estimate.model
     known = {
-        name: float(estimate.mean[model.names[name].columns][0])
+        name: float(estimate.mean[model.by_name[name].columns][0])
         for name in pivots.names(estimate.machine)
         if name in model.names
     }
@@ -133,7 +133,7 @@ def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
     mean = estimate.belief.mean.copy()
     for name in names:
         if name in estimate.model.names:
-            mean[estimate.model.names[name].columns] = 0.0
+            mean[estimate.model.by_name[name].columns] = 0.0
     return replace(estimate, belief=Belief(mean, estimate.belief.covariance, estimate.belief.degrees))
 
 

@@ -17,10 +17,10 @@ import numpy as np
 
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import listed, said
-from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control
 from axiscal.units import from_unit, to_unit
+from axiscal_core.machine import Machine
 from axiscal_core.rigid import about
 
 _SETP = re.compile(r"setp (xyz[ab]c-trt-kins)\.([xyz]-(?:rot-point|offset)|conventional-directions) (-?[\d.]+)")
@@ -143,7 +143,7 @@ def joint_shift(machine: Machine, nominal: Pivots, found: Pivots) -> Control:
 
     def added(poses: Array, approaches: Array) -> Array:
         angles = way * poses[:, swivel], way * poses[:, table]
-        tip = poses[:, linear] - np.array([0.0, 0.0, machine.tool])
+        tip = poses[:, linear] - np.array([0.0, 0.0, machine.tool_length])
         result = np.zeros_like(poses)
         result[:, linear] = joints_at(found, place_at(nominal, tip, *angles), *angles) - tip
         return result

@@ -1,8 +1,13 @@
 """An error as it adds to the deviation: rows over its unknowns, their covariance, cells of what these do not follow.
 
-Of a curve the unknowns are its control values. What two axes do together is I(x, y) = m_x(x)ᵀ A m_y(y), bicubic, beside
-the curves that each axis has alone. Let s be the std, R Matérn-5/2 (or 3/2) at the knots, and P = 1 − 11ᵀ/n, which
-takes the mean off along each side. So no row or column mean of A is free: it is in the curves (Gu and Wahba 1993).
+Of a curve the unknowns are its control values: independent ones (B&H eq. 16), or Matérn where a length is stated. On a
+cyclic spline the distance is the chord of the circle, which keeps the kernel positive definite. In a wave, cosine and
+sine of k turns a period have s²/k², k = 1…K. Each step has s², the mean level of steps none. A scale adds the
+coordinate times one unknown.
+
+What two axes do together is I(x, y) = m_x(x)ᵀ A m_y(y), bicubic, beside the curves that each axis has alone. Let s be
+the std, R Matérn-5/2 (or 3/2) at the knots, and P = 1 − 11ᵀ/n, which takes the mean off along each side. So no row or
+column mean of A is free: it is in the curves (Gu and Wahba 1993).
 
     cov vec A = s² (P R_x P) ⊗ (P R_y P) = s² (F_x F_xᵀ) ⊗ (F_y F_yᵀ),    A = F_x Z F_yᵀ,    Z ~ N(0, s²)
 
@@ -13,6 +18,7 @@ ten-thousandth of the variance; the others count as rest. Their rows are the pro
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import NamedTuple
@@ -20,15 +26,32 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors import prior
-from axiscal.errors.prior import Segments
-from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry, Kind
-from axiscal.numerics import Array
+from axiscal_core.axes import Axis
 from axiscal_core.eigen import settled
-from axiscal_core.errors import ASIDE, CELLS
-from axiscal_core.splines import Repeated, Spline, distances, matern_by_length
+from axiscal_core.errors import Error, Kind
+from axiscal_core.refusals import Array
+from axiscal_core.segments import Segments
+from axiscal_core.splines import (
+    Constant,
+    CyclicSpline,
+    NaturalSpline,
+    Repeated,
+    Spline,
+    distances,
+    even_knots,
+    matern,
+    matern_by_length,
+    ramp,
+)
 
+CELLS, ASIDE = 8, 2e-4
+"""Cells of a knot interval, within which a rest is one value; they begin so far before a knot, m or rad.
+
+Places are round numbers, and stand at knots: a correction must not leave a cell."""
+WAVE_KNOTS = 8
+"""A cyclic spline of so many follows a sine within 1.2 thousandths (tests/numerics/test_repeated.py)."""
+JOINT = 1e-3
+"""m, or rad: over so much a reading head goes from one piece of a scale to the next (an assumption)."""
 _CUT = 1e-4
 """Share of the variance that the products left out may hold together."""
 _SHORTER = 0.5
@@ -40,13 +63,13 @@ _NOUGHT = 1e-12
 class Side(NamedTuple):
     """One axis of an error.
 
-    axis : its index in a pose; entry : knots and length along it; spline : over its travel
+    axis : its index in a pose; error : knots and length along it; spline : over its travel
     basis : F (n, r) = U √λ, of a curve the control values themselves; values : λ, (r,), one of a curve
     which : (c,) column of it each unknown multiplies; None of a curve
     """
 
     axis: int
-    entry: ErrorEntry
+    error: Error
     spline: Spline
     basis: Array
     values: Array
@@ -100,15 +123,15 @@ class Side(NamedTuple):
 
     def correlation(self, stretch: float) -> Array:
         """Return P R P at the stated length times a factor, (n, n)."""
-        length = None if self.entry.length is None else self.entry.length * stretch
-        return centred(prior.covariance(replace(self.entry, length=length), self.spline))
+        length = None if self.error.length is None else self.error.length * stretch
+        return centred(covariance(replace(self.error, length=length), self.spline))
 
     def by_length(self, stretch: float) -> Array:
         """Return its derivative by the logarithm of the length."""
         apart = distances(self.spline)
-        if self.entry.length is None:
+        if self.error.length is None:
             return np.zeros_like(apart)
-        return centred(matern_by_length(apart / (self.entry.length * stretch), self.entry.smoothness))
+        return centred(matern_by_length(apart / (self.error.length * stretch), self.error.smoothness))
 
     def shares(self, correlation: Array) -> Array:
         """Return the variances of the eigenvectors where P R P is another, (c,)."""
@@ -121,23 +144,39 @@ class Side(NamedTuple):
 class Term:
     """One error, a function of one axis or of two.
 
-    component : 0-2 displacement along x y z, 3-5 rotation about x y z
+    error : what is known of it beforehand; linear : whether its axis is a carriage
     axis : whose frame it moves, of two the later one in the chain; sides : in the order of its name
     covariance : (c, c) prior of the unknowns; columns : where they stand in A
     rest : standard deviation of what the rows do not follow, m or rad, shared by readings in one cell
-    std, stretch : of products, m or rad, and the factor on the length along each side that readings have taught
     """
 
-    name: str
-    kind: Kind
-    component: int
+    error: Error
     axis: int
+    linear: bool
     sides: tuple[Side, ...]
     covariance: Array
     rest: float
     columns: slice
-    std: float = 1.0
-    stretch: tuple[float, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The name of the error."""
+        return self.error.name
+
+    @property
+    def kind(self) -> Kind:
+        """What it is: a motion over the travel, a reversal, or where an axis stands."""
+        return self.error.kind
+
+    @property
+    def component(self) -> int:
+        """0-2 displacement along x y z, 3-5 rotation about x y z."""
+        return self.error.component
+
+    @property
+    def std(self) -> float:
+        """Before any reading, m or rad."""
+        return self.error.std
 
     @property
     def axes(self) -> tuple[int, ...]:
@@ -145,19 +184,27 @@ class Term:
         return tuple(side.axis for side in self.sides)
 
     @property
-    def entry(self) -> ErrorEntry:
-        """What is known beforehand of a curve; of a plane along its first axis."""
-        return self.sides[0].entry
-
-    @property
-    def basis(self) -> Spline:
+    def spline(self) -> Spline:
         """The spline of a curve; of a plane along its first axis."""
         return self.sides[0].spline
 
     @property
+    def length(self) -> float | None:
+        """Over which the control values of a curve are alike; None where that is not so, and where they are nothing."""
+        error = self.error
+        alike = self.spline.size > 1 and not error.repeats and not error.joints and error.std > 0
+        return error.length if alike and not error.sides else None
+
+    @property
+    def ramp(self) -> Array | None:
+        """The effect of one standard deviation of the scale on the control values, (n,); None without scale."""
+        scale = self.error.scale
+        return np.asarray(scale * ramp(self.spline), dtype=np.float64) if scale else None
+
+    @property
     def stated_shape(self) -> bool:
         """Whether it repeats with a period, steps at joints or is of two axes: no curve that may be anything."""
-        return len(self.sides) > 1 or isinstance(self.basis, Repeated | Segments)
+        return len(self.sides) > 1 or isinstance(self.spline, Repeated | Segments)
 
     @property
     def angular(self) -> bool:
@@ -217,28 +264,27 @@ class Term:
         return result
 
 
-def term_of(entry: ErrorEntry, machine: Machine, start: int) -> Term:
-    """Return the error of an entry, its unknowns from column `start` on."""
-    if entry.sides:
-        return _plane(entry, machine, start)
-    side = _side(entry, machine)
-    columns, covariance = slice(start, start + side.spline.size), prior.covariance(entry, side.spline)
-    return Term(entry.name, entry.kind, entry.component, side.axis, (side,), covariance, entry.first_rest, columns)
+def term_of(error: Error, axes: Sequence[Axis], start: int) -> Term:
+    """Return an error on its axes, its unknowns from column `start` on."""
+    if error.sides:
+        return _plane(error, axes, start)
+    side = _side(error, axes)
+    columns, spread = slice(start, start + side.spline.size), covariance(error, side.spline)
+    return Term(error, side.axis, not axes[side.axis].rotary, (side,), spread, error.first_rest, columns)
 
 
-def _plane(entry: ErrorEntry, machine: Machine, start: int) -> Term:
-    whole = [_with_eigenvectors(_side(side, machine)) for side in entry.sides]
+def _plane(error: Error, axes: Sequence[Axis], start: int) -> Term:
+    whole = [_with_eigenvectors(_side(side, axes)) for side in error.sides]
     first, second = (side.shares(side.correlation(_SHORTER)) for side in whole)
     pairs = kept(first, second, _CUT)
-    own = pairs if entry.std else pairs[:0]
+    own = pairs if error.std else pairs[:0]
     parts, count = zip(whole, own.T, strict=True), len(own)
     sides = tuple(side._replace(which=mine) for side, mine in parts)
-    bare = Term(
-        entry.name, entry.kind, entry.component, max(side.axis for side in sides), sides, np.eye(count),
-        entry.first_rest, slice(start, start + count), entry.std, entry.stretch,
-    )  # fmt: skip
-    rest = float(np.hypot(entry.first_rest, entry.std * np.sqrt(_lost(bare))))
-    return replace(bare, covariance=bare.prior(entry.std, entry.stretch), rest=rest)
+    at = max(side.axis for side in sides)
+    columns = slice(start, start + count)
+    bare = Term(error, at, not axes[at].rotary, sides, np.eye(count), error.first_rest, columns)
+    rest = float(np.hypot(error.first_rest, error.std * np.sqrt(_lost(bare))))
+    return replace(bare, covariance=bare.prior(error.std, error.stretch), rest=rest)
 
 
 def kept(first: Array, second: Array, cut: float) -> NDArray[np.intp]:
@@ -257,10 +303,44 @@ def centred(correlation: Array) -> Array:
     return result
 
 
-def _side(entry: ErrorEntry, machine: Machine) -> Side:
-    axis = machine.index(entry.axis)
-    spline = prior.basis(entry, machine.axes[axis])
-    return Side(axis, entry, spline, np.eye(spline.size), np.ones(spline.size))
+def _side(error: Error, axes: Sequence[Axis]) -> Side:
+    axis = [each.name for each in axes].index(error.axis)
+    spline = spline_of(error, axes[axis])
+    return Side(axis, error, spline, np.eye(spline.size), np.ones(spline.size))
+
+
+def spline_of(error: Error, axis: Axis) -> Spline:
+    """Return the spline of an error over the travel of its axis: a constant, cyclic for a full turn, else natural.
+
+    A wave has a cyclic one over each period; steps have levels between their joints.
+    """
+    if error.period is not None and error.repeats:
+        return Repeated(*axis.travel, error.period, WAVE_KNOTS * error.waves)
+    if error.joints:
+        return Segments(*axis.travel, error.joints, JOINT)
+    if error.count < 2:
+        return Constant(*axis.travel)
+    return (CyclicSpline if axis.cyclic else NaturalSpline)(even_knots(*axis.travel, error.count))
+
+
+def covariance(error: Error, spline: Spline) -> Array:
+    """Return the prior covariance of the control values, (size, size)."""
+    if error.repeats:
+        turns = 2 * np.pi * np.arange(spline.size) / spline.size
+        each = [np.cos(k * (turns[:, None] - turns)) / k**2 for k in range(1, error.waves + 1)]
+        waves: Array = error.std**2 * np.sum(each, axis=0)
+        return waves
+    if error.joints:
+        level = np.tri(spline.size, spline.size, -1)[:, :-1]
+        above = level - level.mean(axis=0)
+        steps: Array = error.std**2 * above @ above.T
+        return steps
+    if error.length is None or spline.size == 1:
+        curve = np.eye(spline.size)
+    else:
+        curve = matern(distances(spline) / error.length, error.smoothness)
+    along = (error.scale or 0.0) * ramp(spline)
+    return np.asarray(error.std**2 * curve + np.outer(along, along))
 
 
 def _with_eigenvectors(side: Side) -> Side:
@@ -276,7 +356,7 @@ def _lost(term: Term) -> float:
     if not len(term.covariance):
         return 0.0
     whole, held = 1.0, np.ones(len(term.covariance))
-    for side, stretch in zip(term.sides, term.stretch, strict=True):
+    for side, stretch in zip(term.sides, term.error.stretch, strict=True):
         correlation = side.correlation(stretch)
         whole *= float(np.trace(correlation)) / len(correlation)
         held *= side.shares(correlation) / len(correlation)
