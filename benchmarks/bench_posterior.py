@@ -21,7 +21,7 @@ from typing import TypeVar
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import sizes_of, usual_machine
+from axiscal.description.usual import usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise import problem as estimate_problem
 from axiscal.estimation.promise.posterior import sorted_out
@@ -37,6 +37,7 @@ from axiscal_core.problem import Problem
 from axiscal_core.spaces import turned, variances_of
 from axiscal_core.threads import one_thread
 from axiscal_core.unknowns import Unknowns, space_of
+from axiscal_core.usual import sizes_of
 
 T = TypeVar("T")
 _SEED = 2005
@@ -67,7 +68,9 @@ def case_and_readings(count: int) -> tuple[Case, list[Reading]]:
 def posed(case: Case, readings: list[Reading]) -> Problem:
     """Return readings as a problem with all that usually goes wrong."""
     described = case.description
-    sizes = sizes_of(described.machine, described.setups, "roughly", usual=True, inherited=False)
+    sizes = sizes_of(
+        described.machine, [setup.name for setup in described.setups], "roughly", usual=True, inherited=False
+    )
     return problem(case.observation, readings, sizes)
 
 

@@ -55,7 +55,7 @@ class Case(_Case):
     """The case of a machine of `load_machine`; one of a machine that is made in Python is the core's."""
 
     @overload
-    def __new__(
+    def __new__(  # type: ignore[overload-overlap]
         cls,
         machine: _Machine,
         setups: Sequence[Mapping[str, Any] | Instrument],

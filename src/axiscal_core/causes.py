@@ -13,19 +13,20 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from axiscal_core import usual
 from axiscal_core.columns import Scale
 from axiscal_core.eigen import of_rank
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places
 from axiscal_core.refusals import Array
 from axiscal_core.splines import matern
-from axiscal_core.terms import CELLS, Term
+from axiscal_core.terms import Term
 from axiscal_core.theta import Kind
 
-DRIFT, CYCLE, GROWTH, WAY = 2.0, 0.5, 2.0, 0.06
-"""Usual sizes: in noises, the last one of a reversal. Nine ISO 230-2 tests say the first, nobody the others."""
+DRIFT, CYCLE, GROWTH, WAY = (cause.size for cause in (usual.DRIFT, usual.CYCLE, usual.GROWTH, usual.WAY))
+"""Usual sizes: in noises, the last one of a reversal."""
 WIDE = 0.06  # of the travel, within which half of the variance of a rest is common
 _FUNCTIONS = 20  # of Karhunen and Loève: they leave 0.5 % of the variance of Brownian motion
 _MINUTES, _LONGEST, _MANY = 360.0, 4 * 3600.0, 300  # s, s, numbers: over more a cycle is not told from noise
@@ -185,8 +186,17 @@ def _moves(case: Model, index: int, term: Term) -> bool:
 def _rests(case: Model, n: Numbers) -> Columns:
     for i, term in enumerate(case.machine.terms):
         if term.rest:
-            cells, which = np.unique(n.cell[:, i], return_inverse=True)
-            wide = cells // max(1, round(WIDE * CELLS * (len(term.spline.knots) - 1)))
-            common = case.usual and len(term.sides) == 1  # of two axes together a cell is a patch of its own
-            alike = 0.5 * np.eye(len(cells)) + 0.5 * (wide[:, None] == wide) if common else np.eye(len(cells))
-            yield "rest", term.name, term.rest * n.reach[:, i, None] * np.linalg.cholesky(alike)[which]
+            cells, which = np.unique(n.cell[:, i].astype(np.intp), return_inverse=True)
+            root = cell_root(term, cells) if case.usual else np.eye(len(cells))
+            yield "rest", term.name, term.rest * n.reach[:, i, None] * root[which]
+
+
+def cell_root(term: Term, cells: NDArray[np.intp]) -> Array:
+    """Return F with F Fᵀ the correlation of the rests of an error's cells, (q, q).
+
+    Half of the variance is each cell's own, half is common to the cells of 6 % of the travel; of a plane all its own.
+    """
+    if len(term.sides) > 1:
+        return np.eye(len(cells))
+    block = cells // max(1, round(WIDE * term.cell_count))
+    return np.asarray(np.linalg.cholesky(0.5 * (np.eye(len(cells)) + (block[:, None] == block))))

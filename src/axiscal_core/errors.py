@@ -15,7 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -229,21 +229,6 @@ def _sides(
             raise InputError("Error", key, f"= {each!r} are not two", "Give one along each axis")
     pairs = zip(found.groups(), counts, lengths, strict=True)
     return tuple(Error(name[:2] + axis, 1.0, count, far) for axis, count, far in pairs)
-
-
-WHITE, ROUGHNESS, SCALE, LENGTH = 0.03, 0.045, 30e-6, 0.25
-"""Usual shares of std, strain, and share of the travel, where nothing is stated."""
-
-
-def as_usual(error: Error, axis: Axis) -> Error:
-    """Return a curve with what curves usually have and nobody stated: a length, a rest, a scale.  See `causes`."""
-    if error.kind != "motion" or error.repeats or error.count < 2 or error.sides or error.joints:
-        return error
-    white = WHITE * error.std if error.rest is None else error.rest
-    positioning = not axis.rotary and error.name == axis.positioning_error
-    scale = SCALE if error.scale is None and positioning else error.scale
-    length = LENGTH * axis.length if error.length is None else error.length
-    return replace(error, rest=float(np.hypot(white, ROUGHNESS * error.std)), scale=scale, length=length)
 
 
 class Offset:

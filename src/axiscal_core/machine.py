@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from axiscal_core.axes import Axis, Frames, Three, chain
 from axiscal_core.dh import links
 from axiscal_core.eigen import unique_root
-from axiscal_core.errors import Basis, Error, Own, as_usual
+from axiscal_core.errors import Basis, Error, Own
 from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one, one_of, sided
 from axiscal_core.rigid import cross
 from axiscal_core.terms import Term, term_of
@@ -132,12 +132,6 @@ class Machine:
         """
         axes, errors, point, held = links(parameters, std, travel, tool)
         return Machine(axes, errors, point.tolist(), held)
-
-    def as_usual(self) -> Self:
-        """Return the machine with what curves usually have and nobody stated: lengths, rests, scales."""
-        of = {axis.name: axis for axis in self.axes}
-        found = [as_usual(each, of[each.axis]) if isinstance(each, Error) else each for each in self.errors]
-        return replace(self, errors=tuple(found))
 
     def __hash__(self) -> int:
         return self._hash

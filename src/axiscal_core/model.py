@@ -20,8 +20,9 @@ from axiscal_core.normal import Normal
 from axiscal_core.places import Places, Readings
 from axiscal_core.points import even_points
 from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one, one_of, whole
-from axiscal_core.theta import SURE, Sure
+from axiscal_core.theta import SURE, Sizes, Sure
 from axiscal_core.units import Of, quantities, si
+from axiscal_core.usual import as_usual, sizes_of
 
 Table = Mapping[str, Sequence[object]]
 """Readings as columns, see `Case.readings`; a DataFrame is one."""
@@ -64,7 +65,7 @@ class Model:
         self.sure: Sure = sure
         one_of("Case", "sure", sure, [*SURE])
         self.aligned, self.stated = one("Case", "aligned", aligned, bool, "True or False"), machine
-        self.machine = machine.as_usual() if self.usual else machine
+        self.machine = as_usual(machine) if self.usual else machine
         self.instruments = tuple(listed("Case", "instruments", instruments))
         self.setups = [self._mounted(each) for each in self.instruments]
         each_once("Case", "instruments", self.setups)
@@ -115,6 +116,11 @@ class Model:
     def causes(self) -> tuple[str, ...]:
         """The name of every cause of type B: "laser.warmer"."""
         return tuple(f"{each.name}.{cause}" for each in self.instruments for cause in each.considered)
+
+    @cached_property
+    def sizes(self) -> Sizes:
+        """The sizes that readings may teach."""
+        return sizes_of(self.machine, self.setups, self.sure, usual=self.usual)
 
     @cached_property
     def prior(self) -> Normal:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from axiscal.answers.prediction import tcp_prediction
-from axiscal.description.usual import OFFSET
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -16,6 +15,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import EACH, beside_the_line, offset_each
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
+from axiscal_core.usual import OFFSET
 from tests.generators.campaigns import on
 from tests.generators.texts import machine_text, setup_text
 

@@ -21,11 +21,10 @@ from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal_core.errors import ROUGHNESS
 from axiscal_core.machine import Machine
 from axiscal_core.numbers import Numbers
-from axiscal_core.sizes import sizes_of
 from axiscal_core.theta import Sizes
+from axiscal_core.usual import ROUGH
 from tests.core.strangers import Arm, Autocollimator, Bar, Interferometer, Probe, Straightedge
 
 CAMPAIGNS = Path(__file__).parents[1] / "golden" / "campaigns"
@@ -101,7 +100,7 @@ class Beside:
         """Return the core's θ in the order of the product's sizes.  mine : (k,)"""
         theirs: Sizes = self.product.sizes
         at: dict[tuple[str, tuple[str, ...]], int] = {
-            (size.kind, size.owners): i for i, size in enumerate(sizes_of(self.core).of)
+            (size.kind, size.owners): i for i, size in enumerate(self.core.sizes.of)
         }
         assert set(at) == {(size.kind, size.owners) for size in theirs.of}
         return np.array([mine[at[size.kind, size.owners]] for size in theirs.of])
@@ -118,7 +117,7 @@ def machine_of(machine: ac.Machine, usual: bool = True) -> ac.Machine:
 def _bare(error: ac.Error) -> ac.Error:
     if error.rest is None or error.sides or error.kind != "motion" or error.repeats or error.count < 2:
         return error
-    return replace(error, rest=float(np.sqrt(max(error.rest**2 - (ROUGHNESS * error.std) ** 2, 0.0))))
+    return replace(error, rest=float(np.sqrt(max(error.rest**2 - (ROUGH.size * error.std) ** 2, 0.0))))
 
 
 def instrument_of(setup: Setup, machine: Machine) -> ac.Instrument:

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import axiscal_core as ac
-from axiscal.description import usual
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.candidates import spread
@@ -23,7 +22,6 @@ from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.next_readings import root_of
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
-from axiscal_core import causes
 from axiscal_core.numbers import Numbers
 from axiscal_core.posing import posed
 from axiscal_core.problem import Problem
@@ -39,11 +37,6 @@ PLANNED = {"one_spline": 7, "outlier": 6, "tracker": 5, "rotary": 5}
 QUICK = {"one_spline", "outlier"}
 BETTER = {"rotary": 1.01}
 """J of the product's plan may be so many times the core's, which finds better ones where three axes move."""
-
-
-def test_the_table_of_what_usually_goes_wrong_states_the_sizes_that_the_core_has() -> None:
-    assert [usual.DRIFT.size, usual.CYCLE.size, usual.GROWTH.size] == [causes.DRIFT, causes.CYCLE, causes.GROWTH]
-    assert usual.WAY.size == causes.WAY
 
 
 @cache

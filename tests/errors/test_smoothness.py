@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.description.usual import sizes_of
 from axiscal.estimation.promise.problem import problem
 from axiscal.machine import machine_from_text
 from axiscal.measurement.observation import Observation
@@ -16,6 +15,7 @@ from axiscal_core.machine import Machine
 from axiscal_core.spaces import Given
 from axiscal_core.splines import matern
 from axiscal_core.unknowns import space_of
+from axiscal_core.usual import sizes_of
 from tests.generators.texts import machine_text
 
 _HEAD = machine_text("w-X'-Y'-b-Z-t", {"X": (0, 500), "Y": (0, 400), "Z": (0, 300)}, {}, name="two axes")
@@ -46,7 +46,7 @@ def test_the_likelihood_of_rough_curves_and_planes_has_the_slope_that_it_says() 
     setup = Setup("p", "probe", (0.0, 0.0, 1.0), (0, 1), (0.0,) * 3, 1e-6, (), 0.0, 0.0, 1.0, (0.0,) * 3, "+")
     poses = np.column_stack([rng.uniform(0, 0.5, 25), rng.uniform(0, 0.4, 25), np.zeros(25)])
     readings = [Reading("p", tuple(pose), (1, 1, 0), float(1e-5 * rng.standard_normal())) for pose in poses.tolist()]
-    sizes = sizes_of(machine, (setup,), "roughly", usual=True, inherited=False)
+    sizes = sizes_of(machine, [setup.name], "roughly", usual=True)
     assert {"std", "length", "together", "rest"} < {size.kind for size in sizes.of}
     assert sizes.index("length", "EZXY") != sizes.index("length", "EZX")
     space = space_of(problem(Observation(model, (setup,)), readings, sizes))

@@ -10,10 +10,11 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise import problem
-from axiscal.estimation.promise.problem import MOST_COLUMNS, Inherited, PlaneUnknowns
+from axiscal.estimation.promise.problem import MOST_COLUMNS, Inherited
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal_core.priors import PlaneUnknowns
 from axiscal_core.problem import MOST_NUMBERS, Problem
 from tests.generators import laser_axis
 from tests.generators.campaigns import mixed

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.stats import lognorm, norm
 
-from axiscal.description.usual import sizes_of
 from axiscal_core.theta import Kind, Size, Sizes, Sure
+from axiscal_core.usual import sizes_of
 from tests.generators.problems import case_of
 
 
@@ -17,7 +17,7 @@ def test_one_error_may_be_known_and_another_not() -> None:
     described = case_of("plate").description
     errors = [replace(each, sure="exactly") if each.name == "EZX" else each for each in described.machine.stated]
     plain = replace(described.machine, errors=tuple(errors))
-    sizes = sizes_of(plain, described.setups, "roughly", usual=False, inherited=False)
+    sizes = sizes_of(plain, [], "roughly", usual=False)
     assert sizes.index("std", "EZX") == sizes.index("length", "EZX") == -1
     assert sizes.index("std", "EZY") >= 0
 
@@ -37,11 +37,11 @@ def test_a_size_is_lognormal_about_what_is_stated() -> None:
 def test_a_stated_drift_is_learnt_as_noise_is(sure: Sure, found: bool) -> None:
     """Without what usually goes wrong, and unless sizes are exact."""
     described = case_of("axis").description
-    wandering = [replace(each, drift=1e-9) for each in described.setups]
-    sizes = sizes_of(described.machine, wandering, sure, usual=False, inherited=False)
-    assert (sizes.index("drift", wandering[0].name) >= 0) == found
-    still = [replace(each, drift=0.0) for each in described.setups]
-    assert sizes_of(described.machine, still, "roughly", usual=False, inherited=False).index("drift", still[0].name) < 0
+    names = [each.name for each in described.setups]
+    assert (
+        sizes_of(described.machine, names, sure, usual=False, wandering=names).index("drift", names[0]) >= 0
+    ) == found
+    assert sizes_of(described.machine, names, sure, usual=False).index("drift", names[0]) < 0
 
 
 @pytest.mark.parametrize(

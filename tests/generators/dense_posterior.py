@@ -31,8 +31,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.usual import BAD
 from axiscal.numerics import Array
+from axiscal_core.left_out import OFF
 from axiscal_core.problem import Problem
 
 Normal = tuple[Array, Array]
@@ -113,7 +113,7 @@ class Dense:
         mine, total = self.problem.reading == reading, 0.0
         for theta, weight in zip(thetas, weights, strict=True):
             mean, covariance = self.expected(theta, reading)
-            wide = covariance + np.diag((BAD.size * self.sigma(theta)[mine]) ** 2)
+            wide = covariance + np.diag((OFF * self.sigma(theta)[mine]) ** 2)
             values = self.problem.values[mine]
             total += weight * np.exp(log_density(values, mean, wide) - log_density(values, mean, covariance))
         return float(0.01 / 0.99 * total)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.usual import sizes_of, usual_machine
+from axiscal.description.usual import usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.machine import load_machine
@@ -17,6 +17,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal_core.problem import Problem
 from axiscal_core.theta import Sizes
+from axiscal_core.usual import sizes_of
 from tests.generators.campaigns import CAMPAIGN as TWO_SETUPS
 from tests.generators.planes import warped
 from tests.generators.texts import machine_text
@@ -86,7 +87,9 @@ def asked(kind: str, count: int, seed: int = 0, stds: bool = False, inherits: bo
 def stated(case: Case, readings: Sequence[Reading], left: Inherited | None = None) -> Problem:
     """Return the problem of readings with what usually goes wrong."""
     described = case.description
-    sizes = sizes_of(described.machine, described.setups, "roughly", usual=True, inherited=left is not None)
+    sizes = sizes_of(
+        described.machine, [setup.name for setup in described.setups], "roughly", usual=True, inherited=left is not None
+    )
     return problem(case.observation, readings, sizes, left)
 
 

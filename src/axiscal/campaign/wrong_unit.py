@@ -18,7 +18,6 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.usual import sizes_of
 from axiscal.estimation.case import Case, timed
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import bent, judged, unit_guess
@@ -32,6 +31,7 @@ from axiscal.numerics import Array
 from axiscal_core.draws import as_stated, sized
 from axiscal_core.problem import Problem
 from axiscal_core.unknowns import space_of
+from axiscal_core.usual import sizes_of
 
 _FEWEST = 3
 """One or two slips are readings to be looked at; a file in another unit has all."""
@@ -117,7 +117,7 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
         mine = drawn([reading for reading in readings if reading.setup == setup.name], _MOST)
         if len(mine) < _FEWEST_TOLD or any(reading.std is not None for reading in mine):
             continue
-        sizes = sizes_of(observation.machine, observation.setups, "roughly", usual=True, inherited=False)
+        sizes = sizes_of(observation.machine, [setup.name for setup in observation.setups], "roughly", usual=True)
         posed = problem(observation, mine, sizes)
         multiplied = {factor: _multiplied(posed, factor) for factor in FACTORS}
         best = max(multiplied, key=lambda factor: multiplied[factor])

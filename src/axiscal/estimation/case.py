@@ -11,7 +11,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES, Target
-from axiscal.description.usual import rescaled_machine, sizes_of
+from axiscal.description.usual import rescaled_machine
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
 from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
@@ -35,6 +35,7 @@ from axiscal.numerics.remembered import Itself, Memo
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 from axiscal_core.theta import Kind, Sizes
+from axiscal_core.usual import sizes_of
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _EACH = 20
@@ -70,9 +71,10 @@ class Case:
     @cached_property
     def sizes(self) -> Sizes:
         """The sizes that readings may teach."""
-        described = self.description
-        how = {"usual": described.usual, "inherited": self.inherited is not None}
-        return sizes_of(described.machine, described.setups, described.sure, **how)
+        described, given = self.description, self.inherited is not None
+        names, wandering = [each.name for each in described.setups], [s.name for s in described.setups if s.drift > 0]
+        usual, sure = described.usual, described.sure
+        return sizes_of(described.machine, names, sure, usual=usual, inherited=given, wandering=wandering)
 
     def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:
         """Return the time of a reading after another one; of the first of a set-up with mounting it."""

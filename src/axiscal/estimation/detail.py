@@ -17,7 +17,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.description.usual import LENGTH_OF_TRAVEL
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
@@ -30,6 +29,7 @@ from axiscal_core.draws import sized
 from axiscal_core.machine import Machine
 from axiscal_core.problem import Problem
 from axiscal_core.unknowns import space_of
+from axiscal_core.usual import LENGTH_OF_TRAVEL
 
 _MOST = 96
 """Knots of a curve, as many as the realtime component for LinuxCNC takes."""

@@ -28,7 +28,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.usual import NONE_VARY
 from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -38,6 +37,7 @@ from axiscal.numerics.displays import step_of
 from axiscal_core.eigen import of_rank
 from axiscal_core.from_scipy import log_normal_share
 from axiscal_core.spaces import turned
+from axiscal_core.theta import Sizes
 
 _SWEEPS, _DAMPING, _SETTLED = 30, 0.5, 1e-4
 """Sweeps end where the intervals settle; half steps keep them from swinging."""
@@ -164,7 +164,7 @@ class Fitted:
         cls, observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
     ) -> Fitted:
         """Return the numbers of readings, by the stated model or another prior of the errors (mean, covariance)."""
-        posed = problem(observation, readings, NONE_VARY, None if prior is None else Inherited(*prior), usual=False)
+        posed = problem(observation, readings, Sizes(()), None if prior is None else Inherited(*prior), usual=False)
         stated = np.zeros(0)
         features = turned(posed, posed.rows, stated, [curves.roots(stated) for curves in posed.curves])
         return cls(features * posed.noise[:, None], posed.noise**2, posed.values * posed.noise, posed.reading)

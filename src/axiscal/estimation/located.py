@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from axiscal.description.usual import NONE_VARY
 from axiscal.estimation.case import Case
 from axiscal.estimation.intervals import sited
 from axiscal.estimation.knowledge import Block, Knowledge, taken
@@ -26,6 +25,7 @@ from axiscal.units import to_unit
 from axiscal_core.draws import as_stated
 from axiscal_core.left_out import surprises
 from axiscal_core.spaces import variances_of
+from axiscal_core.theta import Sizes
 from axiscal_core.threads import one_thread
 from axiscal_core.unknowns import space_of
 
@@ -63,7 +63,7 @@ class Absorbed:
         """Return how far one that counts is from what all others say, its numbers together, in standard deviations."""
         kept = [index for index in range(len(self.readings)) if index not in self.left_out]
         some = [self.readings[index] for index in kept]
-        posed = problem(self.case.observation, some, NONE_VARY, self.case.inherited, usual=False)
+        posed = problem(self.case.observation, some, Sizes(()), self.case.inherited, usual=False)
         numbers = np.flatnonzero(posed.reading == kept.index(reading))
         return float(surprises(*as_stated(space_of(posed)).blocks(numbers[None]))[0])
 

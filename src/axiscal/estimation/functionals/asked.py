@@ -9,7 +9,6 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import ABOUT, ANGLES, Kind, RowName, Want
-from axiscal.description.usual import OFFSET
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.functionals.functional import (
     AxisLine,
@@ -27,6 +26,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
+from axiscal_core.usual import OFFSET
 
 _LETTERS = "XYZ"
 EACH = 0.1

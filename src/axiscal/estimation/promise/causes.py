@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.type_b import Read, TypeB, rows_of
-from axiscal.description.usual import needs_a_way
 from axiscal.measurement.cells import Course
 from axiscal.measurement.instrument import instrument_of, model_of
 from axiscal.measurement.observation import Observation
@@ -23,6 +22,7 @@ from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times
 from axiscal.measurement.travel import feet_of
 from axiscal.numerics import Array
 from axiscal_core import causes
+from axiscal_core.usual import needs_a_way
 
 _ONE_WAY = 0.5
 """Share by which one way round prevails: with a quarter of circles the other way a lag is told from squareness."""

@@ -22,7 +22,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.usual import BAD
 from axiscal.estimation.promise.agreement import (
     CONTRADICTS,
     MOST_BAD,
@@ -45,7 +44,7 @@ from axiscal.estimation.promise.mistaken import (
 )
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed, sized
-from axiscal_core.left_out import BAD_SHARE
+from axiscal_core.left_out import BAD_SHARE, OFF
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
 from axiscal_core.unknowns import space_of
@@ -55,7 +54,7 @@ _JUMPS = 30.0, 1e3, 3e4
 _BEYOND = 2
 """Readings before and behind a jump, at least; between two jumps lie several."""
 _NAMED = float(np.log(NAMED))
-_BAD = float(np.log(BAD_SHARE / BAD.size))
+_BAD = float(np.log(BAD_SHARE / OFF))
 """Of log odds: what a bad reading costs."""
 _ALIKE = 1e-6
 """Of a column: rounding, below which others make it as well."""

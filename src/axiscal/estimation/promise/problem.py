@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.estimation.promise.causes import absent, contributions, passing_columns
 from axiscal.measurement.observation import Observation
@@ -22,14 +21,12 @@ from axiscal.measurement.reading_rows import (
     with_cells,
 )
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import lower_root
-from axiscal_core.causes import WAY, WIDE
-from axiscal_core.columns import NUGGET, Bent, Curves, Scale
-from axiscal_core.eigen import unique_root
+from axiscal_core.causes import WAY, cell_root
+from axiscal_core.columns import Scale
+from axiscal_core.priors import priors_of
 from axiscal_core.problem import MOST_NUMBERS, Problem, by_blocks
-from axiscal_core.splines import distances, ramp
-from axiscal_core.terms import Term, covariance
-from axiscal_core.theta import MANY, Kind, Sizes
+from axiscal_core.splines import ramp
+from axiscal_core.theta import MANY, Sizes
 
 MOST_COLUMNS = 620
 """Beyond so many columns rests of the weakest errors count as noise: the cost grows with the cube.
@@ -89,17 +86,19 @@ def problem(
         rows[:, at] = (1.0 if missing is None else 1 - missing[reading]) * (found.rows[:, scale.part] @ scale.ramp)
     own = rows[:, first + len(scales) :]
     own[:] = found.rows[:, :answered]
-    own_size, curves, roots = builder.errors(own, first + len(scales))
+    stds, left = [unknown.std for unknown in observation.unknowns], None if inherited is None else inherited.covariance
+    priors = priors_of(observation.errors, sizes, stds, first + len(scales), left)
+    priors.apply(own, first + len(scales))
     rows /= noise[:, None]
     mean = np.zeros(answered)
     if inherited is not None:
         mean[: len(inherited.mean)] = inherited.mean
     values = (found.values - found.rows[:, :answered] @ mean) / noise
     passing_size = [np.full(columns.shape[1], sizes.index(kind, owner)) for kind, owner, columns in passing]
-    size_at = np.concatenate([*passing_size, rest_size, scale_size, own_size]).astype(np.intp)
+    size_at = np.concatenate([*passing_size, rest_size, scale_size, priors.size_at]).astype(np.intp)
     judging = np.array([not cause.row.of_values for cause in causes], dtype=bool)
     return Problem(
-        rows, values, noise, reading, setups, groups, sizes, size_at, curves, roots, scales, answered,
+        rows, values, noise, reading, setups, groups, sizes, size_at, priors.curves, priors.roots, scales, answered,
         len(observation.unknowns), mean, tuple(cells), start,
         tuple(first_cell_roots), kinds, type_b / noise[:, None], tuple(causes), judging,
     )  # fmt: skip
@@ -136,32 +135,8 @@ def _by_term(cells: Iterable[tuple[int, int]]) -> dict[int, list[tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneUnknowns(Bent):
-    """The products of one error of two axes, whose lengths go by one factor, as one member."""
-
-    plane: Term
-
-    def roots(self, theta: Array) -> Array:
-        """Return L with L Lᵀ the prior at the lengths, (1, c, c)."""
-        covariance = self.plane.prior(self.plane.std, self._stretch(theta))
-        # a share of the stated variance: at many times the length the covariance itself is rounding
-        covariance[np.diag_indices_from(covariance)] += NUGGET * self.plane.std**2
-        return lower_root(covariance)[None]
-
-    def bends(self, theta: Array, roots: Array) -> Array:
-        """Return M = L⁻¹ (∂ prior/∂log l) L⁻ᵀ, (1, c, c)."""
-        first, second = (self.plane.prior(self.plane.std, self._stretch(theta), k) for k in (0, 1))
-        half = np.linalg.solve(roots[0], first + second)
-        return np.linalg.solve(roots[0], half.T)[None]
-
-    def _stretch(self, theta: Array) -> tuple[float, ...]:
-        factor = float(np.exp(np.append(theta, 0.0)[self.length_at[0]]))
-        return tuple(each * factor for each in self.plane.error.stretch)
-
-
-@dataclass(frozen=True, eq=False)
 class _Builder:
-    """Makes the columns of what is in the machine and of the set-ups' unknowns."""
+    """Makes the columns of rests and of what adds to curves."""
 
     observation: Observation
     sizes: Sizes
@@ -173,7 +148,9 @@ class _Builder:
         of_term = [
             (self.observation.errors.terms[term], [cell for _, cell in mine]) for term, mine in _by_term(cells).items()
         ]
-        return [term.rest * (_cell_root(term, mine) if self.usual else np.eye(len(mine))) for term, mine in of_term]
+        return [
+            term.rest * (cell_root(term, np.array(mine)) if self.usual else np.eye(len(mine))) for term, mine in of_term
+        ]
 
     def scales(self, absent: Mapping[str, Array]) -> Iterator[tuple[str, Scale, Array | None]]:
         """Yield what adds to curves: owner, what it adds, and which share of it readings lack, (r,), None for none.
@@ -186,58 +163,3 @@ class _Builder:
             for share in absent.get(term.name, np.zeros((0, 0))).T:
                 part = WAY * np.sqrt(np.diagonal(term.covariance))
                 yield term.name, Scale("way", term.columns, part), share
-
-    def errors(
-        self, own: Array, start: int
-    ) -> tuple[NDArray[np.intp], tuple[Bent, ...], tuple[tuple[int, Array], ...]]:
-        """Apply fixed priors to the answered columns in place; return the number of their θ, curves, and fixed roots.
-
-        own : (m, answered); start : where they begin among all columns
-        """
-        size_at, roots = np.full(own.shape[1], -1, dtype=np.intp), list[tuple[int, Array]]()
-        by_kind, curves = dict[tuple[int, float], list[Term]](), list[Bent]()
-        if self.inherited is not None:
-            roots.append((0, unique_root(self.inherited.covariance)))
-        else:
-            for term in self.observation.errors.terms:
-                entry = term.error
-                kind: Kind = "together" if len(term.axes) > 1 else "reversal" if term.kind == "reversal" else "std"
-                size_at[term.columns] = self.sizes.index(kind, term.name)
-                if entry.length is not None and term.spline.size > 1 and not term.stated_shape:
-                    by_kind.setdefault((term.spline.size, entry.smoothness), []).append(term)
-                elif kind == "together" and (length := self.sizes.index("length", term.name)) >= 0:
-                    columns = np.arange(term.columns.start, term.columns.stop)[None] + start
-                    curves.append(PlaneUnknowns(columns, np.array([length]), term))
-                else:
-                    bare = covariance(replace(entry, scale=None), term.spline) if entry.scale else term.covariance
-                    roots.append((term.columns.start, unique_root(bare)))  # the scale of its axis has a column
-        stds = [unknown.std for unknown in self.observation.unknowns]
-        roots += [(self.observation.errors.size + i, np.array([[std]])) for i, std in enumerate(stds)]
-        for at, root in roots:
-            part = slice(at, at + len(root))
-            own[:, part] = own[:, part] @ root
-        for (_, smoothness), members in by_kind.items():
-            curves.append(self._curves(members, smoothness, start))
-        return size_at, tuple(curves), tuple((start + at, root) for at, root in roots)
-
-    def _curves(self, terms: Sequence[Term], smoothness: float, start: int) -> Curves:
-        return Curves(
-            np.array([np.arange(term.columns.start, term.columns.stop) + start for term in terms]),
-            self.sizes.indices("length", [term.name for term in terms]),
-            smoothness,
-            np.array([term.error.std for term in terms]),
-            np.array([term.error.length for term in terms], dtype=float),
-            np.array([distances(term.spline) for term in terms]),
-        )
-
-
-def _cell_root(term: Term, cells: Sequence[int]) -> Array:
-    """Return F with F Fᵀ the correlation of the rests of an error's cells, (q, q).
-
-    Half of the variance is each cell's own, half is common to the cells of 6 % of the travel; of a plane all its own.
-    """
-    if len(term.axes) > 1:
-        return np.eye(len(cells))
-    wide = max(1, round(WIDE * term.cell_count))
-    block = np.array(cells) // wide
-    return np.linalg.cholesky(0.5 * (np.eye(len(cells)) + (block[:, None] == block[None])))
