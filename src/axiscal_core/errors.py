@@ -161,7 +161,8 @@ class Error:
         wave, more = self.repeats, (self.knots or 1) > 1
         idle = {"knots": more and (wave or self.kind == "location"), "waves": self.waves > 1 and not wave}
         idle["length"] = self.length is not None and (wave or self.count < 2)
-        idle["scale"] = bool(self.scale) and (self.kind != "motion" or self.component >= 3)
+        across = self.axis[0] in "XYZ" and self.axis[0] != COMPONENTS[self.component]
+        idle["scale"] = bool(self.scale) and (self.kind != "motion" or self.angular or across)
         if self.name.endswith("_pitch") and not wave:
             raise InputError("Error", "period", f"of {self.name} is not stated", "Say after what way it repeats")
         for key in (key for key, stated in idle.items() if stated):

@@ -27,8 +27,8 @@ from axiscal_core.axes import Axis, Frames, Three, chain
 from axiscal_core.dh import links
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import Basis, Error, Own
+from axiscal_core.levers import Levers, levers_of
 from axiscal_core.refusals import Array, InputError, each_once, finite, listed, one, one_of, sided
-from axiscal_core.rigid import cross
 from axiscal_core.terms import Term, term_of
 from axiscal_core.units import METRES, Poses, Quantity, quantities, si
 
@@ -64,20 +64,6 @@ class SameRows(NamedTuple):
     first: Term
     terms: NDArray[np.intp]
     columns: NDArray[np.intp] | slice
-
-
-class _Moving(NamedTuple):
-    """How every term moves the tool point.
-
-    axis, along : (terms,) whose frame, and which direction of it; tilted, turning : indices of those that tilt the
-    direction of travel, and that turn the frame; sign : (terms,)
-    """
-
-    axis: NDArray[np.intp]
-    along: NDArray[np.intp]
-    tilted: NDArray[np.intp]
-    turning: NDArray[np.intp]
-    sign: Array
 
 
 @dataclass(frozen=True, repr=False, init=False)
@@ -251,7 +237,7 @@ class Machine:
     @property
     def tilts(self) -> list[int]:
         """The columns of tilted directions of travel, which deviate the more the farther an axis is from its zero."""
-        tilted = (self.curves[number].columns for number in self._moving.tilted)
+        tilted = (self.curves[number].columns for number in self._levers.tilted)
         return [column for columns in tilted for column in range(columns.start, columns.stop)]
 
     def poses(self, values: object, function: str = "Machine.poses") -> Array:
@@ -283,7 +269,7 @@ class Machine:
         if not angular and self._unmoved is not None:
             return np.broadcast_to(self._unmoved, (len(self.terms), len(poses), 3)).copy()
         nominal = self.frames(poses)
-        return self._turned(nominal) if angular else self._levers(nominal, poses)
+        return self._levers.rotation(nominal) if angular else self._levers.displacement(nominal, poses)
 
     @cached_property
     def _unmoved(self) -> Array | None:
@@ -293,46 +279,17 @@ class Machine:
         if any(f.angular for f in self.terms) or any(axis.rotary for axis in self.axes):
             return None
         pose = np.zeros((1, len(self.axes)))
-        return self._levers(self.frames(pose), pose)
+        return self._levers.displacement(self.frames(pose), pose)
+
+    @cached_property
+    def _levers(self) -> Levers:
+        return levers_of(self.axes, self.terms)
 
     @property
     def ways(self) -> tuple[bool, bool, bool]:
         """Whether some error moves the tool along x, y and z; along each where errors or axes turn it."""
         x, y, z = (True,) * 3 if self._unmoved is None else np.any(self._unmoved, axis=(0, 1)).tolist()
         return x, y, z
-
-    def _levers(self, nominal: Frames, poses: Array) -> Array:
-        """Return the levers at the frames of poses, (terms, m, 3).
-
-        Along a direction of its axis frame, about it with the arm from there, or by the direction of travel tilted.
-        """
-        how, of = self._moving, self._moving.axis
-        levers: Array = nominal.rotations[of, :, :, how.along]
-        about, tilted = levers[how.tilted], of[how.tilted]
-        travels = [nominal.rotations[axis] @ np.array(self.axes[axis].direction) for axis in tilted]
-        levers[how.tilted] = cross(about, np.array(travels).reshape(about.shape)) * poses.T[tilted][:, :, None]
-        levers[how.turning] = cross(levers[how.turning], (nominal.tcp - nominal.origins)[of[how.turning]])
-        levers *= how.sign[:, None, None]
-        return levers
-
-    @cached_property
-    def _moving(self) -> _Moving:
-        axes = [self.axes[term.axis] for term in self.terms]
-        tilted = [t.kind == "location" and not axis.rotary for t, axis in zip(self.terms, axes, strict=True)]
-        pairs = zip(self.terms, tilted, strict=True)
-        return _Moving(
-            np.array([term.axis for term in self.terms], dtype=np.intp),
-            np.array([term.component % 3 for term in self.terms], dtype=np.intp),
-            np.flatnonzero(tilted),
-            np.flatnonzero([term.angular and not aside for term, aside in pairs]),
-            np.array([1.0 if aside else axis.sign for axis, aside in zip(axes, tilted, strict=True)]),
-        )
-
-    def _turned(self, nominal: Frames) -> Array:
-        how, result = self._moving, np.zeros((len(self.terms), *nominal.tcp.shape))
-        turned = nominal.rotations[how.axis[how.turning], :, :, how.along[how.turning]]
-        result[how.turning] = how.sign[how.turning, None, None] * turned
-        return result
 
     def rows(self, poses: Poses, sides: Poses | None = None) -> Rows:
         """Return H (B&H eq. 1, 28), what each coefficient does to the tool; refuses poses outside the travel.
@@ -390,7 +347,7 @@ class Machine:
     def effects(self, levers: Array, approaches: Array) -> Array:
         """Return what a unit of each term adds to scalar readings, reversals by their sign, (..., terms, m)."""
         effects, reversals = levers.copy(), self._reversals
-        effects[..., reversals, :] *= 0.5 * approaches.T[self._moving.axis[reversals]]
+        effects[..., reversals, :] *= 0.5 * approaches.T[self._levers.axis[reversals]]
         return effects
 
     @cached_property

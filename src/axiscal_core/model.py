@@ -61,6 +61,8 @@ class Model:
         sure: Sure = "well", aligned: bool = True,
     ) -> None:  # fmt: skip
         one("Case", "machine", machine, Machine, "Machine(axes, errors)")
+        if not machine.size:
+            raise InputError("Case", "machine", "has no errors", "Name those that it may have: Machine(axes, errors)")
         self.usual = one_of("Case", "usual", usual, ("on", "off")) == "on"
         self.sure: Sure = sure
         one_of("Case", "sure", sure, [*SURE])

@@ -148,7 +148,7 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "no error's name": (lambda: ac.Error("straightness", 1e-6), "Error", "name"),
     "error of another axis": (lambda: _with(ac.Error("EXY", 1e-6)), "Machine", "errors"),
     "an error twice": (lambda: ac.Machine(_machine().axes, [ac.Error("EXX", 1e-6)] * 2), "Machine", "errors"),
-    "no errors": (lambda: ac.Machine(_machine().axes, []), "Machine", "errors"),
+    "no errors": (lambda: ac.Case(ac.Machine(_machine().axes), [ac.Laser("l", "X")]), "Case", "machine"),
     "an axis alone": (lambda: anything.Machine(_machine().axes[0], [ac.Error("EXX", 1)]), "Machine", "axes"),
     "travel turned round": (lambda: ac.Axis.linear("X", "x", (1, 0)), "Axis.linear", "travel"),
     "a direction without length": (lambda: ac.Axis.linear("X", (0, 0, 0), (0, 1)), "Axis.linear", "along"),
