@@ -13,7 +13,7 @@ from axiscal_core.draws import Slope
 from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 from axiscal_core.problem import Problem
 from axiscal_core.refusals import Array
-from axiscal_core.spaces import Answered, Given, factors_of, raw_cells, turned, variances_of
+from axiscal_core.spaces import Answered, Given, factors_of, raised, raw_cells, turned, variances_of
 
 
 class Numbers:
@@ -162,6 +162,15 @@ class InNumbers(Given):
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹B, (m, c).  columns : B (m, c), over the noise"""
         return solution_of_product(self.root, columns)
+
+    def _left(self, own: Array) -> tuple[Array, Array]:
+        problem, sizes = self.problem, (self.theta, self.roots)
+        passed = self.precision(problem.rows[:, problem.first :] @ raised(problem, own, *sizes, problem.first))
+        left = turned(problem, passed.T @ problem.rows, *sizes)
+        left[:, problem.first :] -= own.T
+        by_noise = np.sum(passed**2, axis=1) * variances_of(problem, self.theta)
+        of = np.unique(problem.setup, return_inverse=True)[1]
+        return np.sum(left**2, axis=0), np.bincount(of, by_noise)
 
     def _halves(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array, float]:
         of = np.searchsorted(starts, np.arange(columns.shape[1]), side="right") - 1

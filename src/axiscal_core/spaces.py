@@ -59,10 +59,13 @@ class Caused(NamedTuple):
 
 
 class Sources(NamedTuple):
-    """Mean squares of figures that the prior of each column leaves (p,), noise (m,), and causes of type B (c,)."""
+    """Mean squares of figures that the prior of each column leaves (p,), and causes of type B (c,).
+
+    setups : (s,) what the noise of each set-up that was read leaves, by its index
+    """
 
     columns: Array
-    numbers: Array
+    setups: Array
     causes: Array
 
 
@@ -169,14 +172,12 @@ class Given(ABC):
 
     def sources(self, figures: Array) -> Sources:
         """Return what each source of variance leaves of figures of the answered unknowns.  figures : F (k, answered)"""
-        problem, sizes = self.problem, (self.theta, self.roots)
-        own = problem.whitened(figures.T, *sizes).T
-        passed = self.precision(problem.rows[:, problem.first :] @ raised(problem, own.T, *sizes, problem.first)).T
-        left = -turned(problem, passed @ problem.rows, *sizes)
-        left[:, problem.first :] += own
-        causes = np.sum((figures @ self.type_b.gains) ** 2, axis=0)
-        noise = variances_of(problem, self.theta)
-        return Sources(np.sum(left**2, axis=0), np.sum(passed**2, axis=0) * noise, causes)
+        columns, setups = self._left(self.problem.whitened(figures.T, self.theta, self.roots))
+        return Sources(columns, setups, np.sum((figures @ self.type_b.gains) ** 2, axis=0))
+
+    @abstractmethod
+    def _left(self, own: Array) -> tuple[Array, Array]:
+        """Return columns and setups, as of `Sources`, of figures of whitened unknowns.  own : (p − first, k)"""
 
     @cached_property
     def _within(self) -> Array:

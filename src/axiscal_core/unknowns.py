@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal_core.draws import Slope
-from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution
+from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution, solution_of_product
 from axiscal_core.numbers import Numbers
 from axiscal_core.problem import MOST_NUMBERS, Problem
 from axiscal_core.refusals import Array
@@ -46,6 +46,21 @@ class Unknowns:
             self.squares.append(mine.rows.T @ mine.rows)
             self.products.append(mine.rows.T @ mine.values)
             self.causes.append((mine.rows.T @ mine.type_b, mine.type_b.T @ mine.type_b, mine.type_b.T @ mine.values))
+
+    @cached_property
+    def setups(self) -> list[list[tuple[int, Array]]]:
+        """The products A of each set-up that was read, with the group of their noise."""
+        groups, setup = self.problem.groups, self.problem.setup
+        return [[(g, self._square(g, (setup == s) & (groups == g))) for g in np.unique(groups[setup == s]).tolist()]
+                for s in np.unique(setup).tolist()]  # fmt: skip
+
+    def _square(self, group: int, mine: NDArray[np.bool_]) -> Array:
+        """Return the products of some numbers of a group, which are there where those are all."""
+        at = self.groups.index(group)
+        if np.count_nonzero(mine) == self.counts[at]:
+            return self.squares[at]
+        rows = self.problem.rows[mine]
+        return np.asarray(rows.T @ rows)
 
     def weights(self, theta: Array) -> Array:
         """Return 1/σ² of each group, (g,)."""
@@ -206,6 +221,15 @@ class InUnknowns(Given):
         weights = 1 / variances_of(problem, self.theta)[:, None]
         half = solution(self.root, turned(problem, (weights * columns).T @ problem.rows, *sizes).T)
         return np.asarray(weights * (columns - problem.rows @ raised(problem, back_solution(self.root, half), *sizes)))
+
+    def _left(self, own: Array) -> tuple[Array, Array]:
+        """Return them from u = Q⁻¹F: the prior of each column leaves u², and noise uᵀB u, B as in `spaces`."""
+        problem, every = self.problem, np.zeros((len(self.root), own.shape[1]))
+        every[problem.first :] = own
+        left = solution_of_product(self.root, every)
+        raw, weights = raised(problem, left, self.theta, self.roots), np.exp(-2 * np.append(self.theta, 0.0))
+        parts = [[weights[group] * np.vdot(raw, square @ raw) for group, square in each] for each in self.space.setups]
+        return np.sum(left**2, axis=1), np.array([sum(each) for each in parts])
 
     def _halves(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array, float]:
         problem, weights = self.problem, 1 / variances_of(self.problem, self.theta)[part]
