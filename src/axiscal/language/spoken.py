@@ -122,15 +122,24 @@ def resaid(thing: _Thing) -> _Thing:
     if isinstance(thing, Said):
         found = again(thing)
     elif is_dataclass(thing) and not isinstance(thing, type):
-        now = {each.name: getattr(thing, each.name) for each in fields(thing) if each.init}
-        new = {name: said for name, value in now.items() if (said := resaid(value)) is not value}
+        now = ((name, getattr(thing, name)) for name in _stated(type(thing)))
+        spoken = {name: resaid(value) for name, value in now if type(value) not in _SILENT}
+        new = {name: said for name, said in spoken.items() if said is not getattr(thing, name)}
         found = replace(thing, **new) if new else thing
     elif isinstance(thing, dict):
-        found = {resaid(key): resaid(value) for key, value in thing.items()}
+        both = [*thing, *thing.values()]
+        each = resaid(both)
+        found = thing if each is both else dict(zip(each[: len(thing)], each[len(thing) :], strict=True))
     elif isinstance(thing, (list, tuple)) and not (hasattr(thing, "_fields") or _SILENT.issuperset(map(type, thing))):
         new_items = [resaid(each) for each in thing]
         found = thing if all(map(operator.is_, new_items, thing)) else type(thing)(new_items)
     return cast("_Thing", found)
+
+
+@cache
+def _stated(kind: type[Any]) -> tuple[str, ...]:
+    """Return the names of what a dataclass is made of."""
+    return tuple(each.name for each in fields(kind) if each.init)
 
 
 def messages(language: str) -> dict[str, str]:
