@@ -123,7 +123,9 @@ def test_the_board_that_is_offered_tells_how_square_z_is(tmp_path: Path) -> None
     assert app.run(["init", str(folder), "--from", str(ini), "--instrument", "sphere", "--target", ""]) == 0
     given = tomllib.loads((folder / "campaign.toml").read_text())
     (c, b, a), lines = rng.normal(0, 60e-6, 3), ["setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um"]
-    balls = {name: np.array([float(each.split()[0]) for each in at]) for name, at in given["artefacts"][0]["balls"].items()}
+    balls = {
+        name: np.array([float(each.split()[0]) for each in at]) for name, at in given["artefacts"][0]["balls"].items()
+    }
     built = {name: at + rng.normal(0, 0.2, 3) for name, at in balls.items()}
     for setup in given["setups"]:
         put = Rotation.from_euler("z", float(setup["turn"].split()[0]), degrees=True)
@@ -140,8 +142,8 @@ def test_the_board_that_is_offered_tells_how_square_z_is(tmp_path: Path) -> None
     assert app.run(told) == 0
     found = {row["row"]: row for row in json.loads((tmp_path / "out" / "result.json").read_text())["rows"]}
     for name, true in (("XY", c), ("XZ", -b), ("YZ", a)):
-        row = found[f"squareness {name}"]
-        assert abs(row["found"] - 1e6 * true) < row["U"] < 30
+        (row,) = found[f"squareness {name}"]["signed"]
+        assert abs(row["value"] - 1e6 * true) < row["U"] < 30
 
 
 def test_lengths_of_errors_shrink_with_the_travel() -> None:

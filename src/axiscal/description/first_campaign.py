@@ -31,8 +31,8 @@ _DIAMETER = 25e-3
 _WRITTEN = 1e-3
 """m: places are written in whole millimetres."""
 _BELOW, _DEPTH = 3e-3, 32e-3
-"""m of the travel of Z that heights of balls leave free: below the lowest, for it is put down by eye, and with that over
-the highest, to be drawn back from. Squareness is that of the whole travel, and a third of it unread hides half of it."""
+"""m of the travel of Z that heights of balls leave free: below the lowest, which is put down by eye, and in all, with
+what is drawn back over the highest. Squareness is that of the whole travel: a quarter unread hides a third of it."""
 _STEPS = (("1 mm", 0.01), ("0.1 mm", 0.0))
 """Steps, and travels from which on they are offered, m: half a travel then has several multiples.
 
