@@ -134,7 +134,7 @@ def test_the_board_that_is_offered_tells_how_square_z_is(tmp_path: Path) -> None
         for name in rng.permutation([*balls]):
             there = at + put.apply(balls[name])
             stands = at + tilt.apply(put.apply(built[name])) + shift
-            x, y, z = there + [0.0, 0.0, 100.0]
+            x, y, z = there + np.array([0.0, 0.0, 100.0])
             value = [b * z - c * y, -a * z, 0.0] - (stands - there) + rng.normal(0, 1.5e-3, 3)
             lines.append(",".join([setup["name"], *(f"{each:.6f}" for each in (x, y, z, *(1e3 * value)))]))
     (tmp_path / "r.csv").write_text("\n".join(lines))
