@@ -178,7 +178,7 @@ class InNumbers(Given):
         left[:, problem.first :] -= own.T
         by_noise = np.sum(passed**2, axis=1) * variances_of(problem, self.theta)
         of = np.unique(problem.setup, return_inverse=True)[1]
-        return np.sum(left**2, axis=0), np.bincount(of, by_noise)
+        return np.sum(left**2, axis=0), np.asarray(np.bincount(of, by_noise), dtype=np.float64)
 
     def shown(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array]:
         """Return nothing of their own, and the columns themselves."""
