@@ -122,7 +122,7 @@ def resaid(thing: _Thing) -> _Thing:
     if isinstance(thing, Said):
         found = again(thing)
     elif is_dataclass(thing) and not isinstance(thing, type):
-        now = ((name, getattr(thing, name)) for name in _stated(type(thing)))
+        now = ((each.name, getattr(thing, each.name)) for each in fields(thing) if each.init)
         spoken = {name: resaid(value) for name, value in now if type(value) not in _SILENT}
         new = {name: said for name, said in spoken.items() if said is not getattr(thing, name)}
         found = replace(thing, **new) if new else thing
@@ -134,12 +134,6 @@ def resaid(thing: _Thing) -> _Thing:
         new_items = [resaid(each) for each in thing]
         found = thing if all(map(operator.is_, new_items, thing)) else type(thing)(new_items)
     return cast("_Thing", found)
-
-
-@cache
-def _stated(kind: type[Any]) -> tuple[str, ...]:
-    """Return the names of what a dataclass is made of."""
-    return tuple(each.name for each in fields(kind) if each.init)
 
 
 def messages(language: str) -> dict[str, str]:
