@@ -11,6 +11,7 @@ import math
 import re
 import tomllib
 from dataclasses import dataclass
+from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Literal, TypeVar
 
@@ -170,6 +171,7 @@ def dimension_of(unit: str) -> Dimension:
     return find_unit(unit).dimension
 
 
+@cache
 def find_unit(name: str) -> Unit:
     """Return the unit of that name, spelt as in `parse_quantity`; raises UnitError for an unknown one."""
     canonical = _canonical(name)

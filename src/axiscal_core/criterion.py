@@ -31,11 +31,11 @@ class Goal(NamedTuple):
     root: Array
     function: Callable[[Array], float] | None = None
 
-    def value(self, covariance: Array) -> float:
-        """Return J.  covariance : (size, size)"""
+    def value(self, known: Array) -> float:
+        """Return J.  known : F (size, k) with F Fᵀ = C"""
         if self.function is not None:
-            return si(computed("criterion", "result", self.function, covariance), "criterion", "result")
-        return float(np.einsum("wi,ij,wj->", self.root, covariance, self.root, optimize=True))
+            return si(computed("criterion", "result", self.function, known @ known.T), "criterion", "result")
+        return float(np.sum((self.root @ known) ** 2))
 
 
 def goal(criterion: Criterion, size: int, words: Mapping[str, Callable[[], Array]], function: str) -> Goal:

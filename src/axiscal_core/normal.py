@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,7 +33,7 @@ class Normal:
         """Standard deviations, as the mean."""
         return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=-2, axis2=-1), 0.0)))
 
-    @property
+    @cached_property
     def root(self) -> Array:
         """F with F Fᵀ the covariance, (..., n, k)."""
         return unique_root(self.covariance) if self.factor is None else self.factor
@@ -40,8 +41,6 @@ class Normal:
     def read(self, rows: ArrayLike, values: ArrayLike, covariance: ArrayLike) -> Normal:
         """Return the normal after y = rows x + v (eq. 31-33).
 
-        Value by value: F P, P a reflection, has one column that is seen, and that shrinks by σ/√(σ² + |h F|²). It is
-        that of the largest entry of h F: so columns of what is known well do not mix with larger ones.
         rows : (m, n); values : (m,); covariance : of v, (m, m), or the variances (m,)
         """
         h = finite("Normal.read", "rows", rows, (None, self.mean.shape[-1]))
@@ -51,18 +50,8 @@ class Normal:
         if wide:
             noise, turn = np.linalg.eigh(noise)
             h, y = turn.T @ h, turn.T @ y
-        mean, root = self.mean, self.root
-        for row, value, variance in zip(h, y, np.maximum(noise, 0.0), strict=True):
-            seen = row @ root
-            if not (total := variance + seen @ seen) > 0:
-                raise InputError("Normal.read", "covariance", "leaves readings without noise", "Give more")
-            mean = mean + root @ seen * ((value - row @ mean) / total)
-            if np.any(seen):
-                largest = np.argmax(np.abs(seen))
-                seen[largest] += np.copysign(np.linalg.norm(seen), seen[largest])
-                root = root - np.outer(root @ seen, seen * (2 / (seen @ seen)))
-                root[:, largest] *= np.sqrt(variance / total)
-        return Normal(mean, root @ root.T, root)
+        mean, root = sharpened(self.mean[:, None], self.root, h, y[:, None], np.maximum(noise, 0.0))
+        return Normal(mean[:, 0], root @ root.T, root)
 
     def through(self, rows: ArrayLike) -> Normal:
         """Return the normal of rows x: of what a spline is at places, for example (eq. 18, 20).  rows : (m, n)"""
@@ -75,3 +64,23 @@ class Normal:
         root, some = unique_root(self.covariance), whole("Normal.sample", "count", count, 1)
         generator = np.random.default_rng(whole("Normal.sample", "seed", seed, 0))
         return np.asarray(self.mean + generator.standard_normal((some, len(root))) @ root.T)
+
+
+def sharpened(means: Array, root: Array, rows: Array, values: Array, variances: Array) -> tuple[Array, Array]:
+    """Return means and root after y = rows x + v, for several y, value by value (eq. 21-23; Potter's square root).
+
+    F P, P a reflection, has one column that is seen, and that shrinks by σ/√(σ² + |h F|²). It is that of the largest
+    entry of h F: so columns of what is known well do not mix with larger ones.
+    means : (n, c); root : F (n, k); rows : (m, n); values : (m, c); variances : of v, (m,)
+    """
+    for row, value, variance in zip(rows, values, variances, strict=True):
+        seen = row @ root
+        if not (total := variance + seen @ seen) > 0:
+            raise InputError("Normal.read", "covariance", "leaves readings without noise", "Give more")
+        means = means + np.outer(root @ seen, (value - row @ means) / total)
+        if np.any(seen):
+            largest = np.argmax(np.abs(seen))
+            seen[largest] += np.copysign(np.linalg.norm(seen), seen[largest])
+            root = root - np.outer(root @ seen, seen * (2 / (seen @ seen)))
+            root[:, largest] *= np.sqrt(variance / total)
+    return means, root

@@ -13,7 +13,7 @@ from axiscal_core.draws import Slope
 from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 from axiscal_core.problem import Problem
 from axiscal_core.refusals import Array
-from axiscal_core.spaces import Answered, Given, factors_of, raw_cells, turned, variances_of
+from axiscal_core.spaces import Answered, Given, factors_of, raised, raw_cells, turned, variances_of
 
 
 class Numbers:
@@ -155,17 +155,38 @@ class InNumbers(Given):
         factors = factors_of(problem, self.theta)[part]
         return raw_cells(problem, factors**2 * (problem.rows[:, part].T @ self.weighted))
 
-    def blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return K⁻¹y (r, k), over the noise, and the blocks of K⁻¹ (r, k, k).  part : (r, k) numbers of readings"""
-        return self.weighted[part], self._inverse[part[:, :, None], part[:, None, :]]
+    def blocks(self, part: NDArray[np.intp]) -> Array:
+        """Return the blocks of K⁻¹."""
+        return np.asarray(self._inverse[part[:, :, None], part[:, None, :]])
+
+    def _pulls(self, values: Array) -> tuple[float, Array]:
+        solved = self.precision(values[:, None])[:, 0]
+        return float(values @ solved), self.problem.type_b.T @ solved
+
+    def told(self, part: NDArray[np.intp] | slice) -> tuple[Array, Array]:
+        """Return K⁻¹y and K⁻¹B of some numbers."""
+        return self.weighted[part], self.precision(self.problem.type_b[:, self.problem.judging])[part]
 
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹B, (m, c).  columns : B (m, c), over the noise"""
         return solution_of_product(self.root, columns)
 
-    def _halves(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array, float]:
+    def _shares(self, own: Array) -> tuple[Array, Array]:
+        problem, sizes = self.problem, (self.theta, self.roots)
+        passed = self.precision(problem.rows[:, problem.first :] @ raised(problem, own, *sizes, problem.first))
+        left = turned(problem, passed.T @ problem.rows, *sizes)
+        left[:, problem.first :] -= own.T
+        by_noise = np.sum(passed**2, axis=1) * variances_of(problem, self.theta)
+        of = np.unique(problem.setup, return_inverse=True)[1]
+        return np.sum(left**2, axis=0), np.asarray(np.bincount(of, by_noise), dtype=np.float64)
+
+    def shown(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array]:
+        """Return nothing of their own, and the columns themselves."""
         of = np.searchsorted(starts, np.arange(columns.shape[1]), side="right") - 1
         alone = np.zeros((len(columns), len(starts), len(self.root)))
         alone[:, :, part] = columns[:, None] * (of == np.arange(len(starts))[:, None])
-        half = solution(self.root, alone.reshape(-1, len(self.root)).T).T
-        return np.zeros((len(columns), len(columns), len(starts))), half.reshape(alone.shape), 1.0
+        return np.zeros((len(columns), len(columns), len(starts))), alone
+
+    def halves(self, shown: Array) -> tuple[Array, float]:
+        """Return F⁻¹D."""
+        return solution(self.root, shown.reshape(-1, len(self.root)).T).T.reshape(shown.shape), 1.0

@@ -107,10 +107,13 @@ def _told(case: Model, search: _Search, places: Places, after: Readings | Places
     order = sorted(range(len(places)), key=lambda i: (case.setups.index(places.instruments[i]), *places.poses[i]))
     sorted_places = places.at(order)
     n = case.numbers(sorted_places)
-    course = [search.value(joined([search.taken, n.at(n.place < i)])) for i in range(1, len(places) + 1)]
+    known, course = search.state, list[float]()
+    for i in range(len(places)):
+        known = known.after(n.at(n.place == i))
+        course.append(known.value)
     found = evaluated(case, sorted_places, after, search.goal)
     least, every = (1 - _NOTHING) * search.state.value, range(len(search.fixed), len(search.own))
-    if least <= found.J and least <= search.value(search.numbers(every)):
+    if least <= found.J and least <= search.after(every).value:
         what = "falls by no reading: what it asks for moves none of the instruments"
         raise InputError("Case.plan", "criterion", what, "Mount others, or a tool that the errors move")
     return Plan(**vars(found), places=sorted_places, course=np.array(course))
@@ -125,8 +128,9 @@ def evaluated(
     wanted = criterion if isinstance(criterion, Goal) else case.goal(criterion, where)
     found = case.checked(places, where)
     before = case.taken(after, where)
-    root, state = case.volume.root, State(case, wanted, joined([before, case.taken(places, where)]))
-    spread, start = (root @ each.covariance @ root.T for each in (state, State(case, wanted, before)))
+    root, first = case.volume.root, State(case, wanted, before)
+    state = first.after(case.taken(places, where))
+    spread, start = (root @ each.covariance @ root.T for each in (state, first))
     rms, moved = float(np.sqrt(np.trace(spread))), root @ state.moved
     most = max(len(each.names) for each in case.instruments)
     bound = worth_saying(float(np.sqrt(rank_bound(start, most * len(found)))), rms)
@@ -166,15 +170,15 @@ class _Search:
         at = np.concatenate([np.zeros(0, dtype=np.intp), *(self.own[i] for i in (*self.fixed, *beside))])
         root = np.linalg.cholesky(self.k[np.ix_(at, at)] + np.diag(self.n.noise[at] ** 2))
         half, known = solution(root, self.k[at]), solution(root, self.reach[at])
-        state, result = self.state, np.full(len(self.own), -np.inf)
+        result = np.full(len(self.own), -np.inf)
         if self.goal.function is not None:
-            state = State(self.case, self.goal, self.numbers(beside))
-        for members in self.groups:
+            result = self.after(beside).fallen(self.n, self.own)
+        for members in self.groups if self.goal.function is None else ():
             mine = np.array([self.own[i] for i in members])
             felt = half.T[mine]
             k = self.k[mine[:, :, None], mine[:, None, :]] - felt @ felt.swapaxes(1, 2)
             k = k + self.n.noise[mine][:, :, None] ** 2 * np.eye(mine.shape[1])
-            result[members] = state.gained(k, self.reach[mine] - felt @ known)
+            result[members] = self.state.gained(k, self.reach[mine] - felt @ known)
         result[self.fixed] = -np.inf
         return result
 
@@ -222,29 +226,26 @@ class _Search:
         return self._best_first([self.grown(self.exchanged(each[:size], limit), count, limit, target) for each in best])
 
     def _best_first(self, tried: list[list[int]]) -> list[list[int]]:
-        return sorted(tried, key=lambda each: self.value(self.numbers(each)))
+        return sorted(tried, key=lambda each: self.after(each).value)
 
     def best(self, count: int, free: bool) -> Places:
         """Return the best plan of so many readings that several starts find.  free : it may leave the candidates"""
         moved = [self.moved(each, free) for each in self.starts(count)[:_CLIMBED]]
-        return min(moved, key=lambda each: self.value(joined([self.taken, self.case.numbers(each)])))
-
-    def value(self, numbers: Numbers) -> float:
-        """Return J after readings, with those that are there already among them."""
-        return State(self.case, self.goal, numbers).value
+        return min(moved, key=lambda each: self.state.after(self.case.numbers(each)).value)
 
     def moved(self, chosen: Sequence[int], free: bool) -> Places:
         """Return the places of candidates, moved off them where that serves; kept places stay."""
         places = [self.places.at([i]) for i in (*self.fixed, *chosen)]
         numbers = [self.case.numbers(each) for each in places]
         for _ in range(_CLIMBS if free else 0):
-            gained = 0.0
+            gained, before = 0.0, self.state.after(joined([self.case.none, *numbers[: len(self.fixed)]]))
             for j in range(len(self.fixed), len(places)):
-                state = State(self.case, self.goal, joined([self.taken, *numbers[:j], *numbers[j + 1 :]]))
+                state = before.after(joined([self.case.none, *numbers[j + 1 :]]))
                 start = float(state.gains(places[j])[0])
                 there, gain = climbed(state, places[j])
                 gained += (gain - start) / max(state.value, 1e-300)
                 places[j], numbers[j] = there, self.case.numbers(there)
+                before = before.after(numbers[j])
             if gained < 1e-4:
                 break
         return sum(places[1:], places[0])
@@ -268,7 +269,7 @@ class _Search:
 
     def rms(self, chosen: Sequence[int]) -> float:
         """Return the RMS over the volume after candidates, m."""
-        return float(np.sqrt(State(self.case, self.case.volume, self.numbers(chosen)).value))
+        return float(np.sqrt(self.case.volume.value(self.after(chosen).known)))
 
     def _mounted(self, drawn: NDArray[np.intp], most: int, limit: float) -> list[int]:
         """Return the first candidate of each of so many set-ups, as far as they fit into so many minutes."""
@@ -284,6 +285,6 @@ class _Search:
         more = (self.costs + np.where(np.isin(np.arange(len(self.begins)), setups), 0.0, self.begins))[self.setup]
         return np.where(spent + more <= limit + 1e-9, more, np.inf)
 
-    def numbers(self, chosen: Sequence[int]) -> Numbers:
-        """Return those of readings that are there, of kept places, and of candidates."""
-        return joined([self.taken, *(self.n.at(self.own[i]) for i in (*self.fixed, *chosen))])
+    def after(self, chosen: Sequence[int]) -> State:
+        """Return what is known after readings that are there, those of kept places, and of candidates."""
+        return self.state.after(joined([self.case.none, *(self.n.at(self.own[i]) for i in (*self.fixed, *chosen))]))

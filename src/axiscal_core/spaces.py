@@ -27,7 +27,7 @@ column that is like the values explains them, whatever they are. With N = BᵀK�
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -59,10 +59,13 @@ class Caused(NamedTuple):
 
 
 class Sources(NamedTuple):
-    """Mean squares of figures that the prior of each column leaves (p,), noise (m,), and causes of type B (c,)."""
+    """Mean squares of figures that the prior of each column leaves (p,), and causes of type B (c,).
+
+    setups : (s,) what the noise of each set-up that was read leaves, by its index
+    """
 
     columns: Array
-    numbers: Array
+    setups: Array
     causes: Array
 
 
@@ -124,27 +127,32 @@ class Given(ABC):
         """Return K⁻¹X, (m, n).  columns : X (m, n), over the noise"""
 
     @abstractmethod
-    def blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return K⁻¹y (r, k), over the noise, and the blocks of K⁻¹ (r, k, k).  part : (r, k) numbers of readings"""
+    def blocks(self, part: NDArray[np.intp]) -> Array:
+        """Return the blocks of K⁻¹, (r, k, k), over the noise.  part : (r, k) numbers of readings"""
 
     @abstractmethod
-    def _halves(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array, float]:
-        """Return own (k, k, u), low (k, u, q) and sign, as of `Sums`, of what columns are from start to start, by K⁻¹.
+    def told(self, part: NDArray[np.intp] | slice) -> tuple[Array, Array]:
+        """Return K⁻¹y (n,) and, of the causes that judge, K⁻¹B (n, c) of some numbers, over the noise."""
 
-        columns : (k, n) of a part of the numbers
+    @abstractmethod
+    def shown(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array]:
+        """Return own (k, k, u), as of `Sums`, and what columns show from start to start, (k, u, n).
+
+        columns : (k, n) of a part of the numbers.  It is the same at all sizes with the same noise.
         """
 
-    def sums(self, columns: Array, starts: NDArray[np.intp]) -> Sums:
-        """Return the sums of columns.  columns : (k, m), over the noise; starts : (u,) numbers, ascending"""
-        stop = int(np.flatnonzero(columns.any(axis=0))[-1]) + 1 if columns.any() else columns.shape[1]
-        part, starts = slice(starts[0], max(stop, starts[-1] + 1)), starts - starts[0]
-        columns = columns[:, part]
-        own, low, sign = self._halves(columns, starts, part)
-        root = np.linalg.cholesky(self._within)
-        shared = np.add.reduceat(columns[:, :, None] * (self._spread[part] @ root), starts, axis=1)
-        pulled = np.add.reduceat(columns * self.judged(self.problem.values[:, None])[part, 0], starts, axis=1)
-        signs = np.append(np.full(low.shape[2], sign), np.full(len(root), -1.0))
-        return Sums(_from_each(own, 2), _from_each(np.dstack([low, shared]), 1), signs, _from_each(pulled, 1))
+    @abstractmethod
+    def halves(self, shown: Array) -> tuple[Array, float]:
+        """Return low (k, u, q) and sign, as of `Sums`."""
+
+    @cached_property
+    def every(self) -> tuple[Array, Array]:
+        """(K + B Bᵀ)⁻¹y (m,) and K⁻¹B (m, c) of all numbers, over the noise."""
+        return self._judged(*self.told(slice(None)))
+
+    def _judged(self, weighted: Array, spread: Array) -> tuple[Array, Array]:
+        """Return (K + B Bᵀ)⁻¹y and K⁻¹B of what was told."""
+        return weighted - spread @ (self.within @ self.type_b.pulled[self.problem.judging]), spread
 
     def gain(self, columns: Array) -> Array:
         """Return G X, (answered, n) m and rad: by what the mean m = G y moves.  columns : X (m, n), over the noise"""
@@ -169,55 +177,73 @@ class Given(ABC):
 
     def sources(self, figures: Array) -> Sources:
         """Return what each source of variance leaves of figures of the answered unknowns.  figures : F (k, answered)"""
-        problem, sizes = self.problem, (self.theta, self.roots)
-        own = problem.whitened(figures.T, *sizes).T
-        passed = self.precision(problem.rows[:, problem.first :] @ raised(problem, own.T, *sizes, problem.first)).T
-        left = -turned(problem, passed @ problem.rows, *sizes)
-        left[:, problem.first :] += own
-        causes = np.sum((figures @ self.type_b.gains) ** 2, axis=0)
-        noise = variances_of(problem, self.theta)
-        return Sources(np.sum(left**2, axis=0), np.sum(passed**2, axis=0) * noise, causes)
+        columns, setups = self._shares(self.problem.whitened(figures.T, self.theta, self.roots))
+        return Sources(columns, setups, np.sum((figures @ self.type_b.gains) ** 2, axis=0))
+
+    @abstractmethod
+    def _shares(self, own: Array) -> tuple[Array, Array]:
+        """Return columns and setups, as of `Sources`, of figures of whitened unknowns.  own : (p − first, k)"""
 
     @cached_property
-    def _within(self) -> Array:
+    def within(self) -> Array:
         """(1 + N)⁻¹, (c, c)."""
         judging = self.problem.judging
         fisher = self.type_b.fisher[np.ix_(judging, judging)]
         return np.asarray(np.linalg.inv(fisher + np.eye(len(fisher))), dtype=float)
 
-    @cached_property
-    def _spread(self) -> Array:
-        """K⁻¹B, (m, c)."""
-        return self.precision(self.problem.type_b[:, self.problem.judging])
-
     @property
     def misfit(self) -> float:
         """yᵀ(K + B Bᵀ)⁻¹y."""
-        pulled = self.type_b.pulled[self.problem.judging]
-        return float(self.square - pulled @ self._within @ pulled)
+        return self._judged_square(self.square, self.type_b.pulled)
+
+    def misfit_of(self, values: Array) -> float:
+        """Return the same of other values.  values : (m,) over the noise"""
+        return self._judged_square(*self._pulls(values))
+
+    @abstractmethod
+    def _pulls(self, values: Array) -> tuple[float, Array]:
+        """Return vᵀK⁻¹v and BᵀK⁻¹v (c,).  values : v (m,)"""
+
+    def _judged_square(self, square: float, pulled: Array) -> float:
+        mine = pulled[self.problem.judging]
+        return float(square - mine @ self.within @ mine)
 
     @property
     def density(self) -> float:
         """log N(y; 0, K + B Bᵀ), up to a constant of the readings."""
-        gained = self.square - self.misfit + np.linalg.slogdet(self._within)[1]
+        gained = self.square - self.misfit + np.linalg.slogdet(self.within)[1]
         return float(self.value + 0.5 * gained)
 
     def judged(self, columns: Array) -> Array:
         """Return (K + B Bᵀ)⁻¹X, (m, n).  columns : X (m, n), over the noise"""
-        return self.precision(columns) - self._spread @ (self._within @ (self._spread.T @ columns))
+        return self.precision(columns) - self.every[1] @ (self.within @ (self.every[1].T @ columns))
 
     def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return (K + B Bᵀ)⁻¹y (r, k), over the noise, and blocks of the inverse (r, k, k).
 
         part : (r, k) numbers of readings
         """
-        judging = self.problem.judging
-        weighted, blocks = self.blocks(part)
-        if not judging.any():
-            return weighted, blocks
-        mine = self._spread[part]
-        shared = mine @ self._within
-        return weighted - shared @ self.type_b.pulled[judging], blocks - shared @ mine.transpose(0, 2, 1)
+        weighted, spread = self._judged(*self.told(part.ravel()))
+        mine = spread.reshape(*part.shape, -1)
+        return weighted.reshape(part.shape), self.blocks(part) - mine @ self.within @ mine.transpose(0, 2, 1)
+
+
+def sums_of(each: Sequence[Given], columns: Array, starts: NDArray[np.intp]) -> Iterator[Sums]:
+    """Yield the sums of columns at some sizes, all with the same noise.
+
+    columns : (k, m), over the noise; starts : (u,) numbers, ascending
+    """
+    stop = int(np.flatnonzero(columns.any(axis=0))[-1]) + 1 if columns.any() else columns.shape[1]
+    part, starts = slice(starts[0], max(stop, starts[-1] + 1)), starts - starts[0]
+    columns = columns[:, part]
+    own, shown = each[0].shown(columns, starts, part)
+    for given in each:
+        (weighted, spread), root = (one[part] for one in given.every), np.linalg.cholesky(given.within)
+        low, sign = given.halves(shown)
+        shared = np.add.reduceat(columns[:, :, None] * (spread @ root), starts, axis=1)
+        signs = np.append(np.full(low.shape[2], sign), np.full(len(root), -1.0))
+        pulled = np.add.reduceat(columns * weighted, starts, axis=1)
+        yield Sums(_from_each(own, 2), _from_each(np.dstack([low, shared]), 1), signs, _from_each(pulled, 1))
 
 
 def _from_each(parts: Array, axis: int) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal_core.draws import Slope
-from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution
+from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution, solution_of_product
 from axiscal_core.numbers import Numbers
 from axiscal_core.problem import MOST_NUMBERS, Problem
 from axiscal_core.refusals import Array
@@ -46,6 +46,21 @@ class Unknowns:
             self.squares.append(mine.rows.T @ mine.rows)
             self.products.append(mine.rows.T @ mine.values)
             self.causes.append((mine.rows.T @ mine.type_b, mine.type_b.T @ mine.type_b, mine.type_b.T @ mine.values))
+
+    @cached_property
+    def setups(self) -> list[list[tuple[int, Array]]]:
+        """The products A of each set-up that was read, with the group of their noise."""
+        groups, setup = self.problem.groups, self.problem.setup
+        return [[(g, self._square(g, (setup == s) & (groups == g))) for g in np.unique(groups[setup == s]).tolist()]
+                for s in np.unique(setup).tolist()]  # fmt: skip
+
+    def _square(self, group: int, mine: NDArray[np.bool_]) -> Array:
+        """Return the products of some numbers of a group, which are there where those are all."""
+        at = self.groups.index(group)
+        if np.count_nonzero(mine) == self.counts[at]:
+            return self.squares[at]
+        rows = self.problem.rows[mine]
+        return np.asarray(rows.T @ rows)
 
     def weights(self, theta: Array) -> Array:
         """Return 1/σ² of each group, (g,)."""
@@ -170,15 +185,20 @@ class InUnknowns(Given):
     @cached_property
     def type_b(self) -> Caused:
         """What causes of type B do, from products that no number of readings makes dear."""
-        space, problem = self.space, self.problem
-        weights = space.weights(self.theta)
-        rows, fisher, pulled = (
-            np.sum([weight * one for weight, one in zip(weights, each, strict=True)], axis=0)
-            for each in zip(*space.causes, strict=True)
-        )
-        half = solution(self.root, turned(problem, rows.T, self.theta, self.roots).T)
+        problem, half, (_, fisher, pulled) = self.problem, self._seen, self._causes
         gains = problem.raw(back_solution(self.root, half)[problem.first :], self.theta, self.roots)
         return Caused(gains, fisher - half.T @ half, pulled - half.T @ self.half)
+
+    @cached_property
+    def _causes(self) -> tuple[Array, Array, Array]:
+        """ZᵀB (p, c), BᵀB (c, c) and Bᵀy (c,), of numbers over their noise."""
+        weights, (rows, fisher, pulled) = self.space.weights(self.theta), zip(*self.space.causes, strict=True)
+        return np.tensordot(weights, rows, 1), np.tensordot(weights, fisher, 1), np.tensordot(weights, pulled, 1)
+
+    @cached_property
+    def _seen(self) -> Array:
+        """F⁻¹ZᵀB, (p, c)."""
+        return solution(self.root, turned(self.problem, self._causes[0].T, self.theta, self.roots).T)
 
     def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited."""
@@ -186,19 +206,31 @@ class InUnknowns(Given):
         part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
         return raw_cells(problem, factors_of(problem, self.theta)[part] * self.solved[part])
 
-    def blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return K⁻¹y, over the noise, and the blocks of K⁻¹ of some readings."""
-        pieces = [self._blocks(piece) for piece in np.array_split(part, 1 + part.size // _AT_ONCE)]
-        left, blocks = (np.concatenate(each) for each in zip(*pieces, strict=True))
-        return left, blocks
+    def blocks(self, part: NDArray[np.intp]) -> Array:
+        """Return the blocks of K⁻¹ of some readings."""
+        return np.concatenate([self._blocks(piece) for piece in np.array_split(part, 1 + part.size // _AT_ONCE)])
 
-    def _blocks(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
+    def _blocks(self, part: NDArray[np.intp]) -> Array:
         rows, roots = self._rows(part.ravel())
-        left = self.problem.values[part].ravel() * roots - rows @ self.solved
         half = np.ascontiguousarray(solution(self.root, rows.T).T).reshape(*part.shape, -1)
         own = roots.reshape(part.shape)
         blocks = np.eye(part.shape[1]) - half @ half.transpose(0, 2, 1)
-        return left.reshape(part.shape) * own, blocks * own[:, :, None] * own[:, None, :]
+        return np.asarray(blocks * own[:, :, None] * own[:, None, :])
+
+    def _pulls(self, values: Array) -> tuple[float, Array]:
+        problem, weighted = self.problem, values / variances_of(self.problem, self.theta)
+        shown = turned(problem, weighted[None] @ problem.rows, self.theta, self.roots)[0]
+        half = solution(self.root, shown)
+        return float(values @ weighted - half @ half), problem.type_b.T @ weighted - self._seen.T @ half
+
+    def told(self, part: NDArray[np.intp] | slice) -> tuple[Array, Array]:
+        """Return K⁻¹y and K⁻¹B of some numbers: from unknowns that all numbers tell, by their own rows alone."""
+        problem, judging = self.problem, self.problem.judging
+        solved = np.column_stack([self.solved, back_solution(self.root, self._seen[:, judging])])
+        left = np.column_stack([problem.values[part], problem.type_b[part][:, judging]])
+        left -= problem.rows[part] @ raised(problem, solved, self.theta, self.roots)
+        left /= variances_of(problem, self.theta)[part][:, None]
+        return left[:, 0], left[:, 1:]
 
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹B.  Priors are applied to unknowns, for the rows of many readings are gigabytes."""
@@ -207,14 +239,26 @@ class InUnknowns(Given):
         half = solution(self.root, turned(problem, (weights * columns).T @ problem.rows, *sizes).T)
         return np.asarray(weights * (columns - problem.rows @ raised(problem, back_solution(self.root, half), *sizes)))
 
-    def _halves(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array, float]:
+    def _shares(self, own: Array) -> tuple[Array, Array]:
+        """Return them from u = Q⁻¹F: the prior of each column leaves u², and noise uᵀB u, B as in `spaces`."""
+        problem, every = self.problem, np.zeros((len(self.root), own.shape[1]))
+        every[problem.first :] = own
+        left = solution_of_product(self.root, every)
+        raw, weights = raised(problem, left, self.theta, self.roots), np.exp(-2 * np.append(self.theta, 0.0))
+        parts = [[weights[group] * np.vdot(raw, square @ raw) for group, square in each] for each in self.space.setups]
+        return np.sum(left**2, axis=1), np.array([sum(each) for each in parts])
+
+    def shown(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array]:
+        """Return what columns show of each other, and of the unknowns with priors not applied."""
         problem, weights = self.problem, 1 / variances_of(self.problem, self.theta)[part]
         own = np.add.reduceat(weights * columns[:, None] * columns, starts, axis=2)
-        seen = np.concatenate(
-            [np.add.reduceat((weights * one)[:, None] * problem.rows[part], starts, axis=0) for one in columns]
-        )
-        half = solution(self.root, turned(problem, seen, self.theta, self.roots).T).T
-        return own, half.reshape(*own.shape[1:], -1), -1.0
+        seen = [np.add.reduceat((weights * one)[:, None] * problem.rows[part], starts, axis=0) for one in columns]
+        return own, np.array(seen)
+
+    def halves(self, shown: Array) -> tuple[Array, float]:
+        """Return F⁻¹ of what is shown, priors applied."""
+        rows = turned(self.problem, shown.reshape(-1, len(self.root)), self.theta, self.roots)
+        return solution(self.root, rows.T).T.reshape(shown.shape), -1.0
 
     def _rows(self, which: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return rows of unknowns of variance one over the noise, (n, p), and one over the noise, (n,)."""

@@ -6,6 +6,7 @@ import itertools
 from dataclasses import dataclass
 from typing import Literal
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -130,6 +131,35 @@ def test_nothing_gains_more_where_axes_turn_and_readings_have_three_numbers(move
     assert state.gains(ac.Places(moves[0], tried)).max() <= state.gains(best)[0] * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("noise", [1e-3, 1e-9])
+def test_the_next_place_is_that_of_sixty_digits(noise: float) -> None:
+    """Covariance, and gains all along the axis, by the update in the space of numbers; rests are shared by cells."""
+    digits = mpmath.MPContext()
+    digits.dps = 60
+    exact = np.vectorize(digits.mpf, otypes=[object])
+    machine = ac.Machine([ac.Axis.linear("X", "x", (0, 10))], [ac.Error("EXX", std=1.0, length=4.0)])
+    case = ac.Case(machine, [ac.Laser("dial", "X", noise=noise, unknowns={"zero": 0.5})], sure="exactly")
+    goal, along = case.goal("volume", "a test"), ac.Places("dial", np.linspace(0, 10, 23)[:, None], [[1]] * 23)
+    prior, weight, n = exact(case.prior.covariance), exact(goal.root), case.numbers(along)
+    read = ac.Places("dial", [[5.0], [5.0]], [[1], [-1]])
+    for _ in range(9):
+        taken = case.numbers(read)
+        k = taken.rows @ prior @ taken.rows.T + exact(case.shared(taken, taken)) + np.diag(exact(taken.noise) ** 2)
+        inverse = np.array(digits.inverse(digits.matrix(k.tolist())).tolist())
+        half, across = taken.rows @ prior, taken.rows @ prior @ n.rows.T + exact(case.shared(taken, n))
+        covariance = prior - half.T @ inverse @ half
+        state = State(case, goal, taken)
+        np.testing.assert_allclose(np.diag(state.covariance), np.diag(covariance).astype(float), rtol=1e-9)
+        alone = [x @ prior @ x for x in n.rows] + np.diag(exact(case.shared(n, n))) + exact(n.noise) ** 2
+        alone -= np.sum(across * (inverse @ across), axis=0)
+        reach = weight @ (prior @ n.rows.T - half.T @ inverse @ across)
+        gains = (np.sum(reach**2, axis=0) / alone).astype(float)
+        np.testing.assert_allclose(state.gains(along), gains, rtol=1e-9, atol=1e-13)  # of J before, 1
+        best = case.next(read)
+        assert state.gains(best)[0] >= gains.max() * (1 - 1e-9)
+        read = read + best
+
+
 def test_gains_of_what_is_open_beyond_the_digits_are_those_of_the_digits_there_are() -> None:
     """One unknown by which four numbers differ is open by 10¹³ of the noise: rounding leaves no sign of the rest."""
     seen = np.array([0.3, -0.2, 2.0, -1.0])
@@ -142,8 +172,9 @@ def test_gains_are_falls_of_the_criterion() -> None:
     """J after each reading, by the plain update of a normal."""
     case = _robot()
     places = case.lattice_of(case.instruments[1], 7)
-    goal = Goal(np.random.default_rng(2).normal(size=(3, case.size)))
-    for i, gain in enumerate(State(case, goal).gains(places)):
+    weight = np.random.default_rng(2).normal(size=(3, case.size))
+    for i, gain in enumerate(State(case, Goal(weight)).gains(places)):
         n = case.numbers(places.at([i]))
         after = case.prior.read(n.rows, n.shown, n.noise**2).covariance
-        assert gain == pytest.approx(goal.value(case.prior.covariance) - goal.value(after), rel=1e-6)
+        fallen = weight @ (case.prior.covariance - after) @ weight.T
+        assert gain == pytest.approx(np.trace(fallen), rel=1e-6)

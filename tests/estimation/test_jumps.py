@@ -85,7 +85,7 @@ def test_sums_that_grow_say_of_each_place_what_its_columns_say(kind: str, room: 
         solved = np.linalg.solve(fisher + np.eye(len(ways)) / std**2, pulled[:, :, None])[:, :, 0]
         widened = np.linalg.slogdet(np.eye(len(ways)) + std**2 * fisher)[1]
         expected.append((np.sum(pulled * solved, axis=1) - widened) / 2)
-    np.testing.assert_allclose(gains_of_steps(given, ways, starts, JUMPS), expected, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(gains_of_steps([given], ways, starts, JUMPS)[0], expected, rtol=1e-6, atol=1e-6)
 
 
 def test_the_likeliest_sign_of_a_stretch_is_that_of_the_dense_density() -> None:

@@ -99,7 +99,10 @@ def poses_of(text: str, machine: PrintedMachine) -> list[Array]:
 
 
 def least(text: str, campaign: str, machine: PrintedMachine) -> float:
-    """Return how near anything comes to a post, m; the stylus to others than the one that it touches."""
+    """Return how near anything comes to a post, m; the stylus to others than the one that it touches.
+
+    So is it to the board and its risers, which begin a diameter below the middle of the lowest ball.
+    """
     tables = tomllib.loads(campaign)
     (board,), setup = tables["artefacts"], tables["setups"][0]
     put, radius = turned("C", number(setup["turn"]))[:3, :3], number(board["diameter"]) / 2
@@ -107,10 +110,12 @@ def least(text: str, campaign: str, machine: PrintedMachine) -> float:
     posts = {name: post(place, _DOWN) for name, place in places.items()}
     poses = np.unique(np.round(poses_of(text, machine), 7), axis=0)
     tips, stems = (np.array([each(machine, pose) for pose in poses]) for each in (tip, stem))
-    found = np.inf
-    for ball, points in posts.items():
+    low, high = (each([*places.values()], axis=0) for each in (np.min, np.max))
+    board = np.stack(np.meshgrid(*np.linspace(low[:2], high[:2], 21).T, low[2] - 3 * radius), -1).reshape(-1, 3)
+    found, places = np.inf, places | {"board": board[0]}
+    for ball, points in (posts | {"board": board}).items():
         for name, solid in solids(machine).items():
-            own = np.linalg.norm(tips - places[ball], axis=1) < (_OWN if name == "stylus" else 0.0)
+            own = np.linalg.norm(tips - places[ball], axis=1) < (_OWN if name == "stylus" and ball in posts else 0.0)
             apart = nearest(tips[~own], stems[~own], solid, points)
             found = min(found, float(apart.min(initial=np.inf)) - radius)
     return found

@@ -75,8 +75,8 @@ def _squares(known: Estimation, drawn: Drawn, figures: Array) -> Iterator[tuple[
     """Yield what each source leaves of figures of the answered unknowns, m².  figures : F (k, answered)"""
     problem, observation = drawn.problem, known.knowledge.observation
     found = drawn.sources(figures)
-    for index in np.unique(problem.setup).tolist():
-        yield ("instrument", observation.setups[index].name, None), float(found.numbers[problem.setup == index].sum())
+    for index, square in zip(np.unique(problem.setup).tolist(), found.setups.tolist(), strict=True):
+        yield ("instrument", observation.setups[index].name, None), square
     kinds = [_PASSING[kind] for kind in problem.passing] + ["detail"] * len(problem.cells)
     kinds += ["way" if scale.kind == "way" else "prior" for scale in problem.scales]
     kinds += ["prior"] * (problem.answered - problem.unknowns) + [_kind(unknown) for unknown in observation.unknowns]

@@ -30,15 +30,15 @@ _DIAMETER = 25e-3
 """m, of each ball, as the templates say."""
 _WRITTEN = 1e-3
 """m: places are written in whole millimetres."""
-_DEPTH = 50e-3
-"""m of the travel of Z that heights of balls leave free: below the lowest, and over the highest for its touches and the
-first run above it."""
+_BELOW, _DEPTH = 3e-3, 32e-3
+"""m of the travel of Z that heights of balls leave free: below the lowest, which is put down by eye, and in all, with
+what is drawn back over the highest. Squareness is that of the whole travel: a quarter unread hides a third of it."""
 _STEPS = (("1 mm", 0.01), ("0.1 mm", 0.0))
 """Steps, and travels from which on they are offered, m: half a travel then has several multiples.
 
 Screws have leads of 5 or 10 mm, and places that are multiples of one show nothing of its error (ISO 230-2, 5.3.2).
 """
-_ARM = 0.9
+_ARM = 0.95
 """Of what would just turn: then it can also go aside."""
 _CROSS = (
     ("one", -1.0, 0.0, 0.0), ("two", 1.0, 0.0, 1.0), ("three", 0.0, -1.0, 0.0), ("four", 0.0, 1.0, 1.0),
@@ -47,7 +47,7 @@ _CROSS = (
 """x, y and height of each ball, of the arm and of the lift: a holder gets between them, and half of them are high, for
 heights tell how square Z is."""
 _PLACED = (
-    ((-1, -1), 90, 0), ((1, 1), 0, 1), ((-1, 1), 180, 2), ((1, -1), 270, 0),
+    ((-1, -1), 90, 0), ((1, 1), 0, 2), ((-1, 1), 180, 2), ((1, -1), 270, 0),
     ((0, 0), 0, 1), ((0, 0), 90, 0), ((0, 0), 180, 0),
 )  # fmt: skip
 """Where a board lies, of the room aside, its turn in deg, and on how many risers: these take it over the travel of Z,
@@ -256,7 +256,7 @@ def _board(machine: Machine) -> Iterator[str]:
     if balls is None:
         return
     yield setups.board(balls, axes["Z"].travel[1] - axes["Z"].overrun)
-    centre = _middle(machine, Z=axes["Z"].travel[0] + _ROOM / 3)
+    centre = _middle(machine, Z=axes["Z"].travel[0] + _BELOW)
     aside = np.array([x / 2, y / 2, 0.0]) - [arm + _ROOM, arm + _ROOM, 0.0]
     rise = float(np.ptp([at[2] for at in balls.values()]))
     riser = min(_OVERLAP * rise, (free - rise) / max(risers for *_, risers in _PLACED))

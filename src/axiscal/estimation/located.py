@@ -65,7 +65,8 @@ class Absorbed:
         some = [self.readings[index] for index in kept]
         posed = problem(self.case.observation, some, Sizes(()), self.case.inherited, usual=False)
         numbers = np.flatnonzero(posed.reading == kept.index(reading))
-        return float(surprises(*as_stated(space_of(posed)).blocks(numbers[None]))[0])
+        given = as_stated(space_of(posed))
+        return float(surprises(given.told(numbers)[0][None], given.blocks(numbers[None]))[0])
 
 
 def absorbed(

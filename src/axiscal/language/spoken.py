@@ -14,6 +14,7 @@ sentences that a report has in the reader's language.
 from __future__ import annotations
 
 import gettext
+import operator
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -121,12 +122,17 @@ def resaid(thing: _Thing) -> _Thing:
     if isinstance(thing, Said):
         found = again(thing)
     elif is_dataclass(thing) and not isinstance(thing, type):
-        new = {each.name: resaid(getattr(thing, each.name)) for each in fields(thing) if each.init}
-        found = replace(thing, **new)
+        now = ((each.name, getattr(thing, each.name)) for each in fields(thing) if each.init)
+        spoken = {name: resaid(value) for name, value in now if type(value) not in _SILENT}
+        new = {name: said for name, said in spoken.items() if said is not getattr(thing, name)}
+        found = replace(thing, **new) if new else thing
     elif isinstance(thing, dict):
-        found = {resaid(key): resaid(value) for key, value in thing.items()}
+        both = [*thing, *thing.values()]
+        each = resaid(both)
+        found = thing if each is both else dict(zip(each[: len(thing)], each[len(thing) :], strict=True))
     elif isinstance(thing, (list, tuple)) and not (hasattr(thing, "_fields") or _SILENT.issuperset(map(type, thing))):
-        found = type(thing)(resaid(each) for each in thing)
+        new_items = [resaid(each) for each in thing]
+        found = thing if all(map(operator.is_, new_items, thing)) else type(thing)(new_items)
     return cast("_Thing", found)
 
 

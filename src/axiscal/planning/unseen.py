@@ -169,7 +169,7 @@ def sees(places: Array, frequency: float) -> bool:
 
 def _enough(count: int) -> float:
     """Return by how many of so many places a period is seen."""
-    return min(_ONE, count / 10 * 10 ** ((count - _FEW) / _BY_FEW))
+    return min(_ONE, count / 10 * 10 ** (min(count - _FEW, 0) / _BY_FEW))
 
 
 def _seen_by_less(than: float, places: Array) -> Array:

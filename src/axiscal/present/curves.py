@@ -139,11 +139,11 @@ def _points(known: Estimation, function: Term, readings: Sequence[Reading], sigh
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
     whole = sum(sight.shares(each) for each in known.case.errors.curves)
     unit, axis = value_unit(function), known.case.errors.axes[function.axis]
-    for index in np.flatnonzero(sight.shares(function) > _BEARS_ON * whole).tolist():
+    bear = np.flatnonzero(sight.shares(function) > _BEARS_ON * whole).tolist()
+    own = [index for index in bear if function.axis in moves[readings[index].setup]]
+    rows = function.spline.rows(np.array([readings[index].pose[function.axis] for index in own]))
+    for index, basis in zip(own, rows, strict=True):
         reading = readings[index]
-        if function.axis not in moves[reading.setup]:
-            continue
-        basis = function.spline.rows(np.array([reading.pose[function.axis]]))[0]
         lever = float(sight.rows[index, function.columns] @ basis / (basis @ basis))
         value = float(basis @ known.printed.belief.mean[function.columns]) + float(sight.left[index]) / lever
         yield CurvePoint(

@@ -337,7 +337,8 @@ def through_the_volume(description: CampaignDescription, axis: int, readings: Se
 def _places(readings: Sequence[Reading], axis: int) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
     """Return the positions read from +, from − and from both, each once, in rising order."""
     plus, minus = (_once(reading.pose[axis] for reading in readings if reading.approach[axis] == k) for k in (1, -1))
-    return plus, minus, tuple(place for place in plus if any(abs(place - other) < _SAME for other in minus))
+    begin, end = (np.searchsorted(minus, np.add(plus, off)) for off in (-_SAME, _SAME))
+    return plus, minus, tuple(place for place, near in zip(plus, end > begin, strict=True) if near)
 
 
 def _once(positions: Iterable[float]) -> tuple[float, ...]:

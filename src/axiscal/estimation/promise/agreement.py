@@ -36,7 +36,7 @@ from axiscal_core.draws import Weighed
 from axiscal_core.from_scipy import binomial_tail, chi_square_tail
 from axiscal_core.left_out import BAD_SHARE
 from axiscal_core.problem import Problem
-from axiscal_core.spaces import Given
+from axiscal_core.spaces import Given, sums_of
 from axiscal_core.unknowns import space_of
 
 CONTRADICTS = 0.001
@@ -276,7 +276,8 @@ def _units(problem: Problem, found: Weighed[Given]) -> Iterator[Tried]:
         readings = np.unique(problem.reading[mine])
         starts = np.searchsorted(problem.reading, readings)
         since = np.count_nonzero(mine) - np.searchsorted(np.flatnonzero(mine), starts)
-        fisher, pulled = (each.ravel() for each in given.sums((mine * problem.values)[None], starts).to_the_end())
+        (sums,) = sums_of([given], (mine * problem.values)[None], starts)
+        fisher, pulled = (each.ravel() for each in sums.to_the_end())
         # All of them may be in another unit as well as those from any later reading on.
         places = np.where(readings == readings[0], 1, max(len(readings) - 1, 1))
         for factor in _FACTORS:
@@ -305,9 +306,7 @@ def _turned(problem: Problem, found: Weighed[Given], *, every: bool = True) -> I
     for mistake, setups, values, factor in _other_values(problem):
         if not every and mistake not in ASKED:
             continue
-        squares = np.empty(len(found.given))
-        for draw, given in enumerate(found.given):
-            squares[draw] = given.misfit - float(values @ given.judged(values[:, None])[:, 0])
+        squares = np.array([given.misfit - given.misfit_of(values) for given in found.given])
         yield _tried(problem, found, 0.5 * squares, squares, Explained(mistake, 0.0, setups, factor=factor))
 
 

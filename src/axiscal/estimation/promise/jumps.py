@@ -208,7 +208,7 @@ def _suspect(
     tried = some_of(len(readings))
     for finest in (len(tried) == len(readings), True):
         starts = np.searchsorted(problem.reading, readings[tried])
-        log_odds = log_odds_of(each, np.array([gains_of_steps(given, ways, starts, _JUMPS) for given in each]))
+        log_odds = log_odds_of(each, gains_of_steps(each, ways, starts, _JUMPS))
         size, place = np.unravel_index(np.argmax(log_odds), log_odds.shape)
         best = int(tried[place])
         if finest:

@@ -30,7 +30,7 @@ from axiscal.estimation.promise.causes import AtFeed
 from axiscal.numerics import Array
 from axiscal_core.draws import as_stated, sized
 from axiscal_core.problem import Problem
-from axiscal_core.spaces import Given
+from axiscal_core.spaces import Given, sums_of
 from axiscal_core.theta import Kind
 from axiscal_core.unknowns import space_of
 
@@ -96,13 +96,13 @@ def gains_of_columns(given: Given, columns: Array, values: Array, stds: Sequence
     return _gains(columns @ weighted.transpose(0, 2, 1), weighted @ values, stds)
 
 
-def gains_of_steps(given: Given, ways: Array, starts: NDArray[np.intp], stds: Sequence[float]) -> Array:
-    """Return the gain of columns that begin at each of some numbers, (s, r), as of `gains_of_columns`.
+def gains_of_steps(each: Sequence[Given], ways: Array, starts: NDArray[np.intp], stds: Sequence[float]) -> Array:
+    """Return the gain of columns that begin at each of some numbers, (n, s, r), as of `gains_of_columns`.
 
     Sums that grow take their place: m p + r p² operations and r p numbers, and not r m p and r m.
-    ways : (k, m) each from the first number on; starts : (r,) ascending
+    each : of n sizes with the same noise; ways : (k, m) each from the first number on; starts : (r,) ascending
     """
-    return _gains(*given.sums(ways, starts).to_the_end(), stds)
+    return np.array([_gains(*sums.to_the_end(), stds) for sums in sums_of(each, ways, starts)])
 
 
 def _gains(fisher: Array, pulled: Array, stds: Sequence[float]) -> Array:
@@ -175,7 +175,7 @@ def _likeliest(
         tried = np.union1d(begin, end)
         starts = np.searchsorted(problem.reading, readings[tried[:-1]])
         at = np.searchsorted(tried, begin), np.searchsorted(tried, end)
-        gains = np.array([_of_stretches(given, parts, starts, *at) for given in each])
+        gains = _of_stretches(each, parts, starts, *at)
         between = np.isin(begin, turns)[:, None] & (end < last)
         possible = (end - begin[:, None] >= _SHORTEST) & (between | ((begin[:, None] >= _SHORTEST) & (end == last)))
         log_odds = np.where(possible, log_odds_of(each, gains), -np.inf)
@@ -190,17 +190,21 @@ def _likeliest(
 
 
 def _of_stretches(
-    given: Given, parts: _Parts, starts: NDArray[np.intp], begin: NDArray[np.intp], end: NDArray[np.intp]
+    each: Sequence[Given], parts: _Parts, starts: NDArray[np.intp], begin: NDArray[np.intp], end: NDArray[np.intp]
 ) -> Array:
-    """Return the gain of each stretch, (b, e).  starts : numbers; begin, end : of which of them it reaches to which"""
-    gains = np.zeros((len(begin), len(end)))
+    """Return the gain of each stretch at each of n sizes, (n, b, e).
+
+    starts : numbers; begin, end : of which of them it reaches to which
+    """
+    gains = np.zeros((len(each), len(begin), len(end)))
     for added in parts.added[parts.added.any(axis=1)]:
-        square, pull = given.sums(added[None], starts).between(begin, end)
-        if parts.std:
-            square = np.maximum(square, 0.0)  # of what ends before it begins
-            gains += 0.5 * (pull**2 / (square + parts.std**-2) - np.log1p(parts.std**2 * square))
-        else:
-            gains -= pull + square / 2
+        for gain, sums in zip(gains, sums_of(each, added[None], starts), strict=True):
+            square, pull = sums.between(begin, end)
+            if parts.std:
+                square = np.maximum(square, 0.0)  # of what ends before it begins
+                gain += 0.5 * (pull**2 / (square + parts.std**-2) - np.log1p(parts.std**2 * square))
+            else:
+                gain -= pull + square / 2
     return gains
 
 

@@ -47,7 +47,7 @@ from axiscal_core.draws import Weighed, sized
 from axiscal_core.from_scipy import normal_share
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
-from axiscal_core.unknowns import space_of
+from axiscal_core.unknowns import Space, space_of
 
 _FEWEST = 4
 """Readings of a set-up: three are still, or in another order, by chance."""
@@ -88,13 +88,13 @@ class _Mounted:
         """Yield that it shows the same everywhere."""
         problem, mine, p = self.problem, self.mine, 1.0
         gain = flickering(problem.values[mine], ways_of(problem, mine)[:, mine])
-        constant = 0.5 * int(mine.sum()) * math.log(2 * math.pi)
-        if gain - constant < log_density_of(self.found.drawn.stated, mine):
+        rest = space_of(problem.only(~mine))
+        if gain < log_density_of(self.found.drawn.stated, rest):
             return
         gain -= self.found.log_evidence
-        if len((rest := problem.only(~mine)).values):
-            others = sized(space_of(rest))
-            gain, p = gain + others.log_evidence, tail_of(rest, others)
+        if len(rest.problem.values):
+            others = sized(rest)
+            gain, p = gain + others.log_evidence, tail_of(rest.problem, others)
         yield Tried(Explained("still", math.log(PRIOR) + gain, self.setups), p)
 
     def shifted(self) -> Iterator[Tried]:
@@ -121,7 +121,7 @@ class _Mounted:
         """Yield a mistake, what values were without it, and columns of what is left: where sizes as stated allow it."""
         before = wrong.log_odds
         gains = [
-            (given.misfit - float(values @ given.judged(values[:, None])[:, 0])) / 2
+            (given.misfit - given.misfit_of(values)) / 2
             + (gains_of_columns(given, free[None], values, [1.0])[0, 0] if len(free) else 0.0)
             for given in self.each
         ]
@@ -253,19 +253,17 @@ def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) 
         pairs = zip(problem.setup[again].tolist(), problem.noise[again].tolist(), strict=True)
         steps = (each.steps[setup] / noise for setup, noise in pairs)
         prior = math.log(PRIOR) - each.log_places - sum(math.log(max(step, _FINEST)) for step in steps)
-        if prior - log_density_of(found.drawn.stated, again) <= math.log(NAMED):
+        prior += 0.5 * int(again.sum()) * math.log(2 * math.pi)
+        rest = space_of(problem.only(~again))
+        if prior - log_density_of(found.drawn.stated, rest) <= math.log(NAMED):
             continue
-        rest = problem.only(~again)
-        others = sized(space_of(rest))
-        density = found.log_evidence - others.log_evidence - 0.5 * int(again.sum()) * math.log(2 * math.pi)
-        first = int(each.readings.min())
-        yield Tried(Explained("stuck", prior - density, each.setups, first), tail_of(rest, others))
+        others = sized(rest)
+        density, first = found.log_evidence - others.log_evidence, int(each.readings.min())
+        yield Tried(Explained("stuck", prior - density, each.setups, first), tail_of(rest.problem, others))
 
 
-def log_density_of(given: Given, some: NDArray[np.bool_]) -> float:
-    """Return log p(yₛ | others) of some numbers (m,): Λ = (K⁻¹)ₛₛ is their precision, given the others."""
-    alone = np.eye(len(some))[:, some]
-    weighted = given.judged(np.column_stack([alone, given.problem.values]))[some]
-    precision, pulled = weighted[:, :-1], weighted[:, -1]
-    square = float(pulled @ np.linalg.solve(precision, pulled))
-    return 0.5 * float(np.linalg.slogdet(precision / (2 * np.pi))[1] - square)
+def log_density_of(given: Given, others: Space) -> float:
+    """Return log p(yₛ | others) of the numbers that others lack, up to (2π)^(−s/2)."""
+    without = others.given(given.theta)
+    assert without is not None, "a covariance with noise is positive definite"
+    return given.density - without.density
