@@ -181,7 +181,8 @@ class Sorted:
         every = (self.problem, sized(space_of(self.problem))) if out >= SEVERAL else None
         others = ((axes, other.only(kept)) for axes, other in turned)
         frames = ((setup, other.only(kept)) for setup, other in framed)
-        told = (*(self.jumps or at_turns(mine, found, self.sure)), *stuck(mine, found, repeated), *sick(mine, found))
+        turns = self.jumps or at_turns(mine, found, self.sure)
+        told = (*turns, *stuck(mine, found, repeated), *sick(mine, found, self.problem))
         agreed = agreement(mine, found, z, out, others, frames, every, told)
         known = dict(zip(self.problem.cells, cells.tolist(), strict=True))
         of_sizes = self.sizes, found.effective
