@@ -141,6 +141,8 @@ def question(known: Estimation, named: Explained) -> str:
     setup, reading = known.stated.description.setups[named.setups[0]], known.readings[named.reading]
     if named.mistake == "shifted":
         return said('Do the values of "{setup}" belong to the place before or after?', setup=setup.name)
+    if named.mistake == "still":
+        return said('Does "{setup}" show one value at all places, though the machine moves?', setup=setup.name)
     number = reading.numbered(named.reading)
     if named.mistake == "stuck":
         what = 'From reading {number} on "{setup}" shows again what it showed before. Is it stuck?'
@@ -241,6 +243,8 @@ def change_words(accepted: Accepted) -> str:
         names = listed(", ", [quoted(each) for each in accepted.setups])
         what = "values of {setups} that repeat the one before, from reading {number} on, are left out"
         return said(what, setups=names, number=accepted.reading)
+    if accepted.mistake == "still":
+        return said('the values of "{setup}" so far are left out', setup=name)
     if accepted.mistake == "frame":
         return said('the values of "{setup}" so far are turned from the machine to the workpiece', setup=name)
     if accepted.mistake == "sides":

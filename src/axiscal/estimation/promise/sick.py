@@ -5,8 +5,8 @@ A row says what the machine has to make then, y' of the readings y, and how prob
     log PRIOR + log p(rest) + log p(y') − log p(y),    p with the sizes integrated out
 
 - still: a set-up shows one value, anywhere, and a flicker s below its noise. The rest are all its readings, normal with
-  covariance s² + w² 11ᵀ, each s as probable. Zeros alone are such readings. So are two digits, one as likely as the
-  other, however far apart: 2^−m over their step.
+  covariance s² + w² 11ᵀ, each s as probable. Zeros alone are such readings. Or it shows two digits, however far apart,
+  each as likely as the other: 2^−m over their step.
 - shifted: each value belongs to the place behind or before, as if a line was missed. The one that is left is anywhere
   among the others. A reading that seems bad may be one of these, so it counts.
 - unit: values, not all alike, are f times too small, p(rest) = f^m. As probable as any mistake is a noise f times below
@@ -56,6 +56,8 @@ _FLICKERS = 1e-3, 1e-2, 0.1, 0.25, 0.6
 """Noises: a last digit that flickers moves a display by less than what is stated of all that moves it."""
 _ANYWHERE = 1e3
 """Noises: where a display may stand, as wide as zeros are as a rule."""
+_DIGITS = 2
+"""A last digit that flickers shows its neighbour, and nothing else."""
 _SMALLER = 1000.0, INCH
 """By definition: mm for um, and inches for mm."""
 _QUIET = math.log(0.1)
@@ -127,7 +129,7 @@ class _Mounted:
     def other_unit(self) -> Iterator[Tried]:
         """Yield that all values are as much too small as another unit makes them."""
         problem, mine, none = self.problem, self.mine, np.zeros((0, len(self.mine)))
-        for factor in _SMALLER if np.ptp(problem.values[mine]) else ():
+        for factor in _SMALLER if np.ptp(problem.values[mine]) > _ALIKE else ():
             rest, scale = int(mine.sum()) * math.log(factor), np.where(mine, factor, 1.0)
             wrong = Explained("unit", math.log(PRIOR) + rest, self.setups, factor=1 / factor)
             for each in self._weighed(wrong, scale * problem.values, none):
@@ -176,12 +178,13 @@ def flickering(values: Array, ways: Array, count: int = 1) -> float:
         square = (values @ values - pulled @ np.linalg.solve(within, pulled)) / size**2
         spread = np.linalg.slogdet((_ANYWHERE / size) ** 2 * within)[1] + 2 * len(values) * math.log(size)
         logs.append(-0.5 * float(square + spread))
-    shown = [np.unique(each) for each in values.reshape(-1, count).T]
-    if all(len(each) == 2 for each in shown):
-        free, steps = len(values) // count - 1, np.log([each[1] - each[0] for each in shown])
-        digits = free * (math.log(_OF_NOISE) - steps) - (free + 1) * math.log(2) - math.log(_ANYWHERE)
-        logs.append(float(digits.sum()))
-    return float(np.logaddexp.reduce(logs) - math.log(len(logs)))
+    any_size = float(np.logaddexp.reduce(logs) - math.log(len(logs)))
+    shown = [_ALIKE * np.unique(np.round(each / _ALIKE)) for each in values.reshape(-1, count).T]
+    if any(len(each) != _DIGITS for each in shown):
+        return any_size
+    free, steps = len(values) // count - 1, np.log(np.ptp(shown, axis=1))
+    digits = free * (math.log(_OF_NOISE) - steps) - (free + 1) * math.log(_DIGITS) - math.log(_ANYWHERE)
+    return float(np.logaddexp(any_size, np.sum(digits)))
 
 
 _ALIKE = 1e-5

@@ -102,11 +102,12 @@ def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool 
     return minds
 
 
-Answer = Literal["jump", "backlash", "stuck"]
+Answer = Literal["jump", "backlash", "stuck", "still"]
 _ANSWERS: dict[tuple[Mistake, bool], tuple[Answer, ...]] = {
     ("jump", False): ("jump",),
     ("jump", True): ("jump", "backlash"),
     ("stuck", False): ("stuck",),
+    ("still", False): ("still",),
 }
 """What a person may say of a mistake, and whether backlash explains it as well."""
 
