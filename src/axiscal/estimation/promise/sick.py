@@ -237,12 +237,16 @@ def _log_patterns(count: int, some: int) -> float:
 
 
 def _steps(setups: Sequence[Setup], readings: Sequence[Reading], some: Iterable[int]) -> dict[int, float]:
-    """Return the steps of some set-ups."""
+    """Return the steps of some set-ups, by the values of all of that instrument where theirs are too few."""
     shown = defaultdict[str, set[float]](set)
     instruments = {setup.name: setup.instrument for setup in setups}
     for reading in readings:
-        shown[instruments[reading.setup]].update(reading.values)
-    values = {number: np.sort([*shown[setups[number].instrument]]) for number in some}
+        for owner in (reading.setup, instruments[reading.setup]):
+            shown[owner].update(reading.values)
+    owners = [
+        (i, setups[i].name if len(shown[setups[i].name]) >= SEVERAL else setups[i].instrument) for i in some
+    ]
+    values = {number: np.sort([*shown[owner]]) for number, owner in owners}
     return {number: _step(each, _OF_NOISE * setups[number].noise) for number, each in values.items()}
 
 
