@@ -314,7 +314,8 @@ class Check:
         """Return what readings say; raises ReadingError, TargetError.  tolerance : as of `allowed`"""
         setups, control = self.description.setups, self.tables.control
         known, allowed = self.known(tolerance), self.allowed(tolerance)
-        return judge(self.estimate, setups, *readings, control, known, self.parts, allowed)
+        posterior = self.estimation.posterior
+        return judge(self.estimate, setups, *readings, control, known, self.parts, allowed, posterior)
 
     def allowed(self, tolerance: str | None) -> float | None:
         """Return the largest deviation allowed, m, None where nobody states one; raises TargetError, UnitError."""

@@ -9,13 +9,14 @@ deviation with its expanded uncertainty lies inside, one lies outside with all o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.promise.posterior import Posterior
 from axiscal.evaluation.datums import GUARD, Datums, datums_of, fewest, is_zero, upright
 from axiscal.evaluation.table_checks import (
     Decision,
@@ -86,6 +87,14 @@ def expected(
 
     The values of a reading stand one after another.
     """
+    shown, rows, loose = _expected(estimate, setups, places, control)
+    return shown, np.hstack([rows @ estimate.factor, np.diag(loose)])
+
+
+def _expected(
+    estimate: Estimate, setups: Sequence[Setup], places: Places, control: Control | None
+) -> tuple[Array, Array, Array]:
+    """Return the deviation, rows of the errors (m, k), and what varies beside these, (m,), of each value."""
     values = values_at(setups, places)
     if control is None:
         tips = estimate.deviation(places.poses, places.approaches)
@@ -105,8 +114,7 @@ def expected(
         rows[of] = model.along(levers, poses, approaches).swapaxes(0, 1).reshape(-1, model.size)
         rests[of] = levers.transpose(2, 0, 1).reshape(-1, len(model.terms))
     rests *= np.array([function.rest for function in model.terms])
-    loose = np.diag(np.sqrt(np.sum(rests**2, axis=1)))
-    return shown, np.hstack([rows @ estimate.factor, loose])
+    return shown, rows, np.sqrt(np.sum(rests**2, axis=1))
 
 
 @one_thread()
@@ -222,6 +230,7 @@ def judge(
     known: float,
     parts: Sequence[Part] = (),
     tolerance: float | None = None,
+    posterior: Posterior | None = None,
 ) -> Judgement:
     """Return what readings without and with the tables say; raises ReadingError when they are not of the same places.
 
@@ -229,6 +238,7 @@ def judge(
     known : m, to which a set-up has to be known, or it is judged against itself
     parts : the tables, each of which must work, however small the deviations are
     tolerance : the largest deviation that somebody allows, m
+    posterior : tells how far the sizes of errors vary that these readings show; a t as the estimate has it where none
     """
     _refuse_different(found, left)
     places = places_of(setups, left)
@@ -240,12 +250,16 @@ def judge(
     datums = datums_of(estimate.machine, setups, places, known)
     each_read = (_seen(estimate, setups, places, datums, readings) for readings in (found, left))
     (before, noise_before), (after, noise) = each_read
-    mean, factor = expected(estimate, setups, places, control)
+    mean, rows, loose = _expected(estimate, setups, places, control)
     free, spread = datums.free, datums.spread + np.diag(noise**2)
     # a set-up may have been mounted anew between the two
     apart = free @ (2 * datums.spread + np.diag(noise_before**2 + noise**2)) @ free.T
     # one place of a ball, or one error of the machine, is in many values: these are not independent
-    beyond, unknown, noisy = free @ (after - mean), free @ factor, free @ spread @ free.T
+    unknown, noisy = free @ np.hstack([rows @ estimate.factor, np.diag(loose)]), free @ spread @ free.T
+
+    def degrees(whiten: Array) -> float:
+        return posterior.degrees_over(whiten @ free @ rows) if posterior else estimate.belief.degrees
+
     coming = float(np.sum((free @ mean) ** 2) + np.sum(unknown**2) + np.trace(noisy))
     change, should = free @ (before - after), free @ (expected(estimate, setups, places, None)[0] - mean)
     weight = float(should @ should)
@@ -259,7 +273,7 @@ def judge(
         std,
         of,
         coming,
-        _likelihood(beyond, noisy, unknown, estimate.belief.degrees),
+        _likelihood(free @ (after - mean), noisy, unknown, degrees),
         _likelihood(change - should, apart),
         float(change @ should) / weight if weight > _NOTHING**2 else None,
         tuple(name for name in datums.lines if name not in lying),
@@ -299,11 +313,13 @@ def _seen(
     return upright(estimate.machine, setups, places, datums, shown), noise[values_at(setups, places).of]
 
 
-def _likelihood(values: Array, noisy: Array, unknown: Array | None = None, degrees: float = np.inf) -> float:
+def _likelihood(
+    values: Array, noisy: Array, unknown: Array | None = None, degrees_of: Callable[[Array], float] | None = None
+) -> float:
     """Return the probability of values at least this large, in the mean square over their standard deviations.
 
     noisy : (m, m) N, their covariance by readings, singular; unknown : (m, n) F, what is not known of the machine
-    degrees : f of freedom of the latter, whose squares have one factor w = (f − 2)/χ²_f
+    degrees_of : returns f of what is whitened by a matrix (k, m), whose squares have one factor w = (f − 2)/χ²_f
     With P = F Fᵀ + N, z = P^−½ y and κ the eigenvalues of P^−½ F Fᵀ P^−½, zᵀz is Σ (1 + (w − 1) κ) χ²_1, which is about
     a χ² (Satterthwaite 1946); the result is its mean over w.
     """
@@ -313,7 +329,7 @@ def _likelihood(values: Array, noisy: Array, unknown: Array | None = None, degre
     whiten = vectors[:, kept].T / np.sqrt(scale[kept])[:, None]
     shares = np.linalg.eigvalsh(whiten @ machine @ whiten.T)
     chances, factors = (np.arange(_FACTORS) + 0.5) / _FACTORS, np.ones(1)
-    if np.isfinite(degrees):
+    if degrees_of is not None and np.isfinite(degrees := degrees_of(whiten)):
         factors = (degrees - 2) / np.array([chi_square_quantile(np.array([degrees]), p)[0] for p in chances])
     parts = 1 + np.outer(factors - 1, shares)
     sums, squares = parts.sum(axis=1), np.sum(parts**2, axis=1)

@@ -75,6 +75,22 @@ class Posterior:
     left_out: dict[int, LeftOut]
     draws: tuple[Drawn, ...]
 
+    def degrees_over(self, figures: Array) -> float:
+        """Return the degrees of freedom of a t whose mean square over some figures varies as that of the draws.
+
+        figures : (m, k) of the answered unknowns, the first k
+        """
+        weights, squares, count = list[float](), list[float](), figures.shape[1]
+        for drawn in self.draws:
+            space = space_of(drawn.problem)
+            for weight, theta in zip(drawn.weights.tolist(), drawn.thetas, strict=True):
+                if (given := space.given(theta)) is not None:
+                    mean, covariance = given.posterior()
+                    apart = figures @ (mean - self.mean)[:count]
+                    weights.append(weight)
+                    squares.append(float(np.vdot(figures @ covariance[:count, :count], figures) + apart @ apart))
+        return _degrees(np.array(weights), np.array(squares))
+
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
@@ -283,10 +299,14 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> tuple[Array, Array, Ar
     total += (aparts.T * weights) @ aparts
     squares += np.sum((aparts[:, :counts] @ volume) * aparts[:, :counts], axis=1)
     cells = np.sum([w * given.cell_means() for w, given in zip(weights, givens, strict=True)], axis=0)
+    return about + shift, total, moved @ moved.T, _degrees(weights, squares), cells
+
+
+def _degrees(weights: Array, squares: Array) -> float:
+    """Return the degrees of freedom of a t whose variance varies as s².  weights, squares : (d,) of draws"""
     mean = float(weights @ squares)
     varied = float(weights @ (squares - mean) ** 2)
-    degrees = 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
-    return about + shift, total, moved @ moved.T, degrees, cells
+    return 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
 
 
 def _sizes(problem: Problem, found: Weighed[Given]) -> dict[tuple[Kind, str], float]:
