@@ -87,14 +87,6 @@ def expected(
 
     The values of a reading stand one after another.
     """
-    shown, rows, loose = _expected(estimate, setups, places, control)
-    return shown, np.hstack([rows @ estimate.factor, np.diag(loose)])
-
-
-def _expected(
-    estimate: Estimate, setups: Sequence[Setup], places: Places, control: Control | None
-) -> tuple[Array, Array, Array]:
-    """Return the deviation, rows of the errors (m, k), and what varies beside these, (m,), of each value."""
     values = values_at(setups, places)
     if control is None:
         tips = estimate.deviation(places.poses, places.approaches)
@@ -114,7 +106,8 @@ def _expected(
         rows[of] = model.along(levers, poses, approaches).swapaxes(0, 1).reshape(-1, model.size)
         rests[of] = levers.transpose(2, 0, 1).reshape(-1, len(model.terms))
     rests *= np.array([function.rest for function in model.terms])
-    return shown, rows, np.sqrt(np.sum(rests**2, axis=1))
+    loose = np.diag(np.sqrt(np.sum(rests**2, axis=1)))
+    return shown, np.hstack([rows @ estimate.factor, loose])
 
 
 @one_thread()
@@ -238,7 +231,7 @@ def judge(
     known : m, to which a set-up has to be known, or it is judged against itself
     parts : the tables, each of which must work, however small the deviations are
     tolerance : the largest deviation that somebody allows, m
-    posterior : tells how far the sizes of errors vary that these readings show; a t as the estimate has it where none
+    posterior : says how far the sizes of errors vary that these readings show; None for as far as all over the volume
     """
     _refuse_different(found, left)
     places = places_of(setups, left)
@@ -250,16 +243,13 @@ def judge(
     datums = datums_of(estimate.machine, setups, places, known)
     each_read = (_seen(estimate, setups, places, datums, readings) for readings in (found, left))
     (before, noise_before), (after, noise) = each_read
-    mean, rows, loose = _expected(estimate, setups, places, control)
+    mean, factor = expected(estimate, setups, places, control)
     free, spread = datums.free, datums.spread + np.diag(noise**2)
     # a set-up may have been mounted anew between the two
     apart = free @ (2 * datums.spread + np.diag(noise_before**2 + noise**2)) @ free.T
     # one place of a ball, or one error of the machine, is in many values: these are not independent
-    unknown, noisy = free @ np.hstack([rows @ estimate.factor, np.diag(loose)]), free @ spread @ free.T
-
-    def degrees(whiten: Array) -> float:
-        return posterior.degrees_over(whiten @ free @ rows) if posterior else estimate.belief.degrees
-
+    beyond, unknown, noisy = free @ (after - mean), free @ factor, free @ spread @ free.T
+    rows = unknown[:, : estimate.factor.shape[1]] @ np.linalg.pinv(estimate.factor)
     coming = float(np.sum((free @ mean) ** 2) + np.sum(unknown**2) + np.trace(noisy))
     change, should = free @ (before - after), free @ (expected(estimate, setups, places, None)[0] - mean)
     weight = float(should @ should)
@@ -273,7 +263,9 @@ def judge(
         std,
         of,
         coming,
-        _likelihood(free @ (after - mean), noisy, unknown, degrees),
+        _likelihood(
+            beyond, noisy, unknown, lambda w: posterior.degrees_over(w @ rows) if posterior else estimate.belief.degrees
+        ),
         _likelihood(change - should, apart),
         float(change @ should) / weight if weight > _NOTHING**2 else None,
         tuple(name for name in datums.lines if name not in lying),
@@ -314,7 +306,7 @@ def _seen(
 
 
 def _likelihood(
-    values: Array, noisy: Array, unknown: Array | None = None, degrees_of: Callable[[Array], float] | None = None
+    values: Array, noisy: Array, unknown: Array | None = None, degrees_of: Callable[[Array], float] = lambda _: np.inf
 ) -> float:
     """Return the probability of values at least this large, in the mean square over their standard deviations.
 
@@ -329,7 +321,7 @@ def _likelihood(
     whiten = vectors[:, kept].T / np.sqrt(scale[kept])[:, None]
     shares = np.linalg.eigvalsh(whiten @ machine @ whiten.T)
     chances, factors = (np.arange(_FACTORS) + 0.5) / _FACTORS, np.ones(1)
-    if degrees_of is not None and np.isfinite(degrees := degrees_of(whiten)):
+    if np.isfinite(degrees := degrees_of(whiten)):
         factors = (degrees - 2) / np.array([chi_square_quantile(np.array([degrees]), p)[0] for p in chances])
     parts = 1 + np.outer(factors - 1, shares)
     sums, squares = parts.sum(axis=1), np.sum(parts**2, axis=1)

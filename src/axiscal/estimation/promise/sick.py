@@ -243,9 +243,7 @@ def _steps(setups: Sequence[Setup], readings: Sequence[Reading], some: Iterable[
     for reading in readings:
         for owner in (reading.setup, instruments[reading.setup]):
             shown[owner].update(reading.values)
-    owners = [
-        (i, setups[i].name if len(shown[setups[i].name]) >= SEVERAL else setups[i].instrument) for i in some
-    ]
+    owners = [(i, setups[i].name if len(shown[setups[i].name]) >= SEVERAL else setups[i].instrument) for i in some]
     values = {number: np.sort([*shown[owner]]) for number, owner in owners}
     return {number: _step(each, _OF_NOISE * setups[number].noise) for number, each in values.items()}
 
