@@ -40,18 +40,15 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
         text = said(short, names=joined(names, _UNUSED), **used) if names else count
         return listed("; ", [text, *([checks_words(known.checks)] if known.checks.each else [])])
     chance = put("p = {p:.1g}", p=found.p)
-    if found.described is not None:
-        cause = mistake_words(found.described, known)
-        return said("The readings contradict each other ({chance}): {causes}", chance=chance, causes=cause)
-    if not found.explained:
+    named = [found.described] if found.described else found.explained
+    if not named:
         what = "The readings contradict each other ({chance}), and no single mistake explains it: {count}"
         return said(what, chance=chance, count=count)
-    causes = listed(said("; or "), [mistake_words(each, known) for each in found.explained])
+    causes = listed(said("; or "), [mistake_words(each, known) for each in named])
     text = said("The readings contradict each other ({chance}): {causes}", chance=chance, causes=causes)
-    if record is None:
+    if record is None or found.described:
         return text
-    cause = found.explained[0].mistake
-    return said("{text}. If so: axiscal step accept {record} {cause}", text=text, record=record, cause=cause)
+    return said("{text}. If so: axiscal step accept {record} {cause}", text=text, record=record, cause=named[0].mistake)
 
 
 def checks_words(checks: Checks) -> str:
@@ -108,7 +105,7 @@ def question(known: Estimation, named: Explained) -> str:
     """Return what a person is asked about a mistake where the readings agree."""
     if stretch := _stretch_words(named, known):
         return put("{what}?", what=capital(stretch))
-    return _said_of(WORDS["questions"], named, known)
+    return _said_of(WORDS["mistakes"] | WORDS["questions"], named, known)
 
 
 def odds_text(each: Explained) -> str:

@@ -51,7 +51,7 @@ _PER_SETUP = 4
 """So many places a set-up, or mounting it costs more than it tells; the verdict holds for any number."""
 _FEWEST = 2
 """Fewer new places of a set-up are not worth mounting it."""
-_SAME = 1e-7
+SAME = 1e-7
 """Rounding of a place that was written down, m or rad: far below what an instrument resolves, far above float64."""
 _TAKEN_OFF = 1e-9
 """Of a variance: what is left of a value by rounding alone."""
@@ -335,6 +335,6 @@ def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None
         raise ReadingError(what, "Take both at the same places, in the same order", found=len(found), left=len(left))
     for before, after in zip(found, left, strict=True):
         apart = np.max(np.abs(np.subtract(before.pose, after.pose)))
-        if before.setup != after.setup or apart > _SAME or before.approach != after.approach:
+        if before.setup != after.setup or apart > SAME or before.approach != after.approach:
             what = "as found and as left were not read at the same place from the same side"
             raise ReadingError(what, "Take both at the same places, in the same order", line=after.line)

@@ -144,10 +144,6 @@ def _stuck(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted:
     return {i: None for before, i in late if readings[i].values == readings[before].values}
 
 
-def _still(_: Sequence[Reading], mine: Sequence[Sequence[int]], __: Accepted) -> _Changed:
-    return dict.fromkeys(mine[0])
-
-
 def _with_value_of(reading: Reading, other: Reading) -> Reading:
     if len(reading.values) != len(other.values):
         raise ValueError("readings of one value and of three cannot be exchanged")
@@ -162,7 +158,7 @@ MISTAKES: Mapping[str, Callable[[Sequence[Reading], Sequence[Sequence[int]], Acc
     "swapped": _swapped,
     "shifted": _shifted,
     "stuck": _stuck,
-    "still": _still,
+    "still": lambda _, mine, __: dict.fromkeys(mine[0]),
     "sides": _sides,
     "mirrored": _mirrored,
 }

@@ -76,20 +76,17 @@ class Posterior:
     draws: tuple[Drawn, ...]
 
     def degrees_over(self, figures: Array) -> float:
-        """Return the degrees of freedom of a t whose mean square over some figures varies as that of the draws.
-
-        figures : (m, k) of the answered unknowns, the first k
-        """
-        weights, squares, count = list[float](), list[float](), figures.shape[1]
+        """Return the degrees of freedom of a t whose mean square varies as that of figures (m, k) of the unknowns."""
+        found, count = list[tuple[float, float]](), figures.shape[1]
         for drawn in self.draws:
             space = space_of(drawn.problem)
             for weight, theta in zip(drawn.weights.tolist(), drawn.thetas, strict=True):
                 if (given := space.given(theta)) is not None:
                     mean, covariance = given.posterior()
                     apart = figures @ (mean - self.mean)[:count]
-                    weights.append(weight)
-                    squares.append(float(np.vdot(figures @ covariance[:count, :count], figures) + apart @ apart))
-        return _degrees(np.array(weights), np.array(squares))
+                    square = float(np.vdot(figures @ covariance[:count, :count], figures) + apart @ apart)
+                    found.append((weight, square))
+        return _degrees(*np.array(found).T)
 
 
 @dataclass(frozen=True, eq=False)
