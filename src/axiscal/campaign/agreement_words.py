@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,18 +40,15 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
         text = said(short, names=joined(names, _UNUSED), **used) if names else count
         return listed("; ", [text, *([checks_words(known.checks)] if known.checks.each else [])])
     chance = put("p = {p:.1g}", p=found.p)
-    if found.described is not None:
-        cause = mistake_words(found.described, known)
-        return said("The readings contradict each other ({chance}): {causes}", chance=chance, causes=cause)
-    if not found.explained:
+    named = [found.described] if found.described else found.explained
+    if not named:
         what = "The readings contradict each other ({chance}), and no single mistake explains it: {count}"
         return said(what, chance=chance, count=count)
-    causes = listed(said("; or "), [mistake_words(each, known) for each in found.explained])
+    causes = listed(said("; or "), [mistake_words(each, known) for each in named])
     text = said("The readings contradict each other ({chance}): {causes}", chance=chance, causes=causes)
-    if record is None:
+    if record is None or found.described:
         return text
-    cause = found.explained[0].mistake
-    return said("{text}. If so: axiscal step accept {record} {cause}", text=text, record=record, cause=cause)
+    return said("{text}. If so: axiscal step accept {record} {cause}", text=text, record=record, cause=named[0].mistake)
 
 
 def checks_words(checks: Checks) -> str:
@@ -64,56 +61,26 @@ def checks_words(checks: Checks) -> str:
 
 def mistake_words(each: Explained, known: Estimation) -> str:
     """Return what went wrong, and what to do about it."""
-    setups = known.stated.description.setups
-    names = [setups[index].name for index in each.setups]
-    if each.mistake == "direction":
-        return said("correct direction of {axes} in the machine's file", axes=listed(", ", [*each.axes]))
-    if each.mistake == "place":
-        what = (
-            '"{setup}" does not stand where the campaign says. Correct its place there, or put it there and read it '
-            "again"
-        )
-        return said(what, setup=names[0])
-    if each.mistake == "still":
-        what = '"{setup}" shows one value at all places. Look whether it touches and follows; read it again'
-        return said(what, setup=names[0])
-    if each.mistake == "noise":
-        what = '"{setup}" scatters by {share:.1g} of its stated noise. Check unit and display, or state its own noise'
-        return said(what, setup=names[0], share=each.factor)
-    if each.mistake == "jump":
-        if (artefact := setups[each.setups[0]].artefact) is not None:
-            what = (
-                '"{artefact}" moved in "{setup}" before {reading}. Fix it, and take readings before and after it again'
-            )
-            return said(what, artefact=artefact.name, setup=names[0], reading=known.name_of(each.reading))
-        if each.backlash:
-            what = 'the zero of "{setup}" jumped before {reading}; or {axis} has that backlash: accept backlash'
-            axis = _turned(known, each)
-            return said(what, setup=names[0], reading=known.name_of(each.reading), axis=axis)
-        what = 'the zero of "{setup}" jumped before {reading}. Take readings before and after it again'
-        return said(what, setup=names[0], reading=known.name_of(each.reading))
     if stretch := _stretch_words(each, known):
         what = "{what} (or the earlier ones do: accept earlier). Correct them"
         return said("{what}. Correct them" if each.last >= 0 else what, what=stretch)
-    if each.mistake == "sign":
-        return said('all values of "{setup}" have the wrong sign. Record them anew with the other sign', setup=names[0])
-    if each.mistake == "unit":
-        what = 'all values of "{setup}" are {factor:.4g} times what they should be. Check their unit'
-        if each.reading >= 0:
-            what = "from {reading} on, values are {factor:.4g} times what they should be. Check the display's unit"
-        return said(what, setup=names[0], factor=each.factor, reading=known.name_of(each.reading))
-    if each.mistake == "stuck":
-        what = "from {reading} on, values repeat what was shown before. If the instrument is stuck, read there again"
-        return said(what, reading=known.name_of(each.reading))
-    if each.mistake == "shifted":
-        return said('the values of "{setup}" belong to the place before or after. Check their order', setup=names[0])
-    if each.mistake == "frame":
-        what = (
-            'the values of "{setup}" are along the machine\'s x, y, z, which do not turn with the table. Give what the '
-            "control found as found_x_mm, found_y_mm, found_z_mm"
-        )
-        return said(what, setup=names[0])
-    return said('the values of "{setup}" and "{other}" are swapped', setup=names[0], other=names[1])
+    return _said_of(WORDS["mistakes"], each, known)
+
+
+def _said_of(words: Mapping[str, str], each: Explained, known: Estimation) -> str:
+    """Return what a table of words says of a mistake."""
+    described, kind = known.stated.description, str(each.mistake)
+    setups, reading = [described.setups[index] for index in each.setups], known.readings[each.reading]
+    artefact = setups[0].artefact if setups else None
+    if kind == "jump":
+        kind = "backlash" if each.backlash else "jump" if artefact is None else "moved"
+    if kind == "unit" and each.reading >= 0:
+        kind = "unit_since"
+    values = {"factor": each.factor, "number": reading.numbered(each.reading), "reading": known.name_of(each.reading)}
+    axis = described.machine.axes[setups[0].moves[0]].name if kind == "backlash" else ""
+    first, second = (*(setup.name for setup in setups), "", "")[:2]
+    moved, axes = "" if artefact is None else artefact.name, listed(", ", [*each.axes])
+    return said(words[kind], setup=first, other=second, artefact=moved, axis=axis, axes=axes, **values)
 
 
 _STRETCHES: dict[Mistake, str] = WORDS["stretches"]
@@ -138,26 +105,7 @@ def question(known: Estimation, named: Explained) -> str:
     """Return what a person is asked about a mistake where the readings agree."""
     if stretch := _stretch_words(named, known):
         return put("{what}?", what=capital(stretch))
-    setup, reading = known.stated.description.setups[named.setups[0]], known.readings[named.reading]
-    if named.mistake == "shifted":
-        return said('Do the values of "{setup}" belong to the place before or after?', setup=setup.name)
-    number = reading.numbered(named.reading)
-    if named.mistake == "stuck":
-        what = 'From reading {number} on "{setup}" shows again what it showed before. Is it stuck?'
-        return said(what, setup=setup.name, number=number)
-    if named.backlash:
-        what = '"{setup}" shows a step before reading {number}, where {axis} turned: zero set anew, or backlash?'
-        return said(what, setup=setup.name, number=number, axis=_turned(known, named))
-    if setup.artefact is not None:
-        what = 'Was "{artefact}" moved in "{setup}" before reading {number}?'
-        return said(what, artefact=setup.artefact.name, setup=setup.name, number=number)
-    return said('Was the zero of "{setup}" set anew before reading {number}?', setup=setup.name, number=number)
-
-
-def _turned(known: Estimation, jump: Explained) -> str:
-    """Return the axis that turned where a jump may be backlash."""
-    described = known.stated.description
-    return described.machine.axes[described.setups[jump.setups[0]].moves[0]].name
+    return _said_of(WORDS["mistakes"] | WORDS["questions"], named, known)
 
 
 def odds_text(each: Explained) -> str:
@@ -229,31 +177,15 @@ def named(known: Estimation, cause: str, setup: str | None, path: Path) -> Accep
 
 def change_words(accepted: Accepted) -> str:
     """Return what an accepted mistake changes."""
-    name, factor = accepted.setups[0], accepted.factor
-    if accepted.mistake == "jump":
-        what = 'the readings of "{setup}" before reading {number} have a zero of their own'
-        return said(what, setup=name, number=accepted.reading)
-    if accepted.mistake == "backlash":
-        return said('the step of "{setup}" before reading {number} is backlash', setup=name, number=accepted.reading)
-    if accepted.mistake == "swapped":
-        return said('"{setup}" and "{other}" exchange their values', setup=name, other=accepted.setups[1])
-    if accepted.mistake == "stuck":
-        names = listed(", ", [quoted(each) for each in accepted.setups])
-        what = "values of {setups} that repeat the one before, from reading {number} on, are left out"
-        return said(what, setups=names, number=accepted.reading)
-    if accepted.mistake == "frame":
-        return said('the values of "{setup}" so far are turned from the machine to the workpiece', setup=name)
-    if accepted.mistake == "sides":
-        return said('the sides of "{setup}" {stretch} are exchanged', setup=name, stretch=_between(accepted))
-    if accepted.mistake == "mirrored":
-        what = 'the values of "{setup}" {stretch} change their order, from turn to turn'
-        return said(what, setup=name, stretch=_between(accepted))
-    if accepted.mistake != "shifted":
-        what = 'the values of "{setup}" so far are multiplied by {factor:.6g}'
-        if not (accepted.reading or accepted.last):
-            return said(what, setup=name, factor=factor)
-        what = 'the values of "{setup}" {stretch} are multiplied by {factor:.6g}'
-        return said(what, setup=name, factor=factor, stretch=_between(accepted))
-    if factor > 0:
-        return said('the values of "{setup}" move to the reading behind; the first one is left out', setup=name)
-    return said('the values of "{setup}" move to the reading before; the last one is left out', setup=name)
+    kind = accepted.mistake
+    if kind in ("sign", "unit"):
+        kind = "times_between" if accepted.reading or accepted.last else "times"
+    if kind == "shifted":
+        kind = "behind" if accepted.factor > 0 else "before"
+    name, *others = accepted.setups
+    setups, stretch = listed(", ", [quoted(each) for each in accepted.setups]), _between(accepted)
+    values = {"setups": setups, "number": accepted.reading, "factor": accepted.factor, "stretch": stretch}
+    return said(_CHANGES[kind], setup=name, other="".join(others), **values)
+
+
+_CHANGES: dict[str, str] = WORDS["changes"]

@@ -28,7 +28,7 @@ def accept(
         str | None,
         typer.Argument(
             metavar="CAUSE",
-            help="jump, backlash, sign, unit, sides, mirrored, earlier, swapped, shifted, stuck or frame; "
+            help="jump, backlash, sign, unit, sides, mirrored, earlier, swapped, shifted, stuck, still or frame; "
             "without it: what is named.",
         ),
     ] = None,

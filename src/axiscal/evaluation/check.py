@@ -28,6 +28,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.datums import fewest, lines_shared
 from axiscal.evaluation.table_checks import Judgement, Part, far_from, needed, parts_of, taken_away
 from axiscal.evaluation.verification import (
+    SAME,
     expected,
     judge,
     places_lacking,
@@ -51,9 +52,6 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.surface import CommandedMachine
 from axiscal.units import parse_quantity
-
-_SAME = 1e-7
-"""m or rad: rounding of a place that was written down."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +113,7 @@ class Sheet:
         held = _read(self.file, self.description)
         for reading, place in zip(held, self.wanted, strict=False):
             apart = np.max(np.abs(np.subtract(reading.pose, place.pose)))
-            if reading.setup != place.setup.name or apart > _SAME or reading.approach != place.approach:
+            if reading.setup != place.setup.name or apart > SAME or reading.approach != place.approach:
                 what = "it holds readings of other places than this check"
                 raise ReadingError(what, "Name another file, or give --points as then", self.file, reading.line)
         if len(held) > len(self.wanted):
@@ -314,7 +312,8 @@ class Check:
         """Return what readings say; raises ReadingError, TargetError.  tolerance : as of `allowed`"""
         setups, control = self.description.setups, self.tables.control
         known, allowed = self.known(tolerance), self.allowed(tolerance)
-        return judge(self.estimate, setups, *readings, control, known, self.parts, allowed)
+        posterior = self.estimation.posterior
+        return judge(self.estimate, setups, *readings, control, known, self.parts, allowed, posterior)
 
     def allowed(self, tolerance: str | None) -> float | None:
         """Return the largest deviation allowed, m, None where nobody states one; raises TargetError, UnitError."""

@@ -9,13 +9,14 @@ deviation with its expanded uncertainty lies inside, one lies outside with all o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.promise.posterior import Posterior
 from axiscal.evaluation.datums import GUARD, Datums, datums_of, fewest, is_zero, upright
 from axiscal.evaluation.table_checks import (
     Decision,
@@ -50,7 +51,7 @@ _PER_SETUP = 4
 """So many places a set-up, or mounting it costs more than it tells; the verdict holds for any number."""
 _FEWEST = 2
 """Fewer new places of a set-up are not worth mounting it."""
-_SAME = 1e-7
+SAME = 1e-7
 """Rounding of a place that was written down, m or rad: far below what an instrument resolves, far above float64."""
 _TAKEN_OFF = 1e-9
 """Of a variance: what is left of a value by rounding alone."""
@@ -222,6 +223,7 @@ def judge(
     known: float,
     parts: Sequence[Part] = (),
     tolerance: float | None = None,
+    posterior: Posterior | None = None,
 ) -> Judgement:
     """Return what readings without and with the tables say; raises ReadingError when they are not of the same places.
 
@@ -229,6 +231,7 @@ def judge(
     known : m, to which a set-up has to be known, or it is judged against itself
     parts : the tables, each of which must work, however small the deviations are
     tolerance : the largest deviation that somebody allows, m
+    posterior : says how far the sizes of errors vary that these readings show; None for as far as all over the volume
     """
     _refuse_different(found, left)
     places = places_of(setups, left)
@@ -246,6 +249,7 @@ def judge(
     apart = free @ (2 * datums.spread + np.diag(noise_before**2 + noise**2)) @ free.T
     # one place of a ball, or one error of the machine, is in many values: these are not independent
     beyond, unknown, noisy = free @ (after - mean), free @ factor, free @ spread @ free.T
+    rows = unknown[:, : estimate.factor.shape[1]] @ np.linalg.pinv(estimate.factor)
     coming = float(np.sum((free @ mean) ** 2) + np.sum(unknown**2) + np.trace(noisy))
     change, should = free @ (before - after), free @ (expected(estimate, setups, places, None)[0] - mean)
     weight = float(should @ should)
@@ -259,7 +263,9 @@ def judge(
         std,
         of,
         coming,
-        _likelihood(beyond, noisy, unknown, estimate.belief.degrees),
+        _likelihood(
+            beyond, noisy, unknown, lambda w: posterior.degrees_over(w @ rows) if posterior else estimate.belief.degrees
+        ),
         _likelihood(change - should, apart),
         float(change @ should) / weight if weight > _NOTHING**2 else None,
         tuple(name for name in datums.lines if name not in lying),
@@ -299,11 +305,13 @@ def _seen(
     return upright(estimate.machine, setups, places, datums, shown), noise[values_at(setups, places).of]
 
 
-def _likelihood(values: Array, noisy: Array, unknown: Array | None = None, degrees: float = np.inf) -> float:
+def _likelihood(
+    values: Array, noisy: Array, unknown: Array | None = None, degrees_of: Callable[[Array], float] = lambda _: np.inf
+) -> float:
     """Return the probability of values at least this large, in the mean square over their standard deviations.
 
     noisy : (m, m) N, their covariance by readings, singular; unknown : (m, n) F, what is not known of the machine
-    degrees : f of freedom of the latter, whose squares have one factor w = (f − 2)/χ²_f
+    degrees_of : returns f of what is whitened by a matrix (k, m), whose squares have one factor w = (f − 2)/χ²_f
     With P = F Fᵀ + N, z = P^−½ y and κ the eigenvalues of P^−½ F Fᵀ P^−½, zᵀz is Σ (1 + (w − 1) κ) χ²_1, which is about
     a χ² (Satterthwaite 1946); the result is its mean over w.
     """
@@ -313,7 +321,7 @@ def _likelihood(values: Array, noisy: Array, unknown: Array | None = None, degre
     whiten = vectors[:, kept].T / np.sqrt(scale[kept])[:, None]
     shares = np.linalg.eigvalsh(whiten @ machine @ whiten.T)
     chances, factors = (np.arange(_FACTORS) + 0.5) / _FACTORS, np.ones(1)
-    if np.isfinite(degrees):
+    if np.isfinite(degrees := degrees_of(whiten)):
         factors = (degrees - 2) / np.array([chi_square_quantile(np.array([degrees]), p)[0] for p in chances])
     parts = 1 + np.outer(factors - 1, shares)
     sums, squares = parts.sum(axis=1), np.sum(parts**2, axis=1)
@@ -327,6 +335,6 @@ def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None
         raise ReadingError(what, "Take both at the same places, in the same order", found=len(found), left=len(left))
     for before, after in zip(found, left, strict=True):
         apart = np.max(np.abs(np.subtract(before.pose, after.pose)))
-        if before.setup != after.setup or apart > _SAME or before.approach != after.approach:
+        if before.setup != after.setup or apart > SAME or before.approach != after.approach:
             what = "as found and as left were not read at the same place from the same side"
             raise ReadingError(what, "Take both at the same places, in the same order", line=after.line)

@@ -159,6 +159,7 @@ MISTAKES: Mapping[str, Callable[[Sequence[Reading], Sequence[Sequence[int]], Acc
     "swapped": _swapped,
     "shifted": _shifted,
     "stuck": _stuck,
+    "still": lambda _, mine, __: dict.fromkeys(mine[0]),
     "sides": _sides,
     "mirrored": _mirrored,
 }

@@ -73,7 +73,7 @@ Mistake = Literal[
     "still",
     "noise",
 ]
-ASKED = ("jump", "stuck", "sign", "sides", "mirrored", "shifted")
+ASKED = ("jump", "stuck", "sign", "sides", "mirrored", "shifted", "still")
 """Mistakes that a person is asked about where the readings agree."""
 _DESCRIBED = ("direction", "place", "still", "noise")
 """Mistakes of a file, not of readings."""
@@ -227,8 +227,9 @@ def agreement(
     named = _explained(tried) if tried else []
     p = min([p, *(1 / (1 + each.odds) for each in named)])
     named = named if p < CONTRADICTS else [each for each in named if each.mistake in ASKED]
-    described = named[0] if named and named[0].mistake in _DESCRIBED else None
-    explained = () if described else tuple(each for each in named if each.mistake not in _DESCRIBED)
+    of_file = _DESCRIBED if p < CONTRADICTS else ()
+    described = named[0] if named and named[0].mistake in of_file else None
+    explained = () if described else tuple(each for each in named if each.mistake not in of_file)
     return Agreement(count, int(np.sum(z <= AGREES)), float(np.mean(z**2)), p, explained, described)
 
 

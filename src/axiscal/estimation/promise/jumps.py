@@ -54,7 +54,7 @@ _JUMPS = 30.0, 1e3, 3e4
 _BEYOND = 2
 """Readings before and behind a jump, at least; between two jumps lie several."""
 _NAMED = float(np.log(NAMED))
-_BAD = float(np.log(BAD_SHARE / OFF))
+LOG_BAD = float(np.log(BAD_SHARE / OFF))
 """Of log odds: what a bad reading costs."""
 _ALIKE = 1e-6
 """Of a column: rounding, below which others make it as well."""
@@ -109,7 +109,7 @@ def likelier(
     """
     mine, others, every = (np.unique(each.reading) for each in (here[0], there[0], moved.problem))
     both = np.intersect1d(mine, others)
-    gain = _evidence(*here, both) - _evidence(*there, both) - (len(mine) - len(others)) * _BAD
+    gain = _evidence(*here, both) - _evidence(*there, both) - (len(mine) - len(others)) * LOG_BAD
     p = tail_of(*here)
     if gain + moved.log_prior <= _NAMED or 2 * p < CONTRADICTS:
         return ()

@@ -75,6 +75,19 @@ class Posterior:
     left_out: dict[int, LeftOut]
     draws: tuple[Drawn, ...]
 
+    def degrees_over(self, figures: Array) -> float:
+        """Return the degrees of freedom of a t whose mean square varies as that of figures (m, k) of the unknowns."""
+        found, count = list[tuple[float, float]](), figures.shape[1]
+        for drawn in self.draws:
+            space = space_of(drawn.problem)
+            for weight, theta in zip(drawn.weights.tolist(), drawn.thetas, strict=True):
+                if (given := space.given(theta)) is not None:
+                    mean, covariance = given.posterior()
+                    apart = figures @ (mean - self.mean)[:count]
+                    square = float(np.vdot(figures @ covariance[:count, :count], figures) + apart @ apart)
+                    found.append((weight, square))
+        return _degrees(*np.array(found).T)
+
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
@@ -181,7 +194,8 @@ class Sorted:
         every = (self.problem, sized(space_of(self.problem))) if out >= SEVERAL else None
         others = ((axes, other.only(kept)) for axes, other in turned)
         frames = ((setup, other.only(kept)) for setup, other in framed)
-        told = (*(self.jumps or at_turns(mine, found, self.sure)), *stuck(mine, found, repeated), *sick(mine, found))
+        turns = self.jumps or at_turns(mine, found, self.sure)
+        told = (*turns, *stuck(mine, found, repeated), *sick(mine, found, self.problem))
         agreed = agreement(mine, found, z, out, others, frames, every, told)
         known = dict(zip(self.problem.cells, cells.tolist(), strict=True))
         of_sizes = self.sizes, found.effective
@@ -282,10 +296,14 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> tuple[Array, Array, Ar
     total += (aparts.T * weights) @ aparts
     squares += np.sum((aparts[:, :counts] @ volume) * aparts[:, :counts], axis=1)
     cells = np.sum([w * given.cell_means() for w, given in zip(weights, givens, strict=True)], axis=0)
+    return about + shift, total, moved @ moved.T, _degrees(weights, squares), cells
+
+
+def _degrees(weights: Array, squares: Array) -> float:
+    """Return the degrees of freedom of a t whose variance varies as s².  weights, squares : (d,) of draws"""
     mean = float(weights @ squares)
     varied = float(weights @ (squares - mean) ** 2)
-    degrees = 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
-    return about + shift, total, moved @ moved.T, degrees, cells
+    return 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
 
 
 def _sizes(problem: Problem, found: Weighed[Given]) -> dict[tuple[Kind, str], float]:

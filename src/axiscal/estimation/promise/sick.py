@@ -4,12 +4,12 @@ A row says what the machine has to make then, y' of the readings y, and how prob
 
     log PRIOR + log p(rest) + log p(y') − log p(y),    p with the sizes integrated out
 
-- still: a set-up shows one value, anywhere, and a flicker s below its noise. The rest are all its readings, normal with
-  covariance s² + w² 11ᵀ, each s as probable. Zeros alone are such readings.
+- still: a set-up shows one digit, anywhere within w, or d neighbouring ones, each as likely. The rest are all its n
+  readings, over the step q of the display: d^−n q^(1−n)/w. Zeros alone are such readings.
 - shifted: each value belongs to the place behind or before, as if a line was missed. The one that is left is anywhere
-  among the others.
-- unit: values, not all alike, are f times too small, p(rest) = f^m. Where the noise is nearer to what was written it is
-  none.
+  among the others. A reading that seems bad may be one of these, so it counts.
+- unit: values, not all alike, are f times too small, p(rest) = f^m. As probable as any mistake is a noise f times below
+  what is stated, which must not explain them as well.
 - noise: P(θ < log 0.1 | y), θ its logarithm over what is stated, against as much before any reading.
 
 Sizes as stated and others tell first whether anything is to be weighed.
@@ -38,7 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.promise.agreement import INCH, NAMED, PRIOR, SEVERAL, Explained, Tried, numbers_of_one, tail_of
-from axiscal.estimation.promise.jumps import ways_of
+from axiscal.estimation.promise.jumps import LOG_BAD
 from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
@@ -51,34 +51,40 @@ from axiscal_core.unknowns import Space, space_of
 
 _FEWEST = 4
 """Readings of a set-up: three are still, or in another order, by chance."""
-_FLICKERS = 1e-3, 1e-2, 0.1, 0.25, 0.6
-"""Noises: a last digit that flickers moves a display by less than what is stated of all that moves it."""
 _ANYWHERE = 1e3
 """Noises: where a display may stand, as wide as zeros are as a rule."""
+_DIGITS = 3.5
+"""A last digit that flickers shows its neighbours, and nothing else."""
 _SMALLER = 1000.0, INCH
 """By definition: mm for um, and inches for mm."""
 _QUIET = math.log(0.1)
 """Of a stated noise, its logarithm: nobody states one ten times too large, and another unit is farther off."""
 
 
-def sick(problem: Problem, found: Weighed[Given]) -> Iterator[Tried]:
-    """Yield what is sick.  found : draws for the readings if nothing is"""
-    each = as_stated_or_not(problem, found.drawn.stated)
+def sick(problem: Problem, found: Weighed[Given], whole: Problem) -> Iterator[Tried]:
+    """Yield what is sick.  found : draws for the readings if nothing is; whole : with those that seem bad"""
+    right, each = found.log_evidence, as_stated_or_not(problem, found.drawn.stated)
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
-        if len(np.unique(problem.reading[mine])) >= _FEWEST:
-            one = _Mounted(problem, found, each, mine)
-            yield from (*one.still(), *one.shifted(), *one.other_unit(), *one.quiet())
+        if (count := len(np.unique(problem.reading[mine]))) < _FEWEST:
+            continue
+        one = _Mounted(problem, found, each, mine, right)
+        yield from (*one.still(), *one.other_unit(), *one.quiet())
+        among = whole.only((whole.setup == setup) | np.isin(whole.reading, problem.reading))
+        if bad := len(np.unique(among.reading[among.setup == setup])) - count:
+            one = _Mounted(among, found, as_stated_or_not(among), among.setup == setup, right + bad * LOG_BAD)
+        yield from one.shifted()
 
 
 @dataclass(frozen=True, eq=False)
 class _Mounted:
-    """A set-up among readings.  each : everything at some sizes; mine : (m,) its numbers"""
+    """A set-up among readings.  each : everything at some sizes; mine : (m,) its numbers; right : log p if not sick"""
 
     problem: Problem
     found: Weighed[Given]
     each: Sequence[Given]
     mine: NDArray[np.bool_]
+    right: float
 
     @property
     def setups(self) -> tuple[int, ...]:
@@ -87,11 +93,11 @@ class _Mounted:
     def still(self) -> Iterator[Tried]:
         """Yield that it shows the same everywhere."""
         problem, mine, p = self.problem, self.mine, 1.0
-        gain = flickering(problem.values[mine], ways_of(problem, mine)[:, mine])
+        gain = flickering(problem.values[mine], numbers_of_one(problem.reading[mine]))
         rest = space_of(problem.only(~mine))
         if gain < log_density_of(self.found.drawn.stated, rest):
             return
-        gain -= self.found.log_evidence
+        gain -= self.right
         if len(rest.problem.values):
             others = sized(rest)
             gain, p = gain + others.log_evidence, tail_of(rest.problem, others)
@@ -111,34 +117,30 @@ class _Mounted:
 
     def other_unit(self) -> Iterator[Tried]:
         """Yield that all values are as much too small as another unit makes them."""
-        problem, mine, none = self.problem, self.mine, np.zeros((0, len(self.mine)))
-        for factor in _SMALLER if np.ptp(problem.values[mine]) else ():
-            odds = math.log(PRIOR) + int(mine.sum()) * math.log(factor)
-            wrong = Explained("unit", odds, self.setups, factor=1 / factor)
-            yield from self._weighed(wrong, np.where(mine, factor * problem.values, problem.values), none)
+        problem, mine, none = self.problem, self.mine, np.zeros((1, len(self.mine)))
+        for factor in _SMALLER if np.ptp(problem.values[mine]) > _ALIKE else ():
+            rest, scale = int(mine.sum()) * math.log(factor), np.where(mine, factor, 1.0)
+            wrong = Explained("unit", math.log(PRIOR) + rest, self.setups, factor=1 / factor)
+            for each in self._weighed(wrong, scale * problem.values, none):
+                rows, type_b = scale[:, None] * problem.rows, scale[:, None] * problem.type_b
+                quiet = replace(problem, values=scale * problem.values, rows=rows, type_b=type_b)
+                gain = math.log(PRIOR) + rest + sized(space_of(quiet)).log_evidence - self.right
+                odds = each.mistake.log_odds - float(np.logaddexp(0.0, gain))
+                yield each._replace(mistake=each.mistake._replace(log_odds=odds))
 
     def _weighed(self, wrong: Explained, values: Array, free: Array) -> Iterator[Tried]:
         """Yield a mistake, what values were without it, and columns of what is left: where sizes as stated allow it."""
         before = wrong.log_odds
         gains = [
-            (given.misfit - given.misfit_of(values)) / 2
-            + (gains_of_columns(given, free[None], values, [1.0])[0, 0] if len(free) else 0.0)
+            (given.misfit - given.misfit_of(values)) / 2 + gains_of_columns(given, free[None], values, [1.0])[0, 0]
             for given in self.each
         ]
         if before + log_odds_of(self.each, np.array(gains)) < -math.log(NAMED):
             return
         other = replace(self.problem, values=values)
-        beside = sized(space_of(other.wider(free) if len(free) else other))
-        quieter = math.exp(float(np.max(self._noises(beside), initial=-np.inf)) * 2)
-        if wrong.mistake == "unit" and quieter < wrong.factor:
-            return
-        odds = before + beside.log_evidence - self.found.log_evidence
+        beside = sized(space_of(other.wider(free)))
+        odds = before + beside.log_evidence - self.right
         yield Tried(wrong._replace(log_odds=odds), tail_of(other, beside))
-
-    def _noises(self, found: Weighed[Given]) -> Array:
-        """Return the means of the logarithms of its noises over what is stated; none where these stay."""
-        varied = np.unique(self.problem.groups[self.mine])
-        return np.asarray(found.weights @ found.thetas[:, varied[varied >= 0]])
 
     def quiet(self) -> Iterator[Tried]:
         """Yield that its noise is below a tenth of what is stated."""
@@ -153,18 +155,19 @@ class _Mounted:
                 yield Tried(Explained("noise", math.log(PRIOR * odds), self.setups, factor=factor), 1.0)
 
 
-def flickering(values: Array, ways: Array) -> float:
-    """Return log p of values if they are one and a flicker, up to (2π)^(−m/2).
+def flickering(values: Array, count: int = 1) -> float:
+    """Return log p of values if a display shows neighbouring digits alone, up to (2π)^(−m/2); −∞ for many.
 
-    values : (m,) over the noise; ways : (k, m) what one of each adds
+    values : (m,) over the noise; count : numbers of a reading
     """
-    own, pulled, logs = ways @ ways.T, ways @ values, list[float]()
-    for size in _FLICKERS:
-        within = own + (size / _ANYWHERE) ** 2 * np.eye(len(ways))
-        square = (values @ values - pulled @ np.linalg.solve(within, pulled)) / size**2
-        spread = np.linalg.slogdet((_ANYWHERE / size) ** 2 * within)[1] + 2 * len(values) * math.log(size)
-        logs.append(-0.5 * float(square + spread))
-    return float(np.logaddexp.reduce(logs) - math.log(len(logs)))
+    total = 0.0
+    for each in values.reshape(-1, count).T:
+        shown = _ALIKE * np.unique(np.round(each / _ALIKE))
+        step = float(np.diff(shown).min()) if len(shown) > 1 else _FINEST
+        if (digits := 1 + float(np.ptp(shown)) / step) > _DIGITS:
+            return -math.inf
+        total += (len(each) - 1) * math.log(_OF_NOISE / step) - len(each) * math.log(digits) - math.log(_ANYWHERE)
+    return total
 
 
 _ALIKE = 1e-5
@@ -179,7 +182,7 @@ class Repeats(NamedTuple):
     """Readings that show what the one before in their set-up shows.
 
     setups : whose; readings : (s,) their indices; log_places : logarithm of the number of patterns as likely as theirs
-    steps : of what the instrument of a set-up shows, m or rad
+    steps : of what a set-up shows, m or rad
     """
 
     setups: tuple[int, ...]
@@ -219,10 +222,9 @@ def _log_patterns(count: int, some: int) -> float:
 def _steps(setups: Sequence[Setup], readings: Sequence[Reading], some: Iterable[int]) -> dict[int, float]:
     """Return the steps of some set-ups."""
     shown = defaultdict[str, set[float]](set)
-    instruments = {setup.name: setup.instrument for setup in setups}
     for reading in readings:
-        shown[instruments[reading.setup]].update(reading.values)
-    values = {number: np.sort([*shown[setups[number].instrument]]) for number in some}
+        shown[reading.setup].update(reading.values)
+    values = {number: np.sort([*shown[setups[number].name]]) for number in some}
     return {number: _step(each, _OF_NOISE * setups[number].noise) for number, each in values.items()}
 
 

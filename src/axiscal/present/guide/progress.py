@@ -102,13 +102,9 @@ def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool 
     return minds
 
 
-Answer = Literal["jump", "backlash", "stuck"]
-_ANSWERS: dict[tuple[Mistake, bool], tuple[Answer, ...]] = {
-    ("jump", False): ("jump",),
-    ("jump", True): ("jump", "backlash"),
-    ("stuck", False): ("stuck",),
-}
-"""What a person may say of a mistake, and whether backlash explains it as well."""
+Answer = Literal["jump", "backlash", "stuck", "still"]
+_ANSWERS: dict[Mistake, tuple[Answer, ...]] = {"jump": ("jump",), "stuck": ("stuck",), "still": ("still",)}
+"""What a person may say of a mistake, and besides that it is backlash where that explains it as well."""
 
 
 class Named(NamedTuple):
@@ -156,8 +152,8 @@ def named_now(campaign: Campaign) -> Named | None:
     """Return the likeliest zero that was set anew, or instrument that is stuck, which the readings name now."""
     known = campaign.estimate()
     for each in known.agreement.explained:
-        if (answers := _ANSWERS.get((each.mistake, each.backlash))) is not None:
-            event = acceptance(each, known)
+        if (answers := _ANSWERS.get(each.mistake)) is not None:
+            event, answers = acceptance(each, known), (*answers, "backlash") if each.backlash else answers
             return Named(each.mistake, event.setups[0], event.reading, question(known, each), answers)
     return None
 
