@@ -36,7 +36,7 @@ def alone(case: Stacked) -> ac.Case:
     """Return one of the cases for the core."""
     axes = [ac.Axis.linear(name, "x", (0.0, 10.0)) for name in "XYZUV"[: case.axes]]
     machine = ac.Machine(axes, [ac.Error(f"EZ{axis.name}", 1.0, knots=case.knots) for axis in axes])
-    dial = ac.Laser("s", machine.names, along="z", noise=case.noise, unknowns={"zero": 0.0}, approach="+")
+    dial = ac.Laser("s", machine.axis_names, along="z", noise=case.noise, unknowns={"zero": 0.0}, approach="+")
     return ac.Case(machine, [dial], usual="off", sure="exactly", aligned=False)
 
 

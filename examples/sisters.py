@@ -36,7 +36,7 @@ def read(case: ac.Case, record: Path) -> ac.Readings:
     with Campaign.open(record, write=False) as campaign:
         taken = campaign.state.readings
     table: dict[str, list[object]] = {"instrument": [each.setup for each in taken], "length": [r.value for r in taken]}
-    for k, axis in enumerate(case.machine.names):
+    for k, axis in enumerate(case.machine.axis_names):
         table |= {axis: [each.pose[k] for each in taken], f"{axis}_side": [each.approach[k] for each in taken]}
     return case.readings(table)
 

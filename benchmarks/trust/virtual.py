@@ -110,7 +110,7 @@ def curves_held(estimation: Estimation, machine: VirtualMachine) -> float:
     names = [term.name for term in machine.model.terms]
     inside = [
         _curve(estimation, name, machine.curves[names.index(name)])
-        for name in estimation.case.errors.names
+        for name in estimation.case.errors.by_name
         if name in names
     ]
     return float(np.mean(np.concatenate(inside)))

@@ -180,7 +180,7 @@ def _turning(
 
 def _moves(case: Model, index: int, term: Term) -> bool:
     """Return whether an instrument is read while the linear axis of a curve moves."""
-    return term.linear and case.machine.names[term.axis] in case.instruments[index].moves
+    return term.linear and case.machine.axis_names[term.axis] in case.instruments[index].moves
 
 
 def _rests(case: Model, n: Numbers) -> Columns:

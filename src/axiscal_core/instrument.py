@@ -261,7 +261,7 @@ def sight(
     reach = found.moved @ by_moved + found.turned @ by_turned
     blind = np.zeros(reach.shape[:2])
     for i, term in enumerate(machine.curves):
-        moves = term.kind == "reversal" and machine.names[term.axis] in instrument.moves
+        moves = term.kind == "reversal" and machine.axis_names[term.axis] in instrument.moves
         if moves and (unknown := sides[:, term.axis] == 0).any():
             blind[unknown] += (reach[unknown, :, i] * _spread(term, poses[unknown])[:, None]) ** 2
             reach[unknown, :, i] = 0.0

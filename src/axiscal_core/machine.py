@@ -133,13 +133,13 @@ class Machine:
         return "-".join(["w", *(f"{axis.name}'" for axis in before), "b", *(axis.name for axis in after), "t"])
 
     @cached_property
-    def names(self) -> list[str]:
+    def axis_names(self) -> list[str]:
         """The names of the axes."""
         return [axis.name for axis in self.axes]
 
     def index(self, name: str) -> int:
         """Return the place of an axis in a pose; raises InputError for an axis that the machine does not have."""
-        return self.names.index(one_of("Machine.index", "name", name, self.names))
+        return self.axis_names.index(one_of("Machine.index", "name", name, self.axis_names))
 
     def axis(self, name: str) -> Axis:
         """Return the axis of that name; raises as `index`."""
@@ -360,7 +360,7 @@ class Machine:
         rows = own.rows(poses)
         if own.frame == "tool":
             return frames.tool @ rows[:, :3], frames.tool @ rows[:, 3:]
-        k = self.names.index(own.frame)
+        k = self.axis_names.index(own.frame)
         shift, turn = (self.axes[k].sign * frames.rotations[k] @ part for part in (rows[:, :3], rows[:, 3:]))
         return shift + np.cross(turn, (frames.tcp - frames.origins[k])[:, :, None], axis=1), turn
 
@@ -373,15 +373,18 @@ class Machine:
                 raise InputError("Machine", "errors", f"hold {error!r} without {', '.join(missing)}", "See Basis")
             if isinstance(error, type):
                 raise InputError("Machine", "errors", f"hold {error!r}, a class", "Give an object of it")
-            if error.frame not in [*self.names, "tool"]:
-                what, known = f"hold {error.name} of an unknown frame {error.frame!r}", ", ".join([*self.names, "tool"])
+            if error.frame not in [*self.axis_names, "tool"]:
+                what, known = (
+                    f"hold {error.name} of an unknown frame {error.frame!r}",
+                    ", ".join([*self.axis_names, "tool"]),
+                )
                 raise InputError("Machine", "errors", what, f"Frames are {known}")
             found.append(Own(error))
             found[-1].rows(low + np.outer(_CHECKED, high - low))
         return tuple(found)
 
     def __repr__(self) -> str:
-        return f"<Machine {''.join(self.names)}: {len(self.errors)} errors, {self.size} coefficients>"
+        return f"<Machine {''.join(self.axis_names)}: {len(self.errors)} errors, {self.size} coefficients>"
 
 
 def _held(held: object) -> tuple[Three, ...]:

@@ -75,9 +75,9 @@ class Model:
     def _mounted(self, instrument: Instrument) -> str:
         """Return the name of an instrument that can be mounted here."""
         one("Case", "instruments", instrument, Instrument, "Laser('laser', 'X'), or an object of your own class")
-        known = ", ".join(self.machine.names)
+        known = ", ".join(self.machine.axis_names)
         for name in (*instrument.moves, *instrument.park):
-            if name not in self.machine.names:
+            if name not in self.machine.axis_names:
                 where, argument = type(instrument).__name__, "park" if name in instrument.park else "moves"
                 raise InputError(where, argument, f"names an axis {name!r} that is not there", f"Axes are {known}")
         if not instrument.moves:
@@ -93,7 +93,7 @@ class Model:
     @cached_property
     def _columns(self) -> tuple[str, ...]:
         """The columns of a table of readings, beside their numbers."""
-        axes = self.machine.names
+        axes = self.machine.axis_names
         return "instrument", *axes, *(f"{name}_side" for name in axes), "std", "time"
 
     @cached_property
@@ -235,7 +235,7 @@ class Model:
 
         table : columns "instrument", each axis, those of the instrument's numbers; with sides "X_side", "std", "time"
         """
-        known = ", ".join(needed := ("instrument", *self.machine.names))
+        known = ", ".join(needed := ("instrument", *self.machine.axis_names))
         for name in needed:
             if name not in table:
                 raise InputError("Case.readings", "table", f"has no column {name!r}", f"It needs {known}")
@@ -271,8 +271,8 @@ class Model:
         """Return places or readings as columns: `pandas.DataFrame(case.table(plan.places))`."""
         found = self.checked(places, "Case.table")
         columns: dict[str, list[object]] = {"instrument": [*found.instruments]}
-        columns |= {name: found.poses[:, k].tolist() for k, name in enumerate(self.machine.names)}
-        columns |= {f"{name}_side": found.sides[:, k].tolist() for k, name in enumerate(self.machine.names)}
+        columns |= {name: found.poses[:, k].tolist() for k, name in enumerate(self.machine.axis_names)}
+        columns |= {f"{name}_side": found.sides[:, k].tolist() for k, name in enumerate(self.machine.axis_names)}
         if isinstance(places, Readings):
             values = iter(self.values(places, "Case.table").tolist())
             for i, setup in enumerate(found.instruments):
@@ -290,7 +290,7 @@ class Model:
 
     def lattice_of(self, instrument: Instrument, count: int) -> Places:
         """Return even places of one instrument."""
-        axes, machine = [self.machine.names.index(name) for name in instrument.moves], self.machine
+        axes, machine = [self.machine.axis_names.index(name) for name in instrument.moves], self.machine
         where = type(instrument).__name__
         parked = [si(instrument.park.get(a.name, sum(a.travel) / 2), where, "park", a.of) for a in machine.axes]
         poses, sides = np.tile(machine.poses([parked], where), (count, 1)), np.zeros((count, len(machine.axes)))

@@ -71,7 +71,7 @@ class Ground:
     @cached_property
     def axes(self) -> list[int]:
         """Their indices."""
-        return [self.state.case.machine.names.index(name) for name in self.instrument.moves]
+        return [self.state.case.machine.axis_names.index(name) for name in self.instrument.moves]
 
     @cached_property
     def ends(self) -> Array:

@@ -212,7 +212,7 @@ def test_the_estimate_holds_the_truth_within_its_band() -> None:
     at = np.array([(x, *setup.park[1:]) for x in (0.1, 0.3, 0.5)])
     shown = truth.deviation(at, np.tile([1.0, 0.0, 0.0], (3, 1)))
     assert np.all(np.abs(mean - shown) < 4 * std)
-    assert set(known) == set(known.estimation.case.errors.names)
+    assert set(known) == set(known.estimation.case.errors.by_name)
     drawn = known.plot()
     assert [each["name"] for each in drawn.figures] == [name for name in known if known[name].spline.size > 1]
     assert [ElementTree.fromstring(svg).tag for svg in drawn.svg] == ["{http://www.w3.org/2000/svg}svg"] * len(

@@ -46,7 +46,7 @@ def changes(estimation: Estimation) -> Iterator[Change]:
     before = last_estimation(text)
     now = concluded(Case(replace(estimation.case.description, prior_text="")), estimation.readings)
     for function in now.case.errors.curves:
-        if function.name in before.case.errors.names:
+        if function.name in before.case.errors.by_name:
             change = _change(before, now, function)
             if change.chance < _CHANCE:
                 yield change

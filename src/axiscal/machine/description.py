@@ -312,12 +312,12 @@ class DescribedMachine(Machine):
 
     def index(self, name: str) -> int:
         """Return the place of an axis in a pose; raises DescriptionError for an axis that the machine does not have."""
-        if name not in self.names:
-            same = [each for each in self.names if each.casefold() == name.casefold()]
-            remedy = meant(name, same, said("Its axes are {known}", known=", ".join(self.names)), quoted="{}")
+        if name not in self.axis_names:
+            same = [each for each in self.axis_names if each.casefold() == name.casefold()]
+            remedy = meant(name, same, said("Its axes are {known}", known=", ".join(self.axis_names)), quoted="{}")
             what = "there is no axis {axis} on the machine {machine}"
             raise DescriptionError(what, remedy, axis=shown(name), machine=shown(self.name))
-        return self.names.index(name)
+        return self.axis_names.index(name)
 
 
 def builtin_names() -> tuple[str, ...]:

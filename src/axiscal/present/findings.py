@@ -345,5 +345,7 @@ def learnt_sizes(estimation: Estimation) -> Iterator[Finding]:
         if not 1 / _FAR_FROM_STATED < times < _FAR_FROM_STATED:
             text = "{names}, {what}: {times:.2g} times as large as stated or usual."
             names = ", ".join(size.owners)
-            owner = size.owners[0] if size.owners[0] in estimation.case.errors.names and len(size.owners) == 1 else None
+            owner = (
+                size.owners[0] if size.owners[0] in estimation.case.errors.by_name and len(size.owners) == 1 else None
+            )
             yield Finding("prior-misfit", owner, said(text, names=names, what=said(_WORDS[size.kind]), times=times))

@@ -251,7 +251,7 @@ class Estimated(Mapping[str, Curve]):
 
     def __getitem__(self, name: str) -> Curve:
         """Return one error; raises InputError, which is a KeyError, for a name that the machine has not."""
-        if name not in self.estimation.case.errors.names:
+        if name not in self.estimation.case.errors.by_name:
             raise UnknownError("Estimated", "name", f"= {name!r} is no error", f"Errors are {', '.join(self)}")
         function, known = self._function(name), self.estimation.printed.belief
         mean, factor = known.mean[function.columns], known.factor[function.columns]
@@ -262,7 +262,7 @@ class Estimated(Mapping[str, Curve]):
         return curve
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.estimation.case.errors.names)
+        return iter(self.estimation.case.errors.by_name)
 
     def __len__(self) -> int:
         return len(self.estimation.case.errors.curves)

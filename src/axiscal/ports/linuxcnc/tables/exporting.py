@@ -123,7 +123,7 @@ def _pivots(estimate: Estimate) -> pivots.Pivots:
     known = {
         name: float(estimate.mean[model.by_name[name].columns][0])
         for name in pivots.names(estimate.machine)
-        if name in model.names
+        if name in model.by_name
     }
     return pivots.pivots(estimate.machine, known)
 
@@ -132,7 +132,7 @@ def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
     """Return the estimate of a machine that has not these errors."""
     mean = estimate.belief.mean.copy()
     for name in names:
-        if name in estimate.model.names:
+        if name in estimate.model.by_name:
             mean[estimate.model.by_name[name].columns] = 0.0
     return replace(estimate, belief=Belief(mean, estimate.belief.covariance, estimate.belief.degrees))
 
