@@ -139,6 +139,10 @@ class _Mounted:
             return
         other = replace(self.problem, values=values)
         beside = sized(space_of(other.wider(free)))
+        varied = np.unique(self.problem.groups[self.mine])
+        louder = np.max(beside.weights @ beside.thetas[:, varied[varied >= 0]], initial=-np.inf)
+        if wrong.mistake == "unit" and math.exp(2 * float(louder)) < wrong.factor:
+            return  # its noise is nearer to what was written
         odds = before + beside.log_evidence - self.right
         yield Tried(wrong._replace(log_odds=odds), tail_of(other, beside))
 
