@@ -13,19 +13,26 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal_core.eigen import unique_root
-from axiscal_core.refusals import Array, InputError, finite, whole
+from axiscal_core.refusals import Array, InputError, finite, spread, whole
 
 
 @dataclass(frozen=True, eq=False)
 class Normal:
     """mean : (..., n); covariance : (..., n, n); factor : F (n, k) where that is F Fᵀ, which has twice its digits
 
-    Several normals side by side have further axes in front.
+    Several normals side by side have further axes in front.  raises InputError for what is no covariance
     """
 
     mean: Array
     covariance: Array
     factor: Array | None = None
+
+    def __post_init__(self) -> None:
+        if self.factor is not None:  # its square is a covariance
+            return
+        mean = finite("Normal", "mean", self.mean, (None,) * max(getattr(self.covariance, "ndim", 2) - 1, 1))
+        covariance = spread("Normal", "covariance", self.covariance, mean.shape[-1], mean.shape[:-1])
+        vars(self).update(mean=mean, covariance=covariance)
 
     @property
     def std(self) -> Array:
@@ -46,11 +53,13 @@ class Normal:
         """
         h = finite("Normal.read", "rows", rows, (None, self.mean.shape[-1]))
         y = finite("Normal.read", "values", values, (len(h),))
-        wide = np.ndim(covariance) == 2
-        noise = finite("Normal.read", "covariance", covariance, (len(h),) * (1 + wide))
-        if wide:
-            noise, turn = np.linalg.eigh(noise)
+        if np.ndim(covariance) == 2:
+            noise, turn = np.linalg.eigh(spread("Normal.read", "covariance", covariance, len(h)))
             h, y = turn.T @ h, turn.T @ y
+        elif (noise := finite("Normal.read", "covariance", covariance, (len(h),))).min(initial=0.0) < 0:
+            raise InputError(
+                "Normal.read", "covariance", "holds a variance below zero", "Give variances, not deviations"
+            )
         mean, root = self.mean, self.root
         for row, value, variance in zip(h, y, np.maximum(noise, 0.0), strict=True):
             seen = row @ root
