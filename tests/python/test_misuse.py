@@ -23,7 +23,7 @@ def known() -> ac.Known:
 
 
 def simulator() -> Any:
-    return ac.Simulator(ac.load_machine("three-axis-mill"), [])
+    return ac.Simulator(ac.load_machine("three-axis-mill"), ())
 
 
 MISUSES: dict[str, tuple[Callable[[], object], str]] = {

@@ -72,26 +72,6 @@ def tcp_normal(estimation: Estimation, poses: Array, approaches: Array) -> Norma
     return Normal(mean, covariance + beside[:, :, None] ** 2 * np.eye(3))
 
 
-def tcp_joint(estimation: Estimation, poses: Array, approaches: Array) -> Normal:
-    """Return the TCP deviations of `tcp_normal` at all poses together: mean (3 m,) and covariance (3 m, 3 m).
-
-    Poses in one cell share its rest; what nobody described beside the line that was read is the same everywhere.
-    """
-    errors, belief = estimation.case.errors, estimation.printed.belief
-    alone, count = tcp_normal(estimation, poses, approaches), len(poses)
-    root = (errors.rows_at(poses, approaches) @ belief.factor[: errors.size]).reshape(3 * count, -1)
-    whole = (root @ root.T).reshape(count, 3, count, 3)
-    for term, lever in zip(errors.terms, errors.levers(poses), strict=True):
-        cells = term.cells(*term.at(poses)) if term.rest > 0 else np.arange(count)
-        loose = term.rest**2 * (cells[:, None] == cells)
-        whole += lever[:, :, None, None] * loose[:, None, :, None] * lever
-    beside = beside_the_line(estimation.case.description, estimation.readings, poses)
-    whole += beside[:, :, None, None] * np.eye(3)[:, None] * beside
-    every = np.arange(count)
-    whole[every, :, every] = alone.covariance
-    return Normal(alone.mean.ravel(), whole.reshape(3 * count, 3 * count))
-
-
 def pose_and_sides(
     machine: Machine, position: Mapping[str, float], approach: Mapping[str, int]
 ) -> tuple[list[float], list[float]]:
