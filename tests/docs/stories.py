@@ -19,9 +19,9 @@ PAGE, NOTEBOOK = ROOT / "docs" / "python.md", ROOT / "docs" / "python.ipynb"
 _HEAD = """\
 # axiscal from Python
 
-Three stories of [examples/](../examples), also in [python.ipynb](python.ipynb). Numbers are metres, radians, seconds, or
-text with units. `sure` is `"well"` here, `"roughly"` in campaign.toml. All names: [api.md](api.md); instruments, errors
-and machines of your own: [core.md](core.md). What prompt, page and records do is `ac.Campaign`.
+Three stories of [examples/](../examples), also in [python.ipynb](python.ipynb). Numbers are metres, radians, seconds;
+texts carry units. `sure` is `"well"` here, `"roughly"` in campaign.toml. All names: [api.md](api.md); instruments,
+errors and machines of your own: [core.md](core.md). What prompt, page and records do is `ac.Campaign`.
 """
 
 
