@@ -15,11 +15,12 @@ from axiscal.present.delivery import write_files
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import POSES
+from axiscal_core import refusals
 from axiscal_core.eigen import unique_root
 from axiscal_core.known import Known
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
-from axiscal_core.refusals import InputError, one
+from axiscal_core.refusals import one
 
 
 def export(known: Known, control: str, folder: str | Path) -> list[Path]:
@@ -39,14 +40,13 @@ def export(known: Known, control: str, folder: str | Path) -> list[Path]:
 
 def _refuse_untabled(machine: Machine) -> None:
     """Raise InputError for errors, or axes, that no table is of."""
-    by_pose = "Correct poses by known.deviation(poses)"
-    if machine.own:
-        names = ", ".join(part.name for part in machine.parts[len(machine.terms) :])
-        raise InputError("export", "known", f"has errors of its own basis ({names}), and no table holds them", by_pose)
+    own = ", ".join(part.name for part in machine.parts[len(machine.terms) :])
     letters = {True: ROTARY_LETTERS, False: LINEAR_LETTERS}
-    foreign = [axis.name for axis in machine.axes if axis.name[0] not in letters[axis.rotary]]
-    if foreign:
-        raise InputError("export", "known", f"has the axes {', '.join(foreign)}, which no control has", by_pose)
+    foreign = ", ".join(axis.name for axis in machine.axes if axis.name[0] not in letters[axis.rotary])
+    what = f"has errors of its own basis ({own}), and no table holds them" if own else ""
+    what = f"has the axes {foreign}, which no control has" if foreign else what
+    if what:
+        raise refusals.InputError("export", "known", what, "Correct poses by known.deviation(poses)")
 
 
 def _estimate(known: Known) -> Estimate:

@@ -13,10 +13,11 @@ from axiscal.language.spoken import said
 from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, line_trace, picture
 from axiscal.present.sentences import unit_text
 from axiscal.units import to_unit
+from axiscal_core import refusals
 from axiscal_core.known import Known
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
-from axiscal_core.refusals import Array, InputError, one
+from axiscal_core.refusals import Array, one
 from axiscal_core.terms import Term
 
 _LINE, _FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
@@ -105,4 +106,4 @@ def to_xarray(known: Known) -> Any:
     try:
         return import_module("xarray").Dataset(data)
     except ModuleNotFoundError as missing:
-        raise InputError("to_xarray", "xarray", "is not installed", "pip install xarray") from missing
+        raise refusals.InputError("to_xarray", "xarray", "is not installed", "pip install xarray") from missing
