@@ -68,7 +68,7 @@ def test_the_band_is_the_scatter_of_machines_that_come_from_that_side_or_from_an
     sides = rng.choice([-1.0, 1.0], count) if side == 0 else np.full(count, side)
     levers = ERRORS.levers(POSES)
     for index, pose in enumerate(POSES):
-        rows = [ERRORS.rows(pose[None], np.full((1, 2), each))[0] for each in (-1.0, 1.0)]
+        rows = [ERRORS.rows(pose[None], np.full((1, 2), each)).displacement[0] for each in (-1.0, 1.0)]
         shown = np.where((sides < 0)[:, None], drawn @ rows[0].T, drawn @ rows[1].T)
         for term, lever in zip(ERRORS.terms, levers, strict=True):
             shown += term.rest * rng.standard_normal(count)[:, None] * lever[index]

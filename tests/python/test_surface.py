@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
+from importlib import import_module
+from pathlib import Path
 from types import ModuleType
 
 import jedi
@@ -43,6 +46,15 @@ def test_an_editor_completes_the_names(package: ModuleType, before: str, complet
     text += "known = case.estimate([])\n"
     looked_at = jedi.Script(f"{text}{before or 'ac'}.", environment=jedi.InterpreterEnvironment())
     assert {each.name for each in looked_at.complete()} >= (complete or {*package.__all__})
+
+
+def test_type_checkers_see_what_there_is() -> None:
+    """The stub names the same objects, each from where it lives."""
+    stub = ast.parse(Path(ac.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
+    said = [(each.module, name.name) for each in stub.body if isinstance(each, ast.ImportFrom) for name in each.names]
+    own = [(str(home), name) for home, name in said if name != "*"]
+    assert [name for home, name in own if getattr(import_module(home), name) is not getattr(ac, name)] == []
+    assert sorted([*(name for _, name in own), *axiscal_core.__all__]) == sorted(ac.__all__)
 
 
 def test_nothing_is_loaded_before_it_is_used() -> None:
