@@ -19,8 +19,8 @@ versions.
 _WHOLE = ("Case", "Known")
 """Classes whose own members are told one by one; of the others they are named."""
 
-_MANY = 12
-"""Arguments from which on the first ones are enough: `help` says the others."""
+_MANY = 8
+"""Arguments, or members, from which on the first ones are enough: `help` says the others."""
 
 
 def page() -> str:
@@ -47,8 +47,13 @@ def _members(found: type) -> list[str]:
             every |= {each: member for each, member in vars(base).items() if each not in every}
     own = {f".{each}": member for each, member in every.items() if not each.startswith("_") and _told(member)}
     told = [each for each in own if found.__name__ in _WHOLE and each[1:] in vars(found)]
-    named = ", ".join(f"`{each}{'()' * callable(_inner(own[each]))}`" for each in own if each not in told)
-    return [*(f"- {_said(each, own[each])}" for each in told), "" * bool(told), *([f"{named}\n"] if named else [])]
+    rest = [f"`{each}{'()' * callable(_inner(own[each]))}`" for each in own if each not in told]
+    named = ", ".join(rest if len(rest) <= _MANY else [*rest[:_MANY], "…"])
+    return [
+        *(f"- {_said(each, own[each])}" for each in told),
+        *([""] if told else []),
+        *([f"{named}\n"] if named else []),
+    ]
 
 
 def _told(member: object) -> bool:

@@ -99,7 +99,8 @@ def to_xarray(known: Known) -> Any:
     """
     one("to_xarray", "known", known, Known, "what `case.estimate` returns")
     data = dict[str, tuple[str, Array, dict[str, str]]]()
-    for curve in (drawn(known.case.machine, term, known.normal) for term in known.case.machine.curves):
+    machine, normal = known.case.machine, known.normal
+    for curve in (drawn(machine, term, normal) for term in machine.curves):
         along, of = f"{curve.name}_at", {"units": curve.of}
         data |= {along: (along, curve.at, {"units": curve.along})}
         data |= {f"{curve.name}_mean": (along, curve.mean, of), f"{curve.name}_std": (along, curve.std, of)}
