@@ -45,7 +45,7 @@ class Normal:
         return unique_root(self.covariance) if self.factor is None else self.factor
 
     def read(self, rows: ArrayLike, values: ArrayLike, covariance: ArrayLike) -> Normal:
-        """Return the normal after y = rows x + v (eq. 31-33).
+        """Return the normal after y = rows x + v (B&H eq. 31-33).
 
         Value by value: F P, P a reflection, has one column that is seen, and that shrinks by σ/√(σ² + |h F|²). It is
         that of the largest entry of h F: so columns of what is known well do not mix with larger ones.
@@ -74,13 +74,13 @@ class Normal:
         return Normal(mean, root @ root.T, root)
 
     def through(self, rows: ArrayLike) -> Normal:
-        """Return the normal of rows x: of what a spline is at places, for example (eq. 18, 20).  rows : (m, n)"""
+        """Return the normal of rows x: of what a spline is at places, for example (B&H eq. 18-20).  rows : (m, n)"""
         h = finite("Normal.through", "rows", rows, (None, self.mean.shape[-1]))
         root = h @ self.root
         return Normal(h @ self.mean, root @ root.T, root)
 
     def sample(self, count: int, seed: int = 0) -> Array:
-        """Return draws, (count, n)."""
+        """Return draws of the density (B&H eq. 16), (count, n)."""
         root, some = unique_root(self.covariance), whole("Normal.sample", "count", count, 1)
         generator = np.random.default_rng(whole("Normal.sample", "seed", seed, 0))
         return np.asarray(self.mean + generator.standard_normal((some, len(root))) @ root.T)
