@@ -106,7 +106,7 @@ def for_targets() -> None:
     print("|---|---|---|---|---|---|---|")
     for speed, seconds, target, before in TARGETS:
         case, start = described(speed, seconds, target), time.process_time()
-        plan = proposed(case, Limits.of(case.description.target), _CHOICE).plan
+        plan = proposed(case, Limits.of(case.description.target), _CHOICE)
         spent = time.process_time() - start
         made = f"{len(plan.readings)} | {plan.seconds / 60:.2f} | {before}"
         print(f"| {speed} | {seconds} | {target} | {made} | {spent:.1f} |", flush=True)

@@ -25,11 +25,11 @@ def main(table: NDArray[np.float64] | None = None) -> dict[str, object]:
     angle, reading = (simulated() if table is None else table).T
     turn, half = np.radians(angle) % (2 * np.pi), len(angle) // 2
     spline = ac.CyclicSpline(np.linspace(0, 2 * np.pi, 9))  # eight control points: tilt, precession, and more
-    prior = ac.Belief(np.full(8, reading[:half].mean()), 10.0**2 * np.eye(8) + 100.0**2)
-    belief = prior.update(spline.rows(turn[:half]), reading[:half], 0.25**2)
-    left = reading[half:] - belief.predict(spline.rows(turn[half:])).mean
+    prior = ac.Normal(np.full(8, reading[:half].mean()), 10.0**2 * np.eye(8) + 100.0**2)
+    known = prior.read(spline.rows(turn[:half]), reading[:half], np.full(half, 0.25**2))
+    left = reading[half:] - known.through(spline.rows(turn[half:])).mean
     t = np.linspace(0, 2 * np.pi, 241)
-    waves = np.fft.rfft(spline.rows(t[:-1]) @ belief.mean) / 120
+    waves = np.fft.rfft(spline.rows(t[:-1]) @ known.mean) / 120
     return {
         "tilt, um": float(abs(waves[1])),
         "precession, um": float(abs(waves[2])),
@@ -37,7 +37,7 @@ def main(table: NDArray[np.float64] | None = None) -> dict[str, object]:
         "picture": {
             "x": "angle, °",
             "y": "reading, µm",
-            "lines": {"estimate": (np.degrees(t), spline.rows(t) @ belief.mean)},
+            "lines": {"estimate": (np.degrees(t), spline.rows(t) @ known.mean)},
             "points": {"readings not used": (np.degrees(turn[half::4]), reading[half::4])},
         },
     }

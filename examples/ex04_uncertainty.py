@@ -14,17 +14,21 @@ def main() -> dict[str, object]:
     """Return the band between readings, and what a bad reading looks like."""
     spline = ac.NaturalSpline(np.linspace(0, 0.6, 13))
     distance = np.abs(spline.knots[:, None] - spline.knots) / 0.15  # in correlation lengths
-    prior = ac.Belief(np.zeros(13), 8e-6**2 * matern(distance))
+    prior = ac.Normal(np.zeros(13), 8e-6**2 * matern(distance))
     where, read = np.array([0.05, 0.2, 0.35, 0.55]), 1e-6 * np.array([3.0, 9.0, 4.0, -6.0])
     rows, noise = spline.rows(where), 0.5e-6
-    belief, spread = prior.update(rows, read, noise**2), rows @ prior.covariance @ rows.T + noise**2 * np.eye(4)
-    expected = belief.predict(spline.rows(0.3))
+    known, spread = (
+        prior.read(rows, read, np.full(4, noise**2)),
+        rows @ prior.covariance @ rows.T + noise**2 * np.eye(4),
+    )
+    expected = known.through(spline.rows(0.3))
     t = np.linspace(0, 0.6, 241)
-    mean, std = belief.predict(spline.rows(t))
+    found = known.through(spline.rows(t))
+    mean, std = found.mean, found.std
     return {
-        "before, um": float(prior.predict(spline.rows(0.45)).std[0]) * 1e6,
-        "after, at a reading, um": float(belief.predict(spline.rows(0.35)).std[0]) * 1e6,
-        "after, between readings, um": float(belief.predict(spline.rows(0.45)).std[0]) * 1e6,
+        "before, um": float(prior.through(spline.rows(0.45)).std[0]) * 1e6,
+        "after, at a reading, um": float(known.through(spline.rows(0.35)).std[0]) * 1e6,
+        "after, between readings, um": float(known.through(spline.rows(0.45)).std[0]) * 1e6,
         "surprise of the four, chi-square": float(read @ np.linalg.solve(spread, read)),
         "surprise of a bad one, standard deviations": float(
             (26e-6 - expected.mean[0]) / np.hypot(expected.std[0], noise)

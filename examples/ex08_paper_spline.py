@@ -23,20 +23,21 @@ def chosen(count: int) -> tuple[list[float], list[float]]:
     return at, J
 
 
-def read(truth: NDArray[np.float64], at: list[float], rng: np.random.Generator) -> ac.Belief:
+def read(truth: NDArray[np.float64], at: list[float], rng: np.random.Generator) -> ac.Normal:
     """Return what readings make known of a spline.  truth : (7,) control values, m"""
     rows = BEFORE.spline.rows(np.array(at))
-    return BEFORE.belief.update(rows, rows @ truth + 0.1 * MM * rng.standard_normal(len(at)), (0.1 * MM) ** 2)
+    noise = np.full(len(at), 0.1 * MM)
+    return BEFORE.known.read(rows, rows @ truth + noise * rng.standard_normal(len(at)), noise**2)
 
 
 def main() -> dict[str, object]:
     """Return J, and the mean squared error of 500 splines after seven readings."""
     (at, J), t, rng = chosen(10), np.linspace(0, 10 * MM, 201), np.random.default_rng(2)
-    truths, rows = BEFORE.belief.sample(rng, 500), BEFORE.spline.rows(t)
+    truths, rows = rng.standard_normal((500, 7)) @ BEFORE.known.root.T, BEFORE.spline.rows(t)
     missed = np.array([read(truth, at[:7], rng).mean - truth for truth in truths])
     squared = np.sum((missed @ BEFORE.spline.gram()) * missed, axis=1) / MM**3
-    known, values = read(truths[0], at[:7], rng).predict(rows), BEFORE.spline.rows(np.array(at[:7])) @ truths[0]
-    (mean, std), axis = (each / MM for each in known), t / MM
+    known, values = read(truths[0], at[:7], rng).through(rows), BEFORE.spline.rows(np.array(at[:7])) @ truths[0]
+    mean, std, axis = known.mean / MM, known.std / MM, t / MM
     lines = {"estimate": (axis, mean), "truth": (axis, rows @ truths[0] / MM)}
     points = {"where it was read": (np.array(at[:7]) / MM, values / MM)}
     picture = {"x": "t", "y": "S(t)", "lines": lines, "band": (axis, mean - std, mean + std), "points": points}

@@ -47,7 +47,7 @@ def planned(campaign: CampaignDescription) -> tuple[Place, ...] | InputError:
     """Return the places of a campaign's plan, the same for every machine, or why there is none."""
     case = case_of(campaign)
     try:
-        return placed(case, proposed(case, Limits.of(campaign.target)).plan)
+        return placed(case, proposed(case, Limits.of(campaign.target)))
     except InputError as wrong:
         return wrong
 

@@ -99,7 +99,7 @@ def _case(std: str = "60 um") -> Case:
 @cache
 def _planned(count: int, std: str) -> Array:
     """Return where a plan of so many readings probes, (n, 2) m."""
-    plan = proposed(_case(std), Limits(count), 1000).plan
+    plan = proposed(_case(std), Limits(count), 1000)
     return np.clip([_on_bed(pose) for pose in plan.places.poses], _LOW, _HIGH)
 
 

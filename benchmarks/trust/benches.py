@@ -174,7 +174,7 @@ def visits(name: Name, scales: str, places: str, count: int, seed: int) -> Visit
 @cache
 def _planned(name: Name, scales: str, count: int) -> Visits:
     """Return the places that a plan asks for, in its order."""
-    return _rows(proposed(case_of(name, scales), Limits(count), BENCHES[name].candidates).plan.places)
+    return _rows(proposed(case_of(name, scales), Limits(count), BENCHES[name].candidates).places)
 
 
 def _of_five(places: str, count: int, rng: np.random.Generator) -> Visits:

@@ -105,7 +105,7 @@ def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[
 
 def _planned(case: Measured, problem: Case) -> list[Reading]:
     """Return the readings of a plan that is made before the first of them."""
-    places = proposed(problem, Limits(case.readings), _CANDIDATES).plan.places
+    places = proposed(problem, Limits(case.readings), _CANDIDATES).places
     poses = np.array(places.poses)
     poses = _nearest(case, poses) if case.places.shape[1] > 1 else poses
     sides = places.approaches.astype(int).tolist()

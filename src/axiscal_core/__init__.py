@@ -20,12 +20,12 @@ from importlib import import_module
 __all__ = [
     "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",
     "Known", "Laser", "Level", "Machine", "Mounting", "Normal", "Offset", "Places", "Plan", "RTest",
-    "Readings", "Tracker", "Unknowns", "angle", "cross", "length",
+    "Readings", "Tracker", "Unknowns", "angle", "cross", "length", "spacing_limit",
 ]  # fmt: skip
 
 _FILES = (
     "axes", "case", "curve", "errors", "instrument", "instruments", "known", "machine", "normal", "places", "plan",
-    "refusals", "rigid",
+    "refusals", "rigid", "splines",
 )  # fmt: skip
 """Where the names are: who wants one file of them, as the product does, need not load them all."""
 

@@ -27,9 +27,10 @@ from axiscal_core.plan import Plan as Plan
 from axiscal_core.refusals import Array as Array
 from axiscal_core.refusals import InputError as InputError
 from axiscal_core.rigid import cross as cross
+from axiscal_core.splines import spacing_limit as spacing_limit
 
 __all__ = [
     "Array", "At", "Axis", "BallBar", "Basis", "Case", "Curve", "Error", "Evaluation", "InputError", "Instrument",
     "Known", "Laser", "Level", "Machine", "Mounting", "Normal", "Offset", "Places", "Plan", "RTest",
-    "Readings", "Tracker", "Unknowns", "angle", "cross", "length",
+    "Readings", "Tracker", "Unknowns", "angle", "cross", "length", "spacing_limit",
 ]  # fmt: skip

@@ -4,6 +4,8 @@
 "joint"     the sum of the interval variances of all splines (eq. 24-26, 34-36), angles times half the longest way
 V           (w, size) of the unknowns in the order of `case.names`
 function    of C (size, size); the smaller, the better
+"O1"–"O5"   indices of observability (Sun and Hollerbach 2008), negative, so that the largest is the best: of the
+            singular values σ of the Jacobian, its numbers in units of their noise, its unknowns in those of their prior
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from axiscal_core.refusals import Array, InputError, computed, finite, one_of
 from axiscal_core.splines import gauss
 from axiscal_core.units import si
 
-Criterion = Literal["volume", "joint"] | Array | Callable[[Array], float]
+Criterion = Literal["volume", "joint", "O1", "O2", "O3", "O4", "O5"] | Array | Callable[[Array], float]
 """What a plan makes small."""
 _POSES = 3000  # of several axes: with four times as many the RMS of eight drawn cases changes by 0.1 %
 _NODES = 8  # between knots of one axis: exact
@@ -38,16 +40,52 @@ class Goal(NamedTuple):
         return float(np.sum((self.root @ known) ** 2))
 
 
-def goal(criterion: Criterion, size: int, words: Mapping[str, Callable[[], Array]], function: str) -> Goal:
-    """Return what a criterion says.  size : of C (size, size); words : V of each, made when it is asked for"""
+def goal(criterion: Criterion, size: int, words: Mapping[str, Callable[[], Goal]], function: str) -> Goal:
+    """Return what a criterion says.  size : of C (size, size); words : what each says, made when it is asked for"""
     if callable(criterion):
         return Goal(np.zeros((0, size)), criterion)
     if isinstance(criterion, str):
-        return Goal(words[one_of(function, "criterion", criterion, [*words])]())
+        return words[one_of(function, "criterion", criterion, [*words])]()
     root = finite(function, "criterion", criterion, (None, size))
     if not root.any():
         raise InputError(function, "criterion", "weighs nothing", "Give V that is not nought everywhere")
     return Goal(root)
+
+
+INDICES: Mapping[str, Callable[[Array], float]] = {
+    "O1": lambda s: np.exp(np.mean(np.log(s))),  # Borm and Menq 1991, without the root of how many poses there are
+    "O2": lambda s: s[0] / s[-1],  # Driels and Pathre 1990
+    "O3": lambda s: s[0],  # Nahvi, Hollerbach and Hayward 1994
+    "O4": lambda s: s[0] ** 2 / s[-1],  # Nahvi and Hollerbach 1996
+    "O5": lambda s: 1 / np.sum(1 / s),  # Sun and Hollerbach 2008
+}
+"""Indices of singular values, the least first."""
+_SEEN = 1e-9  # of the largest σ²: what is seen less is seen by rounding
+
+
+def observability(index: str, prior: Array, seen: Array) -> Goal:
+    """Return the criterion of an index.
+
+    With C₀ = F Fᵀ is F⁻¹ C F⁻ᵀ = (I + JᵀJ)⁻¹: the σ² are those of its inverse, less one, where anything is seen at all.
+    prior : C₀ (size, size); seen : C after readings wherever they can be taken
+    """
+    std = np.sqrt(np.diagonal(prior))
+    scale = np.where(std > 0, std, 1.0)
+    values, vectors = np.linalg.eigh(prior / np.outer(scale, scale))
+    kept = values > _SEEN
+    back = (vectors[:, kept] / np.sqrt(values[kept])).T / scale
+
+    def information(covariance: Array) -> Array:
+        return np.linalg.inv(back @ covariance @ back.T) - np.eye(len(back))
+
+    squares, ways = np.linalg.eigh(information(seen))
+    ways = ways[:, squares > _SEEN * squares[-1]]
+
+    def found(covariance: Array) -> float:
+        s = np.sqrt(np.maximum(np.linalg.eigvalsh(ways.T @ information(covariance) @ ways), 1e-30))
+        return -float(INDICES[index](s))
+
+    return Goal(np.zeros((0, len(prior))), found)
 
 
 def volume(machine: Machine, size: int, aligned: bool) -> Goal:

@@ -11,8 +11,12 @@ array([2.8e-06])
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, cast
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +24,7 @@ from numpy.typing import ArrayLike
 from axiscal_core.curve import Curve
 from axiscal_core.model import Model, Table
 from axiscal_core.normal import Normal
-from axiscal_core.places import Readings
+from axiscal_core.places import Places, Readings
 from axiscal_core.plan import expanded
 from axiscal_core.refusals import Array, InputError, finite, named, one, one_of, spread, whole
 from axiscal_core.units import Poses
@@ -56,6 +60,65 @@ class Known:
         found = finite("Known.of", "mean", mean, (case.size,))
         wide = spread("Known.of", "covariance", covariance, case.size)
         return cls(case, found, wide, np.zeros((case.size, 0, 1)), np.ones(1))
+
+    def save(self, path: str | Path) -> None:
+        """Write what is known, and the readings, to a file: JSON, or arrays of numpy where it ends in .npz.
+
+        The case is not in it: whoever loads it brings the same one.  raises OSError
+        """
+        file, parts = _file("Known.save", path), self._parts()
+        if file.suffix == ".npz":
+            np.savez(file, allow_pickle=False, **parts)
+        else:
+            file.write_text(json.dumps({name: part.tolist() for name, part in parts.items()}), encoding="utf-8")
+
+    def _parts(self) -> dict[str, np.ndarray]:
+        parts = {"mean": self.mean, "alone": self.alone, "moved": self.moved.swapaxes(0, 1), "shares": self.shares}
+        lists = {"names": self.names, "sizes": self.sizes, "factors": self.sizes.values()}
+        lists |= {"bad": self.bad, "other": self.z, "z": self.z.values()}
+        parts |= {name: np.array([*each]) for name, each in lists.items()} | {"again": np.array(self.again is not None)}
+        if (read := self.readings) is not None:
+            parts |= {"instruments": np.array(read.places.instruments), "poses": read.places.poses}
+            parts |= {"sides": read.places.sides, "values": read.values}
+            parts |= {name: each for name, each in (("std", read.std), ("time", read.time)) if each is not None}
+        return parts
+
+    @classmethod
+    def load(cls, path: str | Path, case: Model) -> Known:
+        """Return what `save` wrote.  case : of which it is known"""
+        file = _file("Known.load", path)
+        one("Known.load", "case", case, Model, "Case(machine, instruments)")
+        try:
+            if file.suffix == ".npz":
+                with np.load(file, allow_pickle=False) as kept:
+                    parts = dict(kept)
+            else:
+                parts = {name: np.array(part) for name, part in json.loads(file.read_text(encoding="utf-8")).items()}
+            if tuple(parts["names"].tolist()) != case.names:
+                what = f"= {str(file)!r} is of another case"
+                raise InputError("Known.load", "path", what, "Give the case that it is known of")
+            return cls._of_parts(case, parts)
+        except InputError:
+            raise
+        except (OSError, EOFError, BadZipFile, LookupError, AttributeError, TypeError, ValueError) as fault:
+            what = f"= {str(file)!r} does not hold what is known ({type(fault).__name__}: {fault})"
+            raise InputError("Known.load", "path", what, "Give a file that Known.save wrote") from None
+
+    @classmethod
+    def _of_parts(cls, case: Model, parts: dict[str, np.ndarray]) -> Known:
+        found = cls.of(case, parts["mean"], parts["alone"])
+        shares = finite("Known.load", "shares", parts["shares"], (None,))
+        moved = parts["moved"].reshape(-1, case.size, len(shares)).swapaxes(0, 1)
+        sizes = dict(zip(parts["sizes"].tolist(), parts["factors"].tolist(), strict=True))
+        z = dict(zip(parts["other"].tolist(), parts["z"].tolist(), strict=True))
+        found = replace(found, moved=moved, shares=shares, sizes=sizes, bad=tuple(parts["bad"].tolist()), z=z)
+        if "values" not in parts:
+            return found
+        places = Places(parts["instruments"].tolist(), parts["poses"], parts["sides"])
+        readings = Readings(case.checked(places, "Known.load"), parts["values"], parts.get("std"), parts.get("time"))
+        estimate = cast("Any", case).estimate  # of a case, which is above this file
+        again = (lambda more: estimate(readings + more)) if parts["again"] else None
+        return replace(found, readings=readings, again=again)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -158,3 +221,10 @@ class Known:
     def __repr__(self) -> str:
         out = f", {len(self.bad)} readings taken out" if self.bad else ""
         return f"<Known: {self.rms:.3g} m RMS over the volume{out}>"
+
+
+def _file(function: str, path: str | Path) -> Path:
+    """Return a path that says by its ending how it is written."""
+    file = Path(one(function, "path", path, (str, Path), '"known.json", or "known.npz"'))
+    one_of(function, "path", file.suffix, (".json", ".npz"))
+    return file

@@ -6,14 +6,14 @@ finer than a spline, its rest, is one value in each short cell of the travel. Re
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import cached_property
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
 from itertools import accumulate, pairwise
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from axiscal_core.criterion import Criterion, Goal, goal, joint, volume
+from axiscal_core.criterion import INDICES, Criterion, Goal, goal, joint, observability, volume
 from axiscal_core.instrument import At, Instrument, refuse_what_is_not_analytic, sight
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
@@ -140,8 +140,14 @@ class Model:
 
     def goal(self, criterion: Criterion, function: str) -> Goal:
         """Return what a criterion says."""
-        words = {"volume": lambda: self.volume.root, "joint": lambda: joint(self.machine, self.size).root}
+        words: dict[str, Callable[[], Goal]] = {name: partial(self._observability, name) for name in INDICES}
+        words |= {"volume": lambda: self.volume, "joint": lambda: joint(self.machine, self.size)}
         return goal(criterion, self.size, words, function)
+
+    def _observability(self, index: str) -> Goal:
+        n = self.numbers(self.lattice())
+        seen = self.prior.read(n.rows, n.shown, n.noise**2).covariance
+        return observability(index, self.prior.covariance, seen)
 
     def checked(self, places: Places | Readings, function: str, argument: str = "places") -> Places:
         """Return the places, on instruments and within the travel of this case."""

@@ -14,19 +14,26 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal_core.eigen import unique_root
-from axiscal_core.refusals import Array, InputError, finite, whole
+from axiscal_core.refusals import Array, InputError, finite, spread, whole
 
 
 @dataclass(frozen=True, eq=False)
 class Normal:
     """mean : (..., n); covariance : (..., n, n); factor : F (n, k) where that is F Fᵀ, which has twice its digits
 
-    Several normals side by side have further axes in front.
+    Several normals side by side have further axes in front.  raises InputError for what is no covariance
     """
 
     mean: Array
     covariance: Array
     factor: Array | None = None
+
+    def __post_init__(self) -> None:
+        if self.factor is not None:  # its square is a covariance
+            return
+        mean = finite("Normal", "mean", self.mean, (None,) * max(getattr(self.covariance, "ndim", 2) - 1, 1))
+        covariance = spread("Normal", "covariance", self.covariance, mean.shape[-1], mean.shape[:-1])
+        vars(self).update(mean=mean, covariance=covariance)
 
     @property
     def std(self) -> Array:
@@ -39,28 +46,30 @@ class Normal:
         return unique_root(self.covariance) if self.factor is None else self.factor
 
     def read(self, rows: ArrayLike, values: ArrayLike, covariance: ArrayLike) -> Normal:
-        """Return the normal after y = rows x + v (eq. 31-33).
+        """Return the normal after y = rows x + v (B&H eq. 31-33).
 
         rows : (m, n); values : (m,); covariance : of v, (m, m), or the variances (m,)
         """
         h = finite("Normal.read", "rows", rows, (None, self.mean.shape[-1]))
         y = finite("Normal.read", "values", values, (len(h),))
-        wide = np.ndim(covariance) == 2
-        noise = finite("Normal.read", "covariance", covariance, (len(h),) * (1 + wide))
-        if wide:
-            noise, turn = np.linalg.eigh(noise)
+        if np.ndim(covariance) == 2:
+            noise, turn = np.linalg.eigh(spread("Normal.read", "covariance", covariance, len(h)))
             h, y = turn.T @ h, turn.T @ y
+        elif (noise := finite("Normal.read", "covariance", covariance, (len(h),))).min(initial=0.0) < 0:
+            raise InputError(
+                "Normal.read", "covariance", "holds a variance below zero", "Give variances, not deviations"
+            )
         mean, root = sharpened(self.mean[:, None], self.root, h, y[:, None], np.maximum(noise, 0.0))
         return Normal(mean[:, 0], root @ root.T, root)
 
     def through(self, rows: ArrayLike) -> Normal:
-        """Return the normal of rows x: of what a spline is at places, for example (eq. 18, 20).  rows : (m, n)"""
+        """Return the normal of rows x: of what a spline is at places, for example (B&H eq. 18-20).  rows : (m, n)"""
         h = finite("Normal.through", "rows", rows, (None, self.mean.shape[-1]))
         root = h @ self.root
         return Normal(h @ self.mean, root @ root.T, root)
 
     def sample(self, count: int, seed: int = 0) -> Array:
-        """Return draws, (count, n)."""
+        """Return draws of the density (B&H eq. 16), (count, n)."""
         root, some = unique_root(self.covariance), whole("Normal.sample", "count", count, 1)
         generator = np.random.default_rng(whole("Normal.sample", "seed", seed, 0))
         return np.asarray(self.mean + generator.standard_normal((some, len(root))) @ root.T)

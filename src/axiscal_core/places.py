@@ -102,7 +102,7 @@ class Readings:
     def simulated(cls, case: Showing, places: Places, seed: int, truth: Array | None = None) -> Readings:
         """Return what a machine would show that is drawn as the case believes machines to be.
 
-        case : of either package; truth : (n,) the unknowns, where they are to be these
+        truth : (n,) the unknowns, where they are to be these
         """
         if not hasattr(case, "shows"):
             raise InputError("Readings.simulated", "case", f"= {case!r} is none", "Give Case(machine, instruments)")

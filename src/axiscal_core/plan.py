@@ -86,6 +86,8 @@ def planned(
     if count is not None and len(kept) > count:
         raise InputError(where, "keep", f"holds {len(kept)} places of {count} readings", "Keep no more")
     search = _Search(case, case.goal(criterion, where), lattice, case.taken(after, where), kept)
+    if search.goal.function is not None:  # one that rises would be searched for as long as any
+        search.refuse_idle(search.state.value)
     return _told(case, search, _ended(search, count, limit, target, isinstance(candidates, int)), after)
 
 
@@ -112,10 +114,7 @@ def _told(case: Model, search: _Search, places: Places, after: Readings | Places
         known = known.after(n.at(n.place == i))
         course.append(known.value)
     found = evaluated(case, sorted_places, after, search.goal)
-    least, every = (1 - _NOTHING) * search.state.value, range(len(search.fixed), len(search.own))
-    if least <= found.J and least <= search.after(every).value:
-        what = "falls by no reading: what it asks for moves none of the instruments"
-        raise InputError("Case.plan", "criterion", what, "Mount others, or a tool that the errors move")
+    search.refuse_idle(found.J)
     return Plan(**vars(found), places=sorted_places, course=np.array(course))
 
 
@@ -164,6 +163,14 @@ class _Search:
         self.fixed = list(range(len(kept)))
         self.setup = np.array([case.setups.index(name) for name in self.places.instruments], dtype=np.intp)
         self.costs, self.begins = np.array([(each.costs, each.begins) for each in case.instruments]).T / 60
+
+    def refuse_idle(self, found: float) -> None:
+        """Raise InputError where neither a plan nor a reading at every candidate lets J fall.  found : J of the plan"""
+        least = self.state.value - _NOTHING * abs(self.state.value)
+        if least <= found and least <= self.after(range(len(self.fixed), len(self.own))).value:
+            what = "falls by no reading: what it asks for moves none of the instruments, or grows where more is known"
+            remedy = "Mount others, a tool that the errors move, or give a function that falls"
+            raise InputError("Case.plan", "criterion", what, remedy)
 
     def gains(self, beside: Sequence[int]) -> Array:
         """Return what each candidate gains beside others, (candidates,)."""

@@ -124,12 +124,24 @@ def sided(function: str, sides: object, shape: tuple[int, ...]) -> Array:
     return found
 
 
-def spread(function: str, argument: str, values: object, size: int | None) -> Array:
-    """Return a covariance, (size, size)."""
-    result = finite(function, argument, values, (size, size))
-    scale = float(np.abs(result).max(initial=0.0))
-    symmetric = len(result) == result.shape[1] and np.allclose(result, result.T, atol=1e-12 * scale)
-    if not len(result) or not symmetric or np.linalg.eigvalsh(result).min() < -1e-9 * scale:
+def spread(function: str, argument: str, values: object, size: int | None, front: tuple[int, ...] = ()) -> Array:
+    """Return a covariance, (size, size), or several.  front : how many stand side by side"""
+    result = finite(function, argument, values, (*front, size, size))
+    scale = np.abs(result).max(axis=(-2, -1), initial=0.0, keepdims=True)
+    square = result.shape[-2] == result.shape[-1] > 0
+    if not square or not _positive(result / np.where(scale > 0, scale, 1.0)):
         remedy = "Give a matrix that is symmetric and has no variance below zero"
         raise InputError(function, argument, "is none", remedy)
     return result
+
+
+def _positive(matrices: Array) -> bool:
+    """Return whether these are symmetric and none has an eigenvalue below zero, to rounding.  (..., n, n)"""
+    below = np.diagonal(matrices, axis1=-2, axis2=-1) < 0
+    if below.any() or not np.allclose(matrices, matrices.swapaxes(-1, -2), atol=1e-12):
+        return False
+    try:
+        np.linalg.cholesky(matrices + 1e-9 * np.eye(matrices.shape[-1]))
+    except np.linalg.LinAlgError:
+        return False
+    return True

@@ -64,7 +64,7 @@ def test_the_band_is_the_scatter_of_machines_that_come_from_that_side_or_from_an
     """Where nobody says from which side, the tool comes from either as often; rests are drawn at each place."""
     have, rng, count = known(), np.random.default_rng(2), 60_000
     mean, std = tcp_prediction(have.estimation(), POSES, np.full(POSES.shape, side))
-    drawn = have.belief.sample(rng, count)
+    drawn = have.belief.mean + rng.standard_normal((count, have.belief.size)) @ have.belief.factor.T
     sides = rng.choice([-1.0, 1.0], count) if side == 0 else np.full(count, side)
     levers = ERRORS.levers(POSES)
     for index, pose in enumerate(POSES):

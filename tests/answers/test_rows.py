@@ -76,7 +76,7 @@ def test_the_first_readings_do_not_tell_of_hundreds_more(taken: int) -> None:
     aims = Aims.from_case(known.case, known.printed.belief, known.case.yardstick_as_sized, [])
     assert taken * aims.volume[0].missing > 90
     more, _ = missing_readings(known, aims, [])
-    planned = len(proposed(case, Limits(rms=limit)).plan.places)
+    planned = len(proposed(case, Limits(rms=limit)).places)
     assert planned - taken <= more <= 3 * planned
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, cast
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -45,6 +47,36 @@ def test_a_callable_criterion_plans_what_its_matrix_plans() -> None:
     by_matrix = case.plan(3, criterion=root, candidates=60)
     by_function = case.plan(3, criterion=lambda c: float(np.sum(np.diag(c)[[2, 3]])), candidates=60)
     assert pytest.approx(by_matrix.J, rel=1e-9, abs=0) == by_function.J
+
+
+@pytest.mark.parametrize("index", ["O1", "O2", "O3", "O4", "O5"])
+def test_indices_of_observability_are_those_of_the_jacobian(index: str) -> None:
+    """By the singular values of the rows themselves, in the ways that even places everywhere see."""
+    case = mill(usual="off", sure="exactly")
+    places = case.lattice(90)
+
+    def jacobian(at: ac.Places) -> ac.Array:
+        n, prior = case.numbers(at), case.prior.covariance
+        scale = np.sqrt(np.diagonal(prior))
+        values, vectors = np.linalg.eigh(prior / np.outer(scale, scale))
+        return np.asarray(n.rows @ (scale[:, None] * vectors * np.sqrt(values.clip(0))) / n.noise[:, None])
+
+    _, all_seen, ways = np.linalg.svd(jacobian(case.lattice(800)))
+    s = np.linalg.svd(jacobian(places) @ ways[: len(all_seen)][all_seen > 1e-4 * all_seen[0]].T, compute_uv=False)
+    wanted = {
+        "O1": float(np.prod(s) ** (1 / len(s))), "O2": s[-1] / s[0], "O3": s[-1], "O4": s[-1] ** 2 / s[0],
+        "O5": 1 / np.sum(1 / s),
+    }  # fmt: skip
+    found: Any = index
+    assert pytest.approx(wanted[index], rel=1e-3) == -case.evaluate(places, criterion=found).J
+
+
+@pytest.mark.long
+def test_a_plan_by_an_index_beats_even_places_in_it() -> None:
+    case = _paper()
+    for index in ("O1", "O4"):
+        plan = case.plan(9, criterion=cast("Any", index), candidates=60)
+        assert plan.J < case.evaluate(case.lattice(9), criterion=cast("Any", index)).J < 0
 
 
 def test_kept_places_stay_and_own_candidates_are_not_left() -> None:

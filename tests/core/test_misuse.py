@@ -57,6 +57,10 @@ BELOW, UNIT = np.array([[1.0, 2.0], [2.0, 1.0]]), np.eye(2)
 """What is no covariance, and one that is."""
 
 
+def _unit() -> ac.Normal:
+    return ac.Normal(np.zeros(2), UNIT)
+
+
 def _bend(rows: int, covariance: ac.Array) -> Any:
     """Return an error of somebody's own, of two unknowns.  rows : numbers at each pose"""
     own = {"rows": lambda _, poses: np.zeros((len(poses), rows, 2)), "covariance": lambda _: covariance}
@@ -143,6 +147,35 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "a table with a short column": (lambda: _case().estimate({**_WITHOUT, "length": []}), "Case.readings", "length"),
     "a side of two elsewhere": (lambda: _known().deviation([[0.1]], sides=[[2.0]]), "Known.deviation", "sides"),
     "values of other rows": (lambda: ac.Normal(np.zeros(2), UNIT).read([[1, 0]], [1, 2], [1]), "Normal.read", "values"),
+    "a normal of another size": (lambda: ac.Normal(np.zeros(3), UNIT), "Normal", "covariance"),
+    "a normal of negative variances": (lambda: ac.Normal(np.zeros(2), -1e-30 * UNIT), "Normal", "covariance"),
+    "one small variance below zero": (lambda: ac.Normal(np.zeros(2), np.diag([1, -1e-14])), "Normal", "covariance"),
+    "an indefinite normal": (lambda: ac.Normal(np.zeros(2), BELOW), "Normal", "covariance"),
+    "one indefinite of many": (lambda: ac.Normal(np.zeros((2, 2)), np.array([UNIT, BELOW])), "Normal", "covariance"),
+    "a normal of one number": (lambda: anything.Normal(0.0, 1.0), "Normal", "mean"),
+    "a normal of texts": (lambda: anything.Normal(["a"], [[1]]), "Normal", "mean"),
+    "a reading of negative variance": (lambda: _unit().read([[1, 0]], [1], [-1e-12]), "Normal.read", "covariance"),
+    "readings of no covariance": (lambda: _unit().read(UNIT, [1, 2], BELOW), "Normal.read", "covariance"),
+    "a criterion that rises": (lambda: _case().plan(2, criterion=lambda c: -np.trace(c)), "Case.plan", "criterion"),
+    "one that rises, in minutes": (
+        lambda: _case().plan(minutes=99, criterion=lambda c: -np.trace(c)), "Case.plan", "criterion"),
+    "one that rises, to an RMS": (
+        lambda: _case().plan(rms="3 um", criterion=lambda c: -np.trace(c)), "Case.plan", "criterion"),
+    "a criterion of nought": (lambda: _case().plan(2, criterion=np.zeros((1, _case().size))), "Case.plan", "criterion"),
+    "a billion readings": (lambda: _case().plan(10**9), "Case.plan", "readings"),
+    "kept places of a list": (lambda: anything.Case.plan(_case(), 2, keep=[[0.1]]), "Case.plan", "keep"),
+    "kept places of two axes": (lambda: _case().plan(2, keep=ac.Places("laser", [[0.1, 0.2]])), "Case.plan", "poses"),
+    "a place that is turned": (lambda: _case().evaluate(ac.Places("laser", [["1 rad"]])), "Case.evaluate", "poses"),
+    "a std that is an angle": (lambda: _case().estimate(_read([0, 0], std=["1 rad"] * 2)), "Case.estimate", "std"),
+    "a value that is an angle": (lambda: _case().estimate(_read(["1 rad", 0])), "Case.estimate", "values"),
+    "noise of some readings alone": (lambda: _read([0, 0], std=[1, 1]) + _read([0, 0]), "Readings", "std"),
+    "joint of a word": (lambda: anything.Known.deviation(_known(), [[0.1]], joint="yes"), "Known.deviation", "joint"),
+    "shown by NaN": (lambda: _case().shows(_places(0.1), np.full(_case().size, np.nan)), "Case.shows", "x"),
+    "places that are not there": (lambda: _places(0.1).at([7]), "Places.at", "which"),
+    "a text for places": (lambda: anything.Places.at(_places(0.1), "a"), "Places.at", "which"),
+    "axes that are numbers": (lambda: anything.Laser("laser", [1]), "Laser", "moves"),
+    "a billion knots": (lambda: ac.Curve((0, 1), 1e-6, knots=10**9), "Spline", "knots"),
+    "places on a ragged curve": (lambda: anything.Curve((0, 1), 1.0)([[1, 2], [3]]), "Curve", "t"),
     "unit twice": (lambda: ac.Error("EXX", "1.2.3 um"), "Error", "std"),
     "length of zero": (lambda: ac.Error("EXX", 1e-6, length=0.0), "Error", "length"),
     "no error's name": (lambda: ac.Error("straightness", 1e-6), "Error", "name"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from pathlib import Path
+from typing import is_typeddict
 
 import axiscal as ac
 
@@ -15,16 +16,22 @@ _HEAD = """\
 `import axiscal as ac`, then `help(ac.Curve)` says shapes, units and failures. Everything else may move between
 versions.
 """
-_WHOLE = ("python", "campaign")
-"""Rooms whose classes are told member by member; of the others, the mathematics, members are named."""
+_WHOLE = ("Case", "Known")
+"""Classes whose own members are told one by one; of the others they are named."""
 
-_MANY = 12
-"""Arguments from which on the first ones are enough: `help` says the others."""
+_MANY = 8
+"""Arguments, or members, from which on the first ones are enough: `help` says the others."""
 
 
 def page() -> str:
     """Return the whole page."""
-    return "\n".join([_HEAD, *(_section(name, getattr(ac, name)) for name in ac.__all__)])
+    found = ((name, getattr(ac, name)) for name in sorted(ac.__all__, key=str.casefold))
+    return "\n".join([_HEAD, *(_section(name, each) for name, each in found if _shown(each))])
+
+
+def _shown(found: object) -> bool:
+    """Return whether it is a class or a function; what only says a type is left out."""
+    return inspect.isfunction(found) or (inspect.isclass(found) and not is_typeddict(found))
 
 
 def _section(name: str, found: object) -> str:
@@ -38,11 +45,15 @@ def _members(found: type) -> list[str]:
     for base in found.__mro__:
         if base.__module__.startswith(ac.__name__):
             every |= {each: member for each, member in vars(base).items() if each not in every}
-    own = [(f".{each}", member) for each, member in every.items() if not each.startswith("_")]
-    told = [(each, member) for each, member in own if _told(member)]
-    if found.__module__.split(".")[1] in _WHOLE:
-        return [*(f"- {_said(each, member)}" for each, member in told), ""]
-    return [", ".join(f"`{each}{'()' * callable(_inner(member))}`" for each, member in told) + "\n"] if told else []
+    own = {f".{each}": member for each, member in every.items() if not each.startswith("_") and _told(member)}
+    told = [each for each in own if found.__name__ in _WHOLE and each[1:] in vars(found)]
+    rest = [f"`{each}{'()' * callable(_inner(own[each]))}`" for each in own if each not in told]
+    named = ", ".join(rest if len(rest) <= _MANY else [*rest[:_MANY], "…"])
+    return [
+        *(f"- {_said(each, own[each])}" for each in told),
+        *([""] if told else []),
+        *([f"{named}\n"] if named else []),
+    ]
 
 
 def _told(member: object) -> bool:
@@ -53,7 +64,7 @@ def _said(name: str, member: object) -> str:
     """Return the name with its arguments, and the first sentence of its docstring."""
     inner = _inner(member)
     text = inspect.cleandoc(inspect.getdoc(inner.fget if isinstance(inner, property) else inner) or "")
-    plain = re.sub(r",?[ ]\(?B&H eq\.[^)]*\)?", "", " ".join(text.partition("\n\n")[0].split()))
+    plain = re.sub(r",?[ ](?:by )?\(?(?:B&H )?eq\.[^).]*\)?", "", " ".join(text.partition("\n\n")[0].split()))
     first = re.split(r"\. |; raises", plain)[0]
     first = first.removeprefix("Return ").removesuffix(".")
     return f"`{name}{_arguments(inner)}`: {first[:1].upper()}{first[1:]}"

@@ -20,8 +20,8 @@ _HEAD = """\
 # axiscal from Python
 
 Three stories of [examples/](../examples), also in [python.ipynb](python.ipynb). Numbers are metres, radians, seconds;
-set-ups take text with units. `sure` is `"well"` here, `"roughly"` in campaign.toml. All names: [api.md](api.md);
-`result.json`: [result.md](result.md); instruments, errors and machines of your own: [core.md](core.md).
+texts carry units. `sure` is `"well"` here, `"roughly"` in campaign.toml. All names: [api.md](api.md); instruments,
+errors and machines of your own: [core.md](core.md). What prompt, page and records do is `ac.Campaign`.
 """
 
 

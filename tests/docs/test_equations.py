@@ -23,6 +23,7 @@ from axiscal.numerics import Array
 from axiscal_core import terms
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from axiscal_core.splines import CyclicSpline, NaturalSpline, gauss, spacing_limit
 from tests.generators.splines import bending, power_maps
 
@@ -172,7 +173,7 @@ def test_control_values_are_gaussian() -> None:
     entry = Error("EXX", std=2.0, knots=7)
     np.testing.assert_array_equal(terms.covariance(entry, terms.spline_of(entry, axis)), 4 * np.eye(7))
     mean, covariance = CONTROL, random_covariance(7)
-    drawn = Belief(mean, covariance).sample(np.random.default_rng(2), 4000) - mean
+    drawn = Normal(mean, covariance).sample(4000, seed=2) - mean
     distance = np.einsum("ij,jk,ik->i", drawn, np.linalg.inv(covariance), drawn)
     assert stats.kstest(distance, stats.chi2(7).cdf).pvalue > 1e-3
 
@@ -183,7 +184,7 @@ def test_covariances_of_the_coefficients(order: int) -> None:
     covariance, matrix = random_covariance(7), power_maps(NaturalSpline(KNOTS))[order - 1]
     sent = CubicSpline(KNOTS, np.linalg.cholesky(covariance), bc_type="natural").c[3 - order]
     np.testing.assert_allclose(matrix @ covariance @ matrix.T, sent @ sent.T, atol=1e-10)
-    found = Belief(CONTROL, covariance).predict(matrix)
+    found = Normal(CONTROL, covariance).through(matrix)
     np.testing.assert_allclose(found.std**2, np.sum(sent**2, axis=1), atol=1e-10)
 
 
@@ -194,7 +195,7 @@ def test_estimate_and_variance_along_the_spline() -> None:
     i = np.searchsorted(KNOTS, t, side="right") - 1
     u = (t - KNOTS[i])[:, None]
     m = np.eye(7)[i] + sum(matrix[i] * u**k for k, matrix in enumerate(power_maps(spline), start=1))
-    found = Belief(CONTROL, covariance).predict(spline.rows(t))
+    found = Normal(CONTROL, covariance).through(spline.rows(t))
     np.testing.assert_allclose(found.mean, m @ CONTROL, atol=1e-12)
     np.testing.assert_allclose(found.std**2, np.diag(m @ covariance @ m.T), atol=1e-12)
     np.testing.assert_allclose(found.mean, CubicSpline(KNOTS, CONTROL, bc_type="natural")(t), atol=1e-12)
@@ -207,7 +208,7 @@ def test_readings_improve_the_estimate(count: int) -> None:
     rows, noise, read = rng.normal(size=(count, 7)), np.array([0.1, 0.2, 0.3])[:count], rng.normal(size=count)
     gain = covariance @ rows.T @ np.linalg.inv(np.diag(noise) + rows @ covariance @ rows.T)
     shrink = np.eye(7) - gain @ rows
-    found = Belief(CONTROL, covariance).update(rows, read, noise)
+    found = Normal(CONTROL, covariance).read(rows, read, noise)
     np.testing.assert_allclose(found.mean, shrink @ CONTROL + gain @ read, atol=1e-12)
     expected = shrink @ covariance @ shrink.T + gain @ np.diag(noise) @ gain.T
     np.testing.assert_allclose(found.covariance, expected, atol=1e-12)

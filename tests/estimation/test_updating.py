@@ -19,8 +19,10 @@ from axiscal.estimation.located import absorbed
 from axiscal.exceptions import ShapeError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
+from axiscal_core.normal import Normal
 from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed
+from tests.generators.known import told
 
 
 class Twin(NamedTuple):
@@ -35,9 +37,9 @@ def _after_one(before: Twin, reading: Reading, counts: bool) -> Twin:
     """What is known after one reading more, by one plain update."""
     opened = before.knowledge.opened([reading])
     numbers = seen(opened.observation, [reading])
-    expected = opened.belief.predict(numbers.rows)
+    expected = Normal(opened.belief.mean, opened.belief.covariance, opened.belief.factor).through(numbers.rows)
     surprise = Innovations(numbers.values - expected.mean, np.hypot(expected.std, np.sqrt(numbers.variances)))
-    belief = opened.belief.update(numbers.rows, numbers.values, numbers.variances) if counts else opened.belief
+    belief = told(opened.belief, numbers.rows, numbers.values, numbers.variances) if counts else opened.belief
     case = before.case
     if reading.setup not in case.both and not case.came_as_allowed(reading):
         case = replace(case, both=case.both | {reading.setup})
@@ -94,17 +96,17 @@ def test_a_belief_told_of_readings_is_one_updated_by_each(seed: int, decades: fl
     reading = np.sort(rng.integers(0, count, count))
     used = np.where(rng.random(count) < 0.3, np.inf, noise * rng.uniform(1.0, 5.0, count))
     told, surprises, losses = belief.update_many(rows, values, noise, used, reading)
-    twin = belief
+    twin = Normal(belief.mean, belief.covariance, belief.factor)
     for each in np.unique(reading):
         mine = reading == each
-        expected = twin.predict(rows[mine])
+        expected = twin.through(rows[mine])
         surprise = surprises.std[mine]
         np.testing.assert_allclose(surprise, np.sqrt(expected.std**2 + noise[mine]), rtol=1e-6)
         np.testing.assert_allclose(
             surprises.value[mine], values[mine] - expected.mean, rtol=1e-6, atol=1e-6 * float(surprise.max())
         )
         mine &= np.isfinite(used)
-        twin = twin.update(rows[mine], values[mine], used[mine]) if mine.any() else twin
+        twin = twin.read(rows[mine], values[mine], used[mine]) if mine.any() else twin
     spread = np.maximum(np.sqrt(np.diag(twin.covariance)), 1e-100)
     assert np.max(np.abs(told.covariance - twin.covariance) / np.outer(spread, spread)) < 1e-7
     assert np.max(np.abs(told.mean - twin.mean) / spread) < 1e-6

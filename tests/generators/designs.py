@@ -17,6 +17,7 @@ from axiscal.numerics import Array
 from axiscal.planning.plan.task import Goal, Task
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
+from tests.generators.known import told
 
 
 def splines(axes: int, knots: int, noise: float, candidates: int = 2000) -> Task:
@@ -83,7 +84,7 @@ def read_at(observation: Observation, belief: Belief, places: Places) -> tuple[O
     """Return map and belief after readings at places, one number after another; their values are nought."""
     wider = visited(observation, places)
     rows, variances, _ = rows_at(wider, places)
-    return wider, belief.extended(observation.rest_variances(wider)).update(rows, np.zeros(len(rows)), variances)
+    return wider, told(belief.extended(observation.rest_variances(wider)), rows, np.zeros(len(rows)), variances)
 
 
 def rms_of(asked: Task, rms: float, unsure: float = 1.0) -> Goal:

@@ -17,6 +17,12 @@ def sure(mean: Array) -> Belief:
     return Belief(mean, 1e-20 * np.eye(len(mean)))
 
 
+def told(belief: Belief, rows: Array, values: Array, variances: Array | float) -> Belief:
+    """Return the belief after readings, one after another.  rows : (m, n); values : (m,)"""
+    noise = np.broadcast_to(variances, values.shape)
+    return belief.update_many(rows, values, noise, noise, np.arange(len(values))).belief
+
+
 def known_to_be(model: Machine, mean: Array) -> Estimate:
     """Return what somebody believes over the whole travel who knows the control values, (n,)."""
     return Estimate(model, sure(mean), whole_travel(model))

@@ -23,7 +23,7 @@ from axiscal.numerics import Array
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
 from tests.core.beside import instrument_of, machine_of
-from tests.generators.known import known_to_be, truth_of
+from tests.generators.known import known_to_be, told, truth_of
 from tests.generators.machines import random_machine, random_poses
 
 
@@ -86,7 +86,7 @@ def _fed(observation: Observation, poses: Array, approaches: Array, values: Arra
         wider = visited(observation, at(*pose))
         belief = belief.extended(observation.rest_variances(wider))
         seen = wider.rows(0, pose[None], approach[None])
-        belief, observation = belief.update(seen.rows, value, seen.variances), wider
+        belief, observation = told(belief, seen.rows, np.atleast_1d(value), seen.variances), wider
     return belief, observation
 
 

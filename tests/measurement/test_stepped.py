@@ -27,6 +27,7 @@ from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
 from tests.generators.campaigns import on
 from tests.generators.designs import problem
+from tests.generators.known import told
 from tests.generators.machines import random_machine, random_poses
 from tests.generators.texts import machine_text
 from tests.measurement.test_observation import virtual
@@ -107,7 +108,7 @@ def _read(observation: Observation, places: Array) -> tuple[Observation, Belief]
         wider = visited(observation, along([place]))
         belief, observation = belief.extended(observation.rest_variances(wider)), wider
         seen = observation.rows(0, np.array([[place]]), np.ones((1, 1)))
-        belief = belief.update(seen.rows, 1e-5 * np.cos(7 * place), seen.variances)
+        belief = told(belief, seen.rows, np.full(1, 1e-5 * np.cos(7 * place)), seen.variances)
     return observation, belief
 
 

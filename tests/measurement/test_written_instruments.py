@@ -85,7 +85,7 @@ def plate(folder: Path) -> Path:
 
 def drawn(description: CampaignDescription, count: int = 8) -> tuple[Reading, ...]:
     """Return readings of a virtual machine at the places of a plan."""
-    places = placed(case_of(description), proposed(case_of(description), Limits(count), 300).plan)
+    places = placed(case_of(description), proposed(case_of(description), Limits(count), 300))
     machine = Simulator(description.machine, description.setups).drawn(3)
     return machine.measured(description.setups, places, [10.0 * n for n in range(len(places))], by_number(3))
 
@@ -187,7 +187,7 @@ def test_one_of_ours_written_again_gives_what_ours_gives(tmp_path: Path, name: s
     ours = replace(ours, setups=tuple(replace(setup, lacks=None) for setup in ours.setups))
     theirs = described(tmp_path, STRANGERS, f'{keys}approach = "+"\ninstrument = "own.py:{name}"\n')
     readings = drawn(ours, count)
-    plan = proposed(case_of(theirs), Limits(count), 300).plan
+    plan = proposed(case_of(theirs), Limits(count), 300)
     assert placed(case_of(theirs), plan) == tuple(reading.place for reading in readings)
     for some in (readings[:5], readings):
         mine, other = (estimated(case_of(each), some).printed.belief for each in (ours, theirs))

@@ -80,7 +80,7 @@ def test_three_readings_open_a_square() -> None:
 def test_two_places_at_least_are_read_from_both_sides_where_backlash_is_wanted() -> None:
     target: dict[str, Said] = {"readings": 12, "wants": ["positioning X", "backlash X", "backlash Y"]}
     of = Case(built_in(campaign_text("three-axis-mill", LASERS, target=target)))
-    places = placed(of, proposed(of, Limits.of(of.description.target), 200).plan)
+    places = placed(of, proposed(of, Limits.of(of.description.target), 200))
     assert len(places) == 12
     taken = blank_readings(of.description.setups, places)
     for row in known_rows(of, of.knowledge.read(taken), taken):

@@ -43,7 +43,7 @@ def case_of(target: str, above: str = "") -> Case:
 @cache
 def plan_of(target: str) -> tuple[Place, ...]:
     case = case_of(target)
-    return placed(case, proposed(case, Limits.of(case.description.target), 200).plan)
+    return placed(case, proposed(case, Limits.of(case.description.target), 200))
 
 
 def checked(case: Case, limits: Limits, plan: Within) -> tuple[Place, ...]:

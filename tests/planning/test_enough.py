@@ -142,6 +142,6 @@ def test_places_out_and_back_take_a_zero_that_comes_and_goes_for_a_curve(again: 
 def test_a_plan_ends_where_the_result_just_reaches_u() -> None:
     case = case_of(described('U = "20 um"', "XYZ"))
     limits = Limits.of(case.description.target)
-    places = placed(case, proposed(case, limits, FEW).plan)
+    places = placed(case, proposed(case, limits, FEW))
     assert reached_by(case, limits, places)
     assert not reached_by(case, limits.times(0.95), places)

@@ -85,7 +85,7 @@ def described(name: str, text: str) -> CampaignDescription:
 
 def plans(case: Case) -> list[tuple[Place, ...]]:
     """Return what is asked for at first, what while measuring, and what after some readings with a part of it left."""
-    first = placed(case, proposed(case, Limits(readings=_FEW), 60).plan)
+    first = placed(case, proposed(case, Limits(readings=_FEW), 60))
     coming = next_places(case, case.knowledge, ())
     taken = [_read(case, place) for place in coming[:2]]
     renewed = next_places(case, case.knowledge.read(taken), taken, left=coming[2:])

@@ -46,7 +46,7 @@ def test_readings_of_random_plans_come_to_lie_better(seed: int) -> None:
 
 def test_where_no_error_moves_the_tool_point_a_plan_is_made_and_its_readings_stay() -> None:
     """A table read alone: its tool point lies on its axis, and nothing that it does counts."""
-    plan = proposed(Case(on(TABLE, ALONE, target={"readings": 4})), Limits(4)).plan
+    plan = proposed(Case(on(TABLE, ALONE, target={"readings": 4})), Limits(4))
     assert len(plan.places) == 4
     assert plan.accuracy.rms == 0
 

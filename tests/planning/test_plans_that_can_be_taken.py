@@ -35,7 +35,7 @@ SIDES = {size: list(product((1, -1), repeat=size)) for size in (1, 2)}
 
 def planned(campaign: CampaignDescription, readings: int) -> tuple[Place, ...]:
     case = Case(campaign)
-    return placed(case, proposed(case, Limits(readings=readings), 300).plan)
+    return placed(case, proposed(case, Limits(readings=readings), 300))
 
 
 def test_a_plan_of_a_record_of_before_is_refused_with_the_keys_of_every_set_up() -> None:

@@ -50,7 +50,7 @@ def planned(machine: str, approach: str, driven: str) -> tuple[Case, Plan]:
     reach = reach_of(load_machine(machine))
     text = CAMPAIGN.format(machine=machine, approach=approach, reading="0.1 s", reach=reach, driven=driven)
     case = Case(campaign_from_texts(text, "c.toml", load_machine(machine).text, "m.toml"))
-    return case, proposed(case, Limits(readings=8), 100).plan
+    return case, proposed(case, Limits(readings=8), 100)
 
 
 def run(events: list[Event], machine: Machine) -> float:

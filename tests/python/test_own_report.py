@@ -1,9 +1,10 @@
-"""A machine that was made in Python has its report, too."""
+"""What the core knows has its report, of a machine of somebody's own as of any other."""
 
 from __future__ import annotations
 
 import csv
 import re
+import runpy
 import shutil
 import subprocess
 from pathlib import Path
@@ -74,6 +75,29 @@ def test_the_unknowns_are_a_table(known: ac.Known, tmp_path: Path) -> None:
         rows = [*csv.DictReader(file)]
     assert [row["name"] for row in rows] == [*known.names]
     assert [float(row["mean"]) for row in rows] == known.mean.tolist()
+
+
+def tracer() -> ac.Case:
+    """Return a mill that a tracer reads from where nobody knows to 50 mm."""
+    axes = [ac.Axis.linear(name, name.lower(), (0, "500 mm")) for name in "XYZ"]
+    errors = [ac.Error(f"E{c}{name}", "8 um", length="250 mm", knots=4) for name in "XYZ" for c in "XYZ"]
+    unknown = {"zero": "1 mm"} | dict.fromkeys(("station_x", "station_y", "station_z"), "50 mm")
+    unknown |= dict.fromkeys(("tool_x", "tool_y", "tool_z"), "0 mm")
+    bar = ac.BallBar("tracer", "XYZ", ("700 mm", "-200 mm", "100 mm"), unknowns=unknown, approach="+")
+    return ac.Case(ac.Machine(axes, errors), [bar], sure="exactly")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("machine", ["core_camera", "core_delta", "core_robot", "tracer"])
+def test_a_strangers_machine_goes_from_python_to_its_report(machine: str, tmp_path: Path) -> None:
+    example = Path(__file__).parents[2] / "examples" / f"{machine}.py"
+    case = tracer() if machine == "tracer" else runpy.run_path(str(example))["case"]
+    known = case.estimate(ac.Readings.simulated(case, case.lattice(40), seed=3))
+    assert known.rms < 0.7 * case.known(case.prior.mean, case.prior.covariance).rms
+    words = read_out(ac.report(known, tmp_path, title=machine))
+    assert [each for each in (machine, *case.setups, f"{1e6 * known.U:.3g}") if each not in words] == []
+    last = (tmp_path / "unknowns.csv").read_text(encoding="utf-8").splitlines()[-1]
+    assert last.startswith(f"{case.names[-1]},")
 
 
 def test_what_comes_from_no_readings_has_none(known: ac.Known, tmp_path: Path) -> None:

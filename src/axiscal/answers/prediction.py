@@ -21,7 +21,6 @@ from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.machine import Machine
-from axiscal_core.normal import Normal
 from axiscal_core.threads import one_thread
 
 _SLACK = 1e-9
@@ -47,15 +46,9 @@ def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path)
 
 
 def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
-    """Return mean and standard deviation (m, 3) of `tcp_normal`."""
-    found = tcp_normal(estimation, poses, approaches)
-    return found.mean, found.std
+    """Return mean and standard deviation of the TCP deviation, (m, 3) m, rests included; the mean by the exact chain.
 
-
-def tcp_normal(estimation: Estimation, poses: Array, approaches: Array) -> Normal:
-    """Return the TCP deviation at each pose (m, 3), m, rests included; the mean is by the exact chain.
-
-    poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the covariance
+    poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the deviation
     """
     errors, belief = estimation.case.errors, estimation.printed.belief
     root, levers = errors.rows_at(poses, approaches) @ belief.factor[: errors.size], errors.levers(poses)
@@ -68,28 +61,8 @@ def tcp_normal(estimation: Estimation, poses: Array, approaches: Array) -> Norma
             loose[k] += np.where(approaches[:, function.axis] == 0, square / 4, 0.0)
     mean = deviation_of(errors, belief.mean[: errors.size], poses, approaches).displacement
     beside = beside_the_line(estimation.case.description, estimation.readings, poses)
-    covariance = root @ root.swapaxes(1, 2) + np.einsum("kmi,km,kmj->mij", levers, loose, levers)
-    return Normal(mean, covariance + beside[:, :, None] ** 2 * np.eye(3))
-
-
-def tcp_joint(estimation: Estimation, poses: Array, approaches: Array) -> Normal:
-    """Return the TCP deviations of `tcp_normal` at all poses together: mean (3 m,) and covariance (3 m, 3 m).
-
-    Poses in one cell share its rest; what nobody described beside the line that was read is the same everywhere.
-    """
-    errors, belief = estimation.case.errors, estimation.printed.belief
-    alone, count = tcp_normal(estimation, poses, approaches), len(poses)
-    root = (errors.rows_at(poses, approaches) @ belief.factor[: errors.size]).reshape(3 * count, -1)
-    whole = (root @ root.T).reshape(count, 3, count, 3)
-    for term, lever in zip(errors.terms, errors.levers(poses), strict=True):
-        cells = term.cells(*term.at(poses)) if term.rest > 0 else np.arange(count)
-        loose = term.rest**2 * (cells[:, None] == cells)
-        whole += lever[:, :, None, None] * loose[:, None, :, None] * lever
-    beside = beside_the_line(estimation.case.description, estimation.readings, poses)
-    whole += beside[:, :, None, None] * np.eye(3)[:, None] * beside
-    every = np.arange(count)
-    whole[every, :, every] = alone.covariance
-    return Normal(alone.mean.ravel(), whole.reshape(3 * count, 3 * count))
+    variances = np.sum(root**2, axis=2) + np.einsum("kmi,km->mi", levers**2, loose) + beside**2
+    return mean, np.sqrt(variances)
 
 
 def pose_and_sides(

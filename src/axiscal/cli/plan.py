@@ -99,22 +99,21 @@ def plan(
         limits = few_more(limits)
     if (late := beyond_budget(case, limits)) is not None:
         tell_mind(late)
-    proposal = proposed(case, limits, candidates)
+    plan = proposed(case, limits, candidates)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
-        write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())
+        write_whole(picture, plan_picture(title, case.description, placed(case, plan)).encode())
     written = [] if picture is None else [str(picture)]
     if gcode is not None:
         out.mkdir(parents=True, exist_ok=True)
         machine, setups = case.description.machine, case.description.setups
-        count = len(write_programs(machine, setups, placed(case, proposal.plan), gcode, out, log))
+        count = len(write_programs(machine, setups, placed(case, plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    plan = proposal.plan
     buys = bought(case, plan.places, plan.seconds, candidates) if details or json else ()
-    answer = plan_answer(case, proposal, limits, buys, ends=ends)
+    answer = plan_answer(case, plan, limits, buys, ends=ends)
     if details and limits.accurate:
         with suppress(PlanError):
-            exact = proposed(case_of(as_exact(case.description)), limits, candidates).plan
+            exact = proposed(case_of(as_exact(case.description)), limits, candidates)
             answer = answer.model_copy(update={"certain_minutes": to_unit(exact.seconds, "min")})
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))

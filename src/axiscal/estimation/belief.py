@@ -1,9 +1,5 @@
 """The belief: the posterior over all coefficients, and how each reading changes it.
 
-    belief = Belief(mean, covariance)
-    belief = belief.update(rows, values, variances)
-    belief.predict(rows).std
-
 A belief is frozen: an update returns a new one.
 """
 
@@ -18,13 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from axiscal.exceptions import ShapeError
 from axiscal.numerics import Array, gaussian
-
-
-class Prediction(NamedTuple):
-    """Mean (m,) and standard deviation (m,) of linear combinations of the coefficients."""
-
-    mean: Array
-    std: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,16 +72,6 @@ class Belief:
         """The covariance C = F Fᵀ, (n, n)."""
         return self.factor @ self.factor.T
 
-    def update(self, rows: ArrayLike, values: ArrayLike, variances: ArrayLike) -> Belief:
-        """Return the belief after readings value_i = row_iᵀ A + v_i with independent v_i ~ N(0, variance_i).
-
-        rows : (m, n) or (n,); values, variances : (m,) or scalars; variances > 0
-        One reading, several, or all at once give the same posterior to rounding, in any order.
-        As a vector B&H eq. 31-33. Raises ShapeError.
-        """
-        table, read, noise = self._readings(rows, values, variances)
-        return self._updated(table, read, noise, np.zeros(len(read), dtype=np.intp))[0]
-
     def update_many(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Updated:
         """Return the belief after many updates, made all at once, with the innovations of each.
 
@@ -131,13 +110,6 @@ class Belief:
             raise ShapeError("The variance of a reading must be positive.")
         return table, read, noise
 
-    def predict(self, rows: ArrayLike) -> Prediction:
-        """Return mean and standard deviation of rowᵀ A for each row (B&H eq. 18-20).  rows : (m, n) or (n,)."""
-        table = np.atleast_2d(np.asarray(rows, dtype=float))
-        if table.ndim != 2 or table.shape[1] != self.size or not np.all(np.isfinite(table)):
-            raise ShapeError(f"Finite rows of {self.size} coefficients expected, got shape {table.shape}.")
-        return Prediction(table @ self.mean, np.linalg.norm(table @ self.factor, axis=1))
-
     def extended(self, variances: ArrayLike) -> Belief:
         """Return the belief with independent zero-mean variables appended.  variances : (k,) >= 0.
 
@@ -159,13 +131,6 @@ class Belief:
         spare = len(kept) - felt.shape[1]
         root = np.pad(felt, ((0, 0), (0, spare))) if spare >= 0 else np.asarray(np.linalg.qr(felt.T, mode="r")).T
         return _fill(Belief.__new__(Belief), self.mean[kept], root, self.degrees)
-
-    def sample(self, generator: np.random.Generator, count: int) -> Array:
-        """Return draws from the belief, a normal density (B&H eq. 16) or a t: (count, n)."""
-        drawn = generator.standard_normal((count, self.size)) @ self.factor.T
-        if not math.isinf(self.degrees):
-            drawn *= np.sqrt((self.degrees - 2) / generator.chisquare(self.degrees, (count, 1)))
-        return self.mean + drawn
 
 
 def _fill(belief: Belief, mean: Array, root: Array, degrees: float) -> Belief:

@@ -128,7 +128,9 @@ class Estimation:
         rests = rest_means(errors, {} if found is None else found.cells)
         place = description.target.volume, grid, rests, yardstick.sample, yardstick.alignment, yardstick.counted
         used = [each for index, each in enumerate(self.readings) if index not in self.left_out]
-        read = where_read(description.machine, description.setups, used)
+        mounted = [(description.setup(each.setup), each.pose) for each in used]
+        mounted += [(setup, setup.start) for setup, _ in mounted if setup.start is not None]
+        read = where_read(description.machine, [(setup.moves, pose) for setup, pose in mounted])
         rows = rows_served(description, used)
         told = [pair for each in rows for pair in each.pairs(description.machine) if self._tells(each)]
         open_yet = self.of_readings.factor[: errors.size]

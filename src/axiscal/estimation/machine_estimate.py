@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import NamedTuple
@@ -171,16 +171,14 @@ def rest_means(errors: Machine, cells: Mapping[tuple[int, int], float]) -> Mappi
     return MappingProxyType(found)
 
 
-def where_read(machine: Machine, setups: Sequence[Setup], readings: Sequence[Reading]) -> Box:
+def where_read(machine: Machine, read: Iterable[tuple[Sequence[int], Sequence[float]]]) -> Box:
     """Return from where to where each axis was read while it moved: all its travel where that is no stretch of it.
 
-    An axis that goes round and round is read all around.
+    An axis that goes round and round is read all around.  read : which axes moved, and the pose, of each reading
     """
-    mounted, found = {setup.name: setup for setup in setups}, list[tuple[float, float]]()
-    read = [(mounted[reading.setup], reading.pose) for reading in readings]
-    read += [(setup, setup.start) for setup, _ in read if setup.start is not None]
+    moved, found = [*read], list[tuple[float, float]]()
     for k, axis in enumerate(machine.axes):
-        at = [pose[k] for setup, pose in read if k in setup.moves] or [0.0]
+        at = [pose[k] for moves, pose in moved if k in moves] or [0.0]
         found.append(axis.travel if axis.cyclic or max(at) - min(at) <= _SAME else (min(at), max(at)))
     return tuple(found)
 

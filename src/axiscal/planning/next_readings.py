@@ -89,17 +89,16 @@ def reaching(
     believed: Sequence[Reading] = (),
     gaps: Sequence[Gap] = (),
     left: Sequence[Place] = (),
-    kept: Sequence[Place] = (),
 ) -> tuple[Place, ...]:
     """Return the readings to come that reach limits, checks among them; arguments as of `planned_places`.
 
-    heeded : limits that a search heeds for them; kept : places that are read anyway
+    heeded : limits that a search heeds for them
     """
 
     def beside(among: Task, within: Limits, left: Sequence[Place], checks: Sequence[Place]) -> tuple[Place, ...]:
         most = [each for each in (heeded.readings, within.readings) if each is not None]
         search = replace(heeded, readings=min(most, default=None), budget=within.budget)
-        return planned_places(case, among, search, readings, gaps, left, believed, (*kept, *checks))
+        return planned_places(case, among, search, readings, gaps, left, believed, checks)
 
     return with_checks(case, task, limits, readings, left, beside)
 
@@ -121,10 +120,9 @@ def _chosen(
 
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
-    """Return the places of a plan, each with room to come to it from its side; kept ones stay where they are."""
-    pairs = zip(with_rooms(case, plan.places), plan.places.listed(case.description.setups), strict=True)
-    chosen = [stated if index in plan.kept else found for index, (found, stated) in enumerate(pairs)]
-    return tuple(replace(place, check=index in plan.checks) for index, place in enumerate(chosen))
+    """Return the places of a plan, each with room to come to it from its side."""
+    places = enumerate(with_rooms(case, plan.places))
+    return tuple(replace(place, check=index in plan.checks) for index, place in places)
 
 
 def posed(
@@ -132,18 +130,18 @@ def posed(
     knowledge: Knowledge,
     gaps: Sequence[Gap] = (),
     readings: Sequence[Reading] = (),
-    candidates: int | Places = CANDIDATES,
+    candidates: int = CANDIDATES,
 ) -> Task:
     """Return what is to be planned: the belief so far, and candidates outside the gaps.
 
-    candidates : how many, or which
+    candidates : how many
     """
     refuse_lacking(case)
     machine, setups, here = case.description.machine, case.description.setups, None
     if readings:
         last = readings[-1]
         here = Places.one(case.index(last.setup), np.array(last.pose), np.zeros(len(last.pose)))
-    lattice = candidates if isinstance(candidates, Places) else spread(machine, setups, candidates)
+    lattice = spread(machine, setups, candidates)
     keep = np.ones(len(lattice), dtype=bool)
     for setup in np.unique(lattice.setups):
         mine = lattice.setups == setup
@@ -155,7 +153,6 @@ def posed(
         case.yardstick,
         lattice.within(keep),
         here,
-        named=isinstance(candidates, Places),
     )
 
 

@@ -6,32 +6,28 @@ Before the first reading it is tested whether the set-ups can reach the target a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import expanded, known_to
-from axiscal.estimation.accuracy.yardstick import Root
 from axiscal.estimation.case import Case
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.reading import Place, Places, Reading
+from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.travel import reading_seconds
-from axiscal.planning.enough import enough, goal_of, reached
+from axiscal.planning.enough import enough, reached
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, posed, reaching
 from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.minutes import stretched
-from axiscal.planning.plan.order import in_order, inserted, seconds_along
-from axiscal.planning.plan.plan import MANY, Plan, judged, make_plan
+from axiscal.planning.plan.plan import MANY, Plan, judged
 from axiscal.planning.plan.run import first_seconds
-from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.unseen import hidden_of
 from axiscal.units import format_quantity, said_quantity, to_unit
@@ -130,100 +126,18 @@ def _what_helps(case: Case, target: Target) -> str:
     return said("{helps} What cannot be seen: {hidden}", helps=helps, hidden=hidden)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Proposal:
-    """A plan.  criterion : what J is, where it is not the target's"""
-
-    plan: Plan
-    criterion: str | None = None
-
-
-class SoFar(NamedTuple):
-    """What a plan goes on from.  knowledge : after the readings, which are believed and have their times"""
-
-    knowledge: Knowledge
-    readings: Sequence[Reading] = ()
-
-
-class OwnCriterion(NamedTuple):
-    """Another criterion than the target's.  name : as answers call it; root : V"""
-
-    name: str
-    root: Root
-
-
-class _Order(NamedTuple):
-    """Readings in their order.  checks, kept : indices of those drawn at random, and of those taken anyway"""
-
-    places: Places
-    checks: frozenset[int] = frozenset()
-    kept: frozenset[int] = frozenset()
-
-
-def _with_kept(task: Task, limits: Limits, kept: Places, coming: Callable[[Task, Limits], _Order]) -> _Order:
-    """Return the readings to come with those at places that are kept, within the limits.  Raises PlanError.
-
-    coming : the others, of a task that has the kept ones beside it
-    """
-    if not len(kept):
-        return coming(task, limits)
-    own, many, budget = in_order(task, kept), limits.readings, limits.budget
-    spent = seconds_along(task, own)
-    if budget is not None and spent > budget:
-        what = "the places to keep take {needed:.3g} min of the {given:.3g} min there are"
-        raise PlanError(what, "Keep fewer, or allow more time", needed=spent / 60, given=budget / 60)
-    beside = replace(task, beside=kept, here=own.single(len(own) - 1))  # their last set-up is mounted
-    left = replace(limits, readings=many and many - len(kept), budget=budget and budget - spent)
-    fits = left.budget is None or left.budget >= min(first_seconds(beside).values())
-    none = _Order(kept.within(slice(0, 0)))
-    return _put_among(task, coming(beside, left) if fits and left.readings != 0 else none, kept)
-
-
-def _put_among(task: Task, order: _Order, kept: Places) -> _Order:
-    """Return readings with kept ones, each where it costs least time; those of other set-ups come last."""
-    here = [] if task.here is None else task.here.setups.tolist()
-    among = np.isin(kept.setups, [*order.places.setups.tolist(), *here])
-    whole = Places.joined([order.places, in_order(task, kept.within(~among))])
-    places, more = inserted(task, whole, kept.within(among))
-    first = np.flatnonzero(~more)
-    stay = {*np.flatnonzero(more).tolist(), *first[len(order.places) :].tolist()}
-    return _Order(places, frozenset(first[[*order.checks]].tolist()), frozenset(stay))
-
-
 @one_thread()
-def proposed(
-    case: Case,
-    limits: Limits,
-    candidates: int | Places = CANDIDATES,
-    so_far: SoFar | None = None,
-    criterion: OwnCriterion | None = None,
-    kept: Sequence[Place] = (),
-) -> Proposal:
-    """Return a plan of the readings to come.  Raises PlanError, DescriptionError.
+def proposed(case: Case, limits: Limits, candidates: int = CANDIDATES) -> Plan:
+    """Return a plan of the readings to come, from the beginning.  Raises PlanError, DescriptionError.
 
     Places and order are those that a campaign asks for that goes on with these limits.
-    candidates : how many places to choose from, or these alone
-    so_far : None from the beginning; criterion : None for the target's; kept : places that are read anyway
+    candidates : how many places to choose from
     """
     refuse_unmade(case)
-    knowledge, readings = so_far or SoFar(case.knowledge)
-    task = posed(case, knowledge, readings=readings, candidates=candidates)
-    task = task if criterion is None else replace(task, root=criterion.root)
-    heeded = enough(case, limits, readings)
-
-    def coming(task: Task, within: Limits) -> _Order:
-        if isinstance(candidates, Places):
-            search = replace(heeded, readings=within.readings, budget=within.budget)
-            goal = goal_of(case, task, search, readings, readings, checks=kept)
-            return _Order(make_plan(task, search, goal=goal, patience=0.0).places)
-        places = reaching(case, task, within, heeded, readings, readings, kept=kept)
-        checks = frozenset(i for i, place in enumerate(places) if place.check)
-        return _Order(places_of(case.description.setups, places), checks)
-
-    order = _with_kept(task, limits, places_of(case.description.setups, kept), coming)
-    plan = judged(task, order.places)
-    named = None if criterion is None else criterion.name
-    return Proposal(replace(plan, checks=order.checks, kept=order.kept), criterion=named)
+    task = posed(case, case.knowledge, candidates=candidates)
+    places = reaching(case, task, limits, enough(case, limits))
+    checks = frozenset(i for i, place in enumerate(places) if place.check)
+    return replace(judged(task, places_of(case.description.setups, places)), checks=checks)
 
 
 class Bought(NamedTuple):

@@ -29,14 +29,14 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
-from axiscal.measurement.reading import Place, Reading, shown_approach, shown_pose
+from axiscal.measurement.reading import Place, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.planning.helping import helping_setups
 from axiscal.planning.next_readings import FEW_CANDIDATES, placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import Blank, alike, blank_problem, unseen_parts
-from axiscal.planning.proposal import Bought, Proposal, bought
+from axiscal.planning.proposal import Bought, bought
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
 
@@ -91,24 +91,23 @@ class PlanAnswer(PlannedAnswer):
 @one_thread()
 def plan_answer(
     case: Case,
-    proposal: Proposal,
+    plan: Plan,
     limits: Limits,
     buys: Sequence[Bought] = (),
     *,
     ends: bool = True,
-    before: Sequence[Reading] = (),
 ) -> PlanAnswer:
     """Return the document of a plan that was made within limits.
 
-    buys : what other minutes buy; ends : whether the campaign says when it ends; before : readings so far
+    buys : what other minutes buy; ends : whether the campaign says when it ends
     """
-    plan, places = proposal.plan, placed(case, proposal.plan)
+    places = placed(case, plan)
     begin: list[StepCode] = ["start"] if ends else ["target", "start"]
     passed = [0.0, *(reading.seconds for reading in plan.readings)]
-    answer = _planned(case, places, passed.__getitem__, limits, begin, before)
+    answer = _planned(case, places, passed.__getitem__, limits, begin)
     return PlanAnswer(
         **{**dict(answer), "bought": _bought(buys)},
-        criterion=proposal.criterion or case.description.target.criterion,
+        criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},
         rms_um=to_unit(plan.accuracy.rms, "um"),
@@ -153,10 +152,9 @@ def _planned(
     passed: Callable[[int], float],
     limits: Limits,
     steps: Sequence[StepCode],
-    before: Sequence[Reading] = (),
 ) -> PlannedAnswer:
-    """Return what is known after readings at places.  passed : seconds after so many of them; before : others"""
-    readings = [*before, *blank_readings(case.description.setups, places)]
+    """Return what is known after readings at places.  passed : seconds after so many of them"""
+    readings = blank_readings(case.description.setups, places)
     blank = blank_problem(case, readings) if readings else None
     known = case.knowledge if blank is None else blank.knowledge
     rows = known_rows(case, known, readings)

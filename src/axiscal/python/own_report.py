@@ -1,4 +1,4 @@
-"""The report of a machine that was made in Python: what the core knows of it, as a PDF, and its unknowns as a table."""
+"""The report of what the core knows of a machine, as a PDF, and its unknowns as a table."""
 
 from __future__ import annotations
 
@@ -20,13 +20,11 @@ from axiscal.present.drawing.svg_picture import paper_svg
 from axiscal.present.rendering import PANEL, kept_in, printed, template
 from axiscal.present.sentences import as_read, figure, heading_in, position_text, quantity, values_text, with_band
 from axiscal.present.whose_language import named_language
-from axiscal.python.estimated import Curve
+from axiscal.python.curve_pictures import DrawnCurve, drawn
 from axiscal.units import to_unit
 from axiscal_core import refusals
 from axiscal_core.errors import Offset
 from axiscal_core.known import Known
-from axiscal_core.model import Model
-from axiscal_core.normal import Normal
 from axiscal_core.places import Readings
 from axiscal_core.refusals import named, one, one_of
 from axiscal_core.terms import Term
@@ -44,8 +42,7 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
     title : the name of the machine; language : "en" or "de", AXISCAL_LANGUAGE or English where it is not said
     Raises axiscal_core.InputError where nothing was read, InputError for another language, OSError.
     """
-    of = "`case.estimate(readings)` of a machine made in Python; that of `load_machine` has `report`"
-    one("report", "known", known, Known, of)
+    one("report", "known", known, Known, "what `case.estimate` returns")
     one("report", "folder", folder, (str, Path), 'such as "report"')
     named("report", "title", title)
     if language is not None:
@@ -69,13 +66,12 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
 
 def _filled(known: Known, readings: Readings, told: dict[str, Any], folder: Path) -> str:
     """Return the report as typst sets it; its pictures are written into a folder."""
-    kept, normal = kept_in(folder), known.normal
-    drawn = (term for term in known.case.machine.curves if term.spline.size > 1)
-    curves = [_curve(known.case, term, normal) for term in drawn]
+    kept, normal, machine = kept_in(folder), known.normal, known.case.machine
+    curves = [drawn(machine, term, normal) for term in machine.curves if term.spline.size > 1]
     values = {
         "figures": _figures(known),
         "sentences": [*_sentences(known)],
-        "curves": [(each.name, kept(paper_svg(each.line(), PANEL))) for each in curves],
+        "curves": [(each.name, kept(paper_svg(each.figure(), PANEL))) for each in curves],
         "found": [[said("error"), said("estimate, ± 95 %"), said("before, 95 %")], *_found(known)],
         "instruments": _instruments(known),
         "readings": _rows(known, readings),
@@ -110,16 +106,6 @@ def _sentences(known: Known) -> Iterator[str]:
         yield said("Sizes that much larger contradict what is stated: look at the unit of the readings first.")
 
 
-def _curve(case: Model, term: Term, known: Normal) -> Curve:
-    """Return a curve as it is drawn.  known : of the unknowns, now or before"""
-    axis, columns = case.machine.axes[term.axis], term.columns
-    normal = Normal(known.mean[columns], known.covariance[columns, columns])
-    curve = Curve.of(term.spline, normal, axis.of)
-    curve.name, curve.rest, curve.position_unit = term.name, term.rest, "deg" if axis.rotary else "mm"
-    curve.unit = UNITS[_unit(term)]
-    return curve
-
-
 def _unit(term: object) -> str:
     """Return "m" or "rad", what a number of an error is; "" of a basis of one's own, which does not say."""
     if isinstance(term, Term):
@@ -137,7 +123,7 @@ def _found(known: Known) -> Iterator[list[str]]:
     for term in machine.parts:
         unit, columns = _unit(term), term.columns
         if (count := columns.stop - columns.start) > 1 and isinstance(term, Term) and not term.error.sides:
-            yield _range(*(_curve(known.case, term, each) for each in both))
+            yield _range(*(drawn(machine, term, each) for each in both))
             continue
         for i in range(columns.start, columns.stop):
             name = term.name if count == 1 else known.names[i]
@@ -149,11 +135,11 @@ def _found(known: Known) -> Iterator[list[str]]:
             yield _line(known.names[i], known.mean[i], now[i], before[i], of[0] if len(of) == 1 else "")
 
 
-def _range(now: Curve, before: Curve) -> list[str]:
+def _range(now: DrawnCurve, before: DrawnCurve) -> list[str]:
     """Return the row of a curve: from where to where it goes, ± 95 % on average along the axis, now and before."""
-    values = to_unit(now(now.drawn_at).mean, now.unit)
+    values = to_unit(now.mean, now.unit)
     low, high = (quantity(float(end), now.unit) for end in (values.min(), values.max()))
-    half, prior = (BAND * to_unit(each.rms, now.unit) for each in (now, before))
+    half, prior = (BAND * to_unit(float(np.sqrt(np.mean(each.std**2))), now.unit) for each in (now, before))
     found = said("{low} to {high}", low=low, high=high)
     return [now.name, f"{found} ± {figure(half)}", f"± {quantity(prior, now.unit)}"]
 

@@ -1,7 +1,6 @@
 """Instruments that somebody wrote: a class derived from `axiscal_core.Instrument` is a kind like ours.
 
 A campaign names it as `file.py:Class`, by the path from campaign.toml, or by the name that a package gave it.
-Python names the class itself, and the campaign that is made of it the module in which it stands.
 Numbers that are not equally noisy are multiplied by σ₁/σᵢ within estimates and plans, so that one noise is that of all.
 """
 
@@ -99,25 +98,13 @@ class Foreign(Kind):
         return name
 
 
-_AT_HAND = dict[str, type[Seeing]]()
-"""Classes that Python gave, by the name that their campaigns have for them."""
-
-
-def name_of(made: type[Seeing]) -> str:
-    """Return how a campaign of this process names a class; of two of one name the later one counts."""
-    name = f"{made.__module__}.{made.__qualname__}"
-    _AT_HAND[name] = made
-    return name
-
-
 def named(text: str, file: Path, line: int | None, *, own: bool) -> Instrument | None:
     """Return the instrument that a campaign calls so, None where nobody brings one; raises DescriptionError, PortError.
 
     file, line : where it is named; own : by who reads it. Raises CodeError for code that nobody has said yes to.
     """
     module, _, name = text.rpartition(":")
-    at_hand = _AT_HAND.get(text)
-    found = getattr(_module(file.parent, module, own), name, None) if module else at_hand or one_of(PORTS, text)
+    found = getattr(_module(file.parent, module, own), name, None) if module else one_of(PORTS, text)
     if found is None and not module:
         return None
     if not (isinstance(found, type) and issubclass(found, Seeing)):

@@ -181,7 +181,7 @@ class Plan:
     places : from the sides from which the machine comes to them; readings : what each of them leaves
     value : J after the last; before : the accuracy now
     bound : RMS that no plan of as many readings can beat, m; None where it is below half of this one's
-    checks, kept : indices of readings that were drawn at random, and of those that are taken anyway
+    checks : indices of readings that were drawn at random
     """
 
     places: Places
@@ -190,7 +190,6 @@ class Plan:
     before: Accuracy
     bound: float | None
     checks: frozenset[int] = frozenset()
-    kept: frozenset[int] = frozenset()
 
     @property
     def accuracy(self) -> Accuracy:
@@ -289,8 +288,7 @@ def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
         return tried[0]
     counts = [(s, int(np.sum(tried[0].places.setups == s))) for s in setups]
     random = best_of_random(task, counts, work)
-    plain = [] if task.named else plain_designs(task, counts)  # their places are off the lattice
-    for begun in [*plain, *([] if random is None else [random])]:
+    for begun in [*plain_designs(task, counts), *([] if random is None else [random])]:
         scores = base.fork()
         scores.enter_all(begun)
         tried.append(scores)

@@ -39,7 +39,6 @@ class Task:
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
     beside : places of readings that will be taken, whatever is planned
     patience : operations that climbing off the lattice may take; 0 for figures alone, within a second
-    named : whether readings stand at candidates alone, which somebody named
     """
 
     observation: Observation
@@ -50,7 +49,6 @@ class Task:
     here: Places | None = None
     beside: Places | None = None
     patience: float = PATIENCE
-    named: bool = False
 
     @property
     def coarse(self) -> Task:
