@@ -19,10 +19,8 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place
 from axiscal.present.found_and_left import found_and_left
 from axiscal.present.machine_drawing.setup_picture import machine_scene, plan_picture
-from axiscal.present.rendering import render
 from tests.docs.howtos import DOCS, written
 from tests.present.test_found_and_left import _volume
-from tests.present.test_page import five_axis_summary
 
 FILE = Path(__file__).with_suffix(".json")
 _ELEMENT = re.compile(r"<(path|circle|rect|text|polyline|polygon)\b([^>]*)>")
@@ -104,14 +102,11 @@ def figures(picture: str) -> Figures:
 
 
 def pictures(campaigns: list[Placed]) -> dict[str, Figures]:
-    """Return all of them: machines alone, plans of campaigns, and a report."""
+    """Return all of them: machines alone, plans of campaigns, and bent volumes."""
     found = {f"{n} {each.chain}": machine_scene(each).svg(400.0, 300.0) for n, each in enumerate(MACHINES)}
     found |= {name: plan_picture(of.machine.name, of, places, (1400.0,)) for name, of, places in campaigns}
     _, of, places = max(campaigns, key=lambda each: len(each[1].setups))
     found["at every width"] = plan_picture(of.machine.name, of, places)
-    page = render(five_axis_summary(12))
-    for n, part in enumerate(page[: page.index("<script>")].split('class="picture"')):
-        found[f"report {n}"] = part
     found |= {f"bent {name}": found_and_left(_volume(load_machine(name)), 1110.0) for name in builtin_names()}
     return {name: figures(picture) for name, picture in found.items()}
 

@@ -15,15 +15,15 @@ from axiscal.present.summary import (
     CurveSummary,
     HistoryRow,
 )
-from tests.present.test_edges import _bare
+from tests.generators.summaries import bare
 
 CURVE = CurveSummary(
     "EXX", "X", "words", [0.0, 1 / 3], [1.23456789, -0.0], [2.0, 2.5], [1.0, 1.0], [9.0, 9.0], "mm", "um"
 )
 READ = HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2, reason="too far off")
-SUMMARY = _bare(
+SUMMARY = bare(
     unseen_rms_um=0.5,
-    history=[*_bare().history, READ],
+    history=[*bare().history, READ],
     curves=[CURVE],
     reversals=[replace(CURVE, name="EXX_reversal")],
 )

@@ -12,8 +12,8 @@ from axiscal.present.statement import statement
 from axiscal.present.summarising import budget_rows
 from axiscal.present.summary import WORTH, BudgetRow
 from tests.generators.laser_axis import CASE, machine, read
+from tests.generators.summaries import five_axis_summary
 from tests.golden.surfaces import redone
-from tests.present.test_page import five_axis_summary
 
 
 def test_sources_with_a_row_and_those_without_add_up() -> None:

@@ -71,7 +71,7 @@ def tell_details(summary: Summary, out: Path) -> None:
     """Print the statement of uncertainty, where the files are, what each control's leave, and all warnings."""
     for line in statement(resaid(summary)).lines:
         say(line)
-    names = ["report.html", "report.pdf", "result.json", *([] if summary.answer.withheld else ["tables"])]
+    names = ["report.pdf", "result.json", *([] if summary.answer.withheld else ["tables"])]
     say(said("Files: {files}", files=", ".join(str(out / name) for name in names)))
     for offer in summary.tables:
         say(_offered(offer))

@@ -1,7 +1,4 @@
-"""The report: a page and a PDF that carry everything they need.
-
-Neither asks the network for anything, and the PDF for no font of the system.
-"""
+"""The report as a PDF that carries everything it needs, and no font of the system."""
 
 from __future__ import annotations
 
@@ -26,15 +23,13 @@ from axiscal.present.drawing.svg_picture import (
     axis_style,
     band,
     finite_range,
-    for_widths,
     layout,
     line_trace,
     paper_svg,
-    shown,
 )
 from axiscal.present.found_and_left import found_and_left
 from axiscal.present.result_document import listed
-from axiscal.present.sentences import U_OF_TABLES, UNSAID, axis_unit, environment, figure, inlined, quantity, unit_text
+from axiscal.present.sentences import U_OF_TABLES, UNSAID, axis_unit, environment, figure, quantity, unit_text
 from axiscal.present.statement import answered, statement
 from axiscal.present.summary import CurveSummary, HistoryRow, Summary
 from axiscal.present.volume_error import PlaneSummary
@@ -43,23 +38,8 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 
-def render(summary: Summary) -> str:
-    """Return the report as one self-contained HTML page in the language that is spoken.
-
-    Raises SummaryError for figures that are not finite.
-    """
-    summary = resaid(summary)
-    drawn = {
-        "draw": shown,
-        "picture": "" if (bent := summary.bent) is None else for_widths(lambda width: found_and_left(bent, width)),
-        "code": Markup("<code>{}</code>").format,
-    }
-    page = template("report.html").render(report_values(summary) | drawn | inlined())
-    return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
-
-
 def report_values(summary: Summary) -> dict[str, Any]:
-    """Return what both reports, the page and the PDF, are filled with, in the language that is spoken."""
+    """Return what the report is filled with, in the language that is spoken."""
     listed_rows, others_words = listed(summary)
     first_number = said("A reading with several numbers shows the first of them.")
     return {
@@ -74,10 +54,8 @@ def report_values(summary: Summary) -> dict[str, Any]:
         "u_of_tables": said(U_OF_TABLES),
         "volume_words": sentences.volume_words(summary),
         "first_number": first_number if any(row.others for row in summary.history) else "",
-        "before": [row for row in summary.history if not row.position],
         "listed_rows": listed_rows,
         "others_words": others_words,
-        "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
     }
 
 
@@ -301,5 +279,5 @@ def _set(file: Path, moment: int) -> bytes:
         except typst.TypstError as failure:
             reason = str(failure).splitlines()[0][:200]
     what = "report.pdf could not be set: {reason}"
-    remedy = "report.html beside it says the same; please report this defect of axiscal"
+    remedy = "result.json beside it says the same; please report this defect of axiscal"
     raise PrintingError(what, remedy, reason=reason)

@@ -1,24 +1,17 @@
-"""Figures and sentences of the report as text, and the templates that lay them out.
-
-Nothing here is markup but what a page carries inside itself, scripts and styles: it asks the network for nothing.
-"""
+"""Figures and sentences of the report as text, and the templates that lay them out."""
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import math
 import re
 from collections.abc import Callable, Collection, Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import WORDS, capital, counted, decimals, joined, later, said, spoken_now
-from axiscal.present.drawing.strokes import static_text
 from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary
 
 if TYPE_CHECKING:
@@ -217,7 +210,7 @@ def cause_words(name: str, owner: str) -> str:
 
 
 def environment(written: Callable[[object], object] | None = None) -> Environment:
-    """Return what renders templates, which may extend `standalone.html`.
+    """Return what renders templates.
 
     A name that has no value is a fault, and no value is markup. All functions here are filters.
     written : how a value is written, as markup, in a template that is not HTML
@@ -234,31 +227,5 @@ def environment(written: Callable[[object], object] | None = None) -> Environmen
         lstrip_blocks=True,
     )
     made.filters |= {name: each for name, each in globals().items() if callable(each)} | {"capital": capital}
-    made.globals |= {"said": said, "counted": counted, "rich": _rich, "language": spoken_now}
+    made.globals |= {"said": said, "counted": counted, "language": spoken_now}
     return made
-
-
-def _rich(message: str, **values: str) -> Markup:
-    """Return a message with markup among its values: what is no markup is made safe, the message as well."""
-    words = said(message, **{name: f"{{{name}}}" for name in values})
-    return Markup(escape(words)).format(**values)
-
-
-def inlined() -> dict[str, Any]:
-    """Return what a template needs beside its own values: `css`, `scripts`, and the `policy` that allows just these."""
-    scripts = [static_text("report.js")]
-    return {
-        "css": Markup(static_text("report.css")),
-        "scripts": [Markup(s) for s in scripts],
-        "policy": policy(scripts),
-    }
-
-
-def policy(scripts: Iterable[str]) -> str:
-    """Return a content security policy under which these scripts run, and nothing else runs or is fetched."""
-    digests = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii") for script in scripts)
-    hashes = " ".join(f"'sha256-{digest}'" for digest in digests)
-    return (
-        f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; "
-        "base-uri 'none'; form-action 'none'"
-    )

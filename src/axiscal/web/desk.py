@@ -220,7 +220,7 @@ class Desk:
         self._version += 1
         question, ended, trouble = self._asked()
         campaign, state, results, answer = self.campaign, self.campaign.state, self.results, self._answer
-        written = state.finished is not None and (results / "report.html").is_file()
+        written = state.finished is not None and (results / "report.pdf").is_file()
         overtaken = ended is not None and self._answers != self._stands  # it would contradict what ended it
         return StateShape(
             version=self._version,

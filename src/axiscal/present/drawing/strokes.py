@@ -10,9 +10,11 @@ import itertools
 import math
 import re
 import struct
+import tomllib
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from html import escape
 from importlib import resources
 
@@ -251,27 +253,21 @@ ColourScale = Sequence[tuple[float, str]]
 
 _FINER = 4
 """Pixels of a map for each of its values along each side: the browser smooths the rest."""
-_VARIABLE = re.compile(r'(?<==")var\((--[a-z-]+)\)(?=")')
+_VARIABLE = re.compile(r'(?<==")var\(--([a-z-]+)\)(?=")')
 """As the value of an attribute; quotes in words are escaped, so that none of them is one."""
 
-_COLOUR = re.compile(r"(--[a-z-]+): ([^;]+);")
-"""As the style sheet of pages sets a variable."""
 
-
-def static_text(name: str) -> str:
-    """Return a text file of what pages carry inside themselves."""
-    return resources.files("axiscal.present").joinpath("static", name).read_text(encoding="utf-8")
-
-
-def page_colours() -> tuple[dict[str, str], dict[str, str]]:
-    """Return the variables of pages by their style sheet, as they are on paper, and on a dark screen."""
-    light, dark, *_, printed = (dict(_COLOUR.findall(part)) for part in static_text("report.css").split("@media"))
-    return light | printed, dark
+@cache
+def page_colours() -> tuple[Mapping[str, str], Mapping[str, str]]:
+    """Return the colours of pictures by name, as they are on paper, and on a dark screen."""
+    text = resources.files("axiscal.present.drawing").joinpath("colours.toml").read_text(encoding="utf-8")
+    colours = tomllib.loads(text)
+    return colours["light"], colours["dark"]
 
 
 def variables(svg: str, values: Mapping[str, str]) -> str:
     """Return values of the variables that a picture names, as CSS."""
-    return "".join(f"{name}:{value};" for name, value in values.items() if f"var({name})" in svg)
+    return "".join(f"--{name}:{value};" for name, value in values.items() if f"var(--{name})" in svg)
 
 
 def on_paper(svg: str) -> str:

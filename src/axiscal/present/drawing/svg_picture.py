@@ -2,19 +2,15 @@
 
 A figure is a plain dict: `data`, a list of traces, and `layout`. The names in both are those of plotly's schema; the
 code below reads a part of it. Colours are CSS variables, which the page or `on_paper` resolves.
-
-A page has it as one SVG, or as one for each width of screen, of which the page shows one.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
-
-from markupsafe import Markup
 
 from axiscal.answers.answer import rounded
 from axiscal.language.spoken import decimals
@@ -249,23 +245,6 @@ FONT = "Libertinus Serif"
 
 _LOWER = 0.75
 """Share of the height on a screen that a picture has on paper; a matter of taste."""
-
-_PANEL = 360
-"""Pixels: a third of a page on a screen, and the whole of a telephone's."""
-WIDTHS = {"large": 1110, "medium": 700, "small": 360}
-"""Pixels that a picture as wide as its page has on a screen, on a tablet and on paper, and on a telephone."""
-
-
-def shown(figure: Figure, label: str) -> Markup:
-    """Return a figure as markup.  label : what it shows, for people who hear the page"""
-    if not figure.get("wide"):
-        return Markup(picture(figure, _PANEL, label))
-    return for_widths(lambda width: picture(figure, width, label))
-
-
-def for_widths(drawn: Callable[[int], str]) -> Markup:
-    """Return a picture as markup: one for each width of screen, of which the page shows one."""
-    return Markup("".join(f'<div class="at-{name}">{drawn(width)}</div>' for name, width in WIDTHS.items()))
 
 
 def paper_svg(figure: Figure, width: int) -> str:

@@ -1,0 +1,179 @@
+"""A summary such as a five-axis campaign has, a bare one, and one whose every text is an attack."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from axiscal.answers.answer import NextStep, ResultAnswer
+from axiscal.description.target import rows_of
+from axiscal.errors.iso230 import words
+from axiscal.estimation.promise.agreement import Agreement
+from axiscal.machine import load_machine
+from axiscal.present.summary import (
+    ConstantSummary,
+    CurvePoint,
+    CurveSummary,
+    Finding,
+    HistoryRow,
+    Iso230,
+    SetupUse,
+    Summary,
+    TableOffer,
+    Uncertainty,
+)
+from tests.generators.answers import aim, answer, answer_row
+
+TRAVEL = {"C": (0.0, 360.0), "B": (-30.0, 110.0), "Y": (0.0, 500.0), "X": (0.0, 600.0), "Z": (0.0, 500.0)}
+HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'`&{{ 7*7 }}\u2028javascript:alert(3)"
+EXPANDED = Uncertainty(23.4, (11.0, 12.0, 13.0), 51.0, 1.65, "for a tool of 120 mm")
+CONTRADICT = "The readings contradict each other (p = 1e-09)"
+AT_ODDS: dict[str, Any] = {"agreement": Agreement(24, 11, 80.0, 1e-9), "agreement_words": CONTRADICT}
+
+
+def bare(**changes: Any) -> Summary:
+    first = HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)
+    figures = 0, 0.0, 14.2, 31.0, 0.0, [first], EXPANDED, answer(verdict="nothing", readings=0, compared=0, minutes=0.0)
+    empty = Summary("t", "m", "", "c.toml", "2026-03-14", [], "nothing measured", *figures)
+    return replace(empty, **changes)
+
+
+def _curve(name: str, axis: str, readings: int, rng: np.random.Generator) -> CurveSummary:
+    """Return a smooth curve with a band around it and a few noisy readings."""
+    low, high = TRAVEL[axis]
+    unit, scale = ("urad", 20.0) if name[1] in "ABC" else ("um", 8.0)
+    where = np.linspace(low, high, 61)
+    truth = scale * np.sin(np.linspace(0, rng.uniform(3, 12), 61) + rng.uniform(0, 6))
+    chosen = np.sort(rng.choice(61, readings, replace=False))
+    noise = 0.06 * scale
+    seen = truth[chosen] + noise * rng.standard_normal(readings)
+    spread = scale * (0.1 + 0.08 * np.sin(np.linspace(0, 20, 61)))
+    return CurveSummary(
+        name=name,
+        axis=axis,
+        caption=words(name),
+        position=where.tolist(),
+        mean=(truth + 0.5 * spread).tolist(),
+        std=np.hypot(spread, 0.1 * scale).tolist(),
+        std_seen=spread.tolist(),
+        prior_std=[scale] * 61,
+        position_unit="deg" if axis in "BC" else "mm",
+        value_unit=unit,
+        truth=(where.tolist(), truth.tolist()),
+        points=[
+            CurvePoint(where[i], v, noise, "laser along X", 3 + n)
+            for n, (i, v) in enumerate(zip(chosen, seen, strict=True))
+        ],
+    )
+
+
+def _history(rng: np.random.Generator, readings: int) -> list[HistoryRow]:
+    rows = [HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)]
+    for n in range(1, readings + 1):
+        position = {axis: round(float(rng.uniform(*span)), 1) for axis, span in TRAVEL.items()}
+        rms = 1.75 + 12.45 * float(np.exp(-n / 14))
+        z = 7.3 if n == 31 else float(rng.standard_normal())
+        rows.append(
+            HistoryRow(
+                reading=n,
+                setup=f"set-up {n * 4 // (readings + 1) + 1}",
+                position=position,
+                value_um=float(rng.normal(0, 6)),
+                innovation=2 * z,
+                surprise=z,
+                rms_um=rms,
+                worst_um=1.9 * rms,
+                minutes=0.7 * n + 12 * (1 + n * 4 // (readings + 1)),
+                reason="7.3 standard deviations from what was expected." if n == 31 else "",
+                approach="X+",
+            )
+        )
+    return rows
+
+
+def _answered(readings: int) -> ResultAnswer:
+    built = load_machine("dmu60")
+    rows = [answer_row(row, built, row.kind != "backlash") for row in rows_of(built)]
+    steps = [NextStep(code="load", control="linuxcnc"), NextStep(code="verify")]
+    return answer(verdict="reached", readings=readings, rows=rows, aims=[aim("rms", 1.93, 2.0, 1.0)], steps=steps)
+
+
+def five_axis_summary(readings: int = 60) -> Summary:
+    """Return a summary such as a five-axis campaign with a known truth produces."""
+    rng = np.random.default_rng(7)
+    names = [(f"E{d}{a}", a) for a in TRAVEL for d in "XYZABC"]
+    curves = [_curve(name, axis, int(rng.integers(0, 12)), rng) for name, axis in names]
+    places = {"A0B": "urad", "C0B": "urad", "A0C": "urad", "B0C": "urad", "C0Y": "urad", "B0Z": "urad", "A0Z": "urad"}
+    places |= {"X0C": "um", "Y0C": "um", "X0B": "um", "Z0B": "um", "EXX_reversal": "um", "EYY_reversal": "um"}
+    constants = [
+        ConstantSummary(
+            n,
+            words(n),
+            float(rng.normal(0, 12)),
+            float(rng.uniform(0.5, 4)),
+            20.0,
+            u,
+            n != "C0B",
+        )
+        for n, u in places.items()
+    ]
+    block = Iso230(
+        axis="X",
+        value_unit="um",
+        figures={"A": 11.2, "A_up": 9.8, "E": 10.0, "R": 4.2, "B": 2.0, "B_mean": 2.0, "M": 8.1},
+        uncertainties={"A": 1.1, "E": 0.9, "R": 0.7, "B": 0.4, "M": 0.6},
+    )
+    history = _history(rng, readings)
+    return Summary(
+        title="Calibration before the aerospace order",
+        machine="Five-axis machine, 600 × 500 × 500",
+        chain="w-C'-B'-b-Y-X-Z-t",
+        campaign_file="campaign.toml",
+        date="2026-03-14",
+        setups=[
+            SetupUse("set-up 1", "interferometer", "x", ("X",), "0.3 µm", 15),
+            SetupUse("set-up 2", "straightedge", "y", ("X", "Z"), "0.5 µm", 15),
+            SetupUse("set-up 3", "rtest", "x y z", ("B", "C"), "0.6 µm", 15),
+            SetupUse("set-up 4", "level", "about x", ("X", "Y"), "1 µrad", 15),
+        ],
+        stopped_because="rms target reached",
+        readings=readings,
+        expanded=Uncertainty(3.3, (1.9, 1.8, 1.7), 6.1, 1.7, "for a tool of 120 mm"),
+        minutes=history[-1].minutes,
+        rms_um=history[-1].rms_um,
+        worst_um=history[-1].worst_um,
+        unseen_rms_um=0.82,
+        history=history,
+        answer=_answered(readings),
+        curves=curves,
+        constants=constants,
+        observability=[
+            "The constant part of EXX, EXY and EXZ cannot be told apart; a probe on a fixed ball would separate them."
+        ],
+        warnings=[Finding("prior-misfit", "EXX", "EXX, size: 2.4 times as large as stated or usual.")],
+        tables=[
+            TableOffer("LinuxCNC", {"x.comp": "X"}, "0.4 µm between its rows"),
+            TableOffer("any", {"curves.csv": "all"}),
+        ],
+        target_rms_um=2.0,
+        target_worst_um=4.0,
+        iso230=[block],
+        agreement=Agreement(60, 59, 1.03, 0.4),
+        agreement_words="59 of 60 readings agree with the others",
+        versions={"axiscal": "0.1.0", "numpy": "2.2.0"},
+    )
+
+
+def with_every_text(value: Any, text: str) -> Any:
+    """Return value with every piece of text in it replaced, keys of mappings included."""
+    if isinstance(value, str):
+        return text
+    if is_dataclass(value) and not isinstance(value, type):
+        return replace(value, **{f.name: with_every_text(getattr(value, f.name), text) for f in fields(value)})
+    if isinstance(value, dict):
+        return {f"{text}{n}": with_every_text(item, text) for n, item in enumerate(value.values())}
+    if isinstance(value, list | tuple):
+        return type(value)(with_every_text(item, text) for item in value)
+    return value
