@@ -21,7 +21,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place
 from axiscal.present.drawing.svg_picture import picture_file
 from axiscal.present.found_and_left import found_and_left_drawing
-from axiscal.present.machine_drawing.setup_picture import plan_picture
+from axiscal.present.schematic import plan_picture
 from axiscal.present.volume_error import bent_volume
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export

@@ -19,7 +19,6 @@ from axiscal.language.spoken import joined, resaid, said
 from axiscal.present import sentences
 from axiscal.present.drawing.svg_picture import (
     Figure,
-    alone,
     axis_style,
     band,
     finite_range,
@@ -27,7 +26,7 @@ from axiscal.present.drawing.svg_picture import (
     line_trace,
     paper_svg,
 )
-from axiscal.present.found_and_left import found_and_left
+from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.result_document import listed
 from axiscal.present.sentences import U_OF_TABLES, UNSAID, axis_unit, environment, figure, quantity, unit_text
 from axiscal.present.statement import answered, statement
@@ -236,7 +235,7 @@ def filled(summary: Summary, folder: Path) -> str:
     summary, kept = resaid(summary), kept_in(folder)
     drawn = {
         "draw": lambda figure: kept(paper_svg(figure, _WIDE if figure.get("wide") else PANEL)),
-        "picture": "" if summary.bent is None else kept(alone(found_and_left(summary.bent, _PAPER))),
+        "picture": "" if summary.bent is None else kept(found_and_left_drawing(summary.bent, _PAPER).on_paper()),
         "day": date.fromisoformat(summary.date),
     }
     return template("report.typ").render(report_values(summary) | drawn)

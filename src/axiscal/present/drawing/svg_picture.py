@@ -265,6 +265,11 @@ class Drawing(NamedTuple):
     height: float
     body: str
 
+    def on_paper(self) -> str:
+        """Return the text of an SVG file for paper."""
+        size = f'viewBox="0 0 {self.width:g} {self.height:g}" width="{self.width:g}" height="{self.height:g}"'
+        return alone(f"<svg {size}>{self.body}</svg>")
+
 
 def picture_file(drawings: Sequence[Drawing], label: str) -> str:
     """Return the text of an SVG file that shows the largest drawing for which there is room.
