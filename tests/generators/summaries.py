@@ -12,6 +12,7 @@ from axiscal.description.target import rows_of
 from axiscal.errors.iso230 import words
 from axiscal.estimation.promise.agreement import Agreement
 from axiscal.machine import load_machine
+from axiscal.present.result_document import EFFECT
 from axiscal.present.summary import (
     ConstantSummary,
     CurvePoint,
@@ -36,7 +37,7 @@ AT_ODDS: dict[str, Any] = {"agreement": Agreement(24, 11, 80.0, 1e-9), "agreemen
 def bare(**changes: Any) -> Summary:
     first = HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)
     figures = 0, 0.0, 14.2, 31.0, 0.0, [first], EXPANDED, answer(verdict="nothing", readings=0, compared=0, minutes=0.0)
-    empty = Summary("t", "m", "", "c.toml", "2026-03-14", [], "nothing measured", *figures)
+    empty = Summary("m", "", "c.toml", "2026-03-14", [], "nothing measured", *figures)
     return replace(empty, **changes)
 
 
@@ -61,7 +62,6 @@ def _curve(name: str, axis: str, readings: int, rng: np.random.Generator) -> Cur
         prior_std=[scale] * 61,
         position_unit="deg" if axis in "BC" else "mm",
         value_unit=unit,
-        truth=(where.tolist(), truth.tolist()),
         points=[
             CurvePoint(where[i], v, noise, "laser along X", 3 + n)
             for n, (i, v) in enumerate(zip(chosen, seen, strict=True))
@@ -127,7 +127,6 @@ def five_axis_summary(readings: int = 60) -> Summary:
     )
     history = _history(rng, readings)
     return Summary(
-        title="Calibration before the aerospace order",
         machine="Five-axis machine, 600 × 500 × 500",
         chain="w-C'-B'-b-Y-X-Z-t",
         campaign_file="campaign.toml",
@@ -154,7 +153,7 @@ def five_axis_summary(readings: int = 60) -> Summary:
         ],
         warnings=[Finding("prior-misfit", "EXX", "EXX, size: 2.4 times as large as stated or usual.")],
         tables=[
-            TableOffer("LinuxCNC", {"x.comp": "X"}, "0.4 µm between its rows"),
+            TableOffer("LinuxCNC", {"x.comp": "X"}, "0.4 µm between its rows", dict.fromkeys(EFFECT, 1.0)),
             TableOffer("any", {"curves.csv": "all"}),
         ],
         target_rms_um=2.0,

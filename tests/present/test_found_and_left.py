@@ -165,7 +165,7 @@ def _edges(grid: Array) -> list[Array]:
 @pytest.mark.parametrize("width", [1400.0, 1110.0, 768.0, 360.0])
 def test_words_are_inside_and_none_lies_over_another(name: str, width: float) -> None:
     volume = replace(_volume(load_machine(name)), controller="linuxcnc-volumetric")
-    drawing = found_and_left_drawing(volume, width, "27 µm", "5.0 µm")
+    drawing = found_and_left_drawing(volume, width)
     covered = boxes_of(ElementTree.fromstring(f"<svg>{drawing.body}</svg>"))
     held_inside(covered, width, drawing.height)
-    assert {"27 µm", "5.0 µm", "found"} <= {words for words, _ in covered}
+    assert "found" in {words for words, _ in covered}

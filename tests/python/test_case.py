@@ -83,7 +83,7 @@ def test_a_plan_says_its_figures_and_shows_itself() -> None:
     assert plan.bound <= plan.rms
     assert plan._repr_html_().count("<tr>") == 5
     assert "plan of 4 readings" in repr(plan)
-    assert plan.plot().figures[0]["data"][0]["y"] == pytest.approx(
+    assert plan.plot().plots[0].y == pytest.approx(
         [document["before_rms_um"], *(p["rms_um"] for p in document["points"])]
     )
 
@@ -214,9 +214,9 @@ def test_the_estimate_holds_the_truth_within_its_band() -> None:
     assert np.all(np.abs(mean - shown) < 4 * std)
     assert set(known) == set(known.estimation.case.errors.names)
     drawn = known.plot()
-    assert [each["name"] for each in drawn.figures] == [name for name in known if known[name].spline.size > 1]
+    assert [each.name for each in drawn.plots] == [name for name in known if known[name].spline.size > 1]
     assert [ElementTree.fromstring(svg).tag for svg in drawn.svg] == ["{http://www.w3.org/2000/svg}svg"] * len(
-        drawn.figures
+        drawn.plots
     )
     assert known._repr_html_().count("<tr>") == len(known) + 1
 

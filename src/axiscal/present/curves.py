@@ -15,7 +15,6 @@ from axiscal.language.spoken import WORDS, said
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Reading, units_of
 from axiscal.measurement.reading_rows import seen
-from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.summary import ConstantSummary, CurvePoint, CurveSummary
 from axiscal.units import said_quantity, to_unit
@@ -28,14 +27,14 @@ _SEEN = 0.5
 _UNKNOWNS = WORDS["unknowns"]
 
 
-def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
+def curves(estimation: Estimation, readings: Sequence[Reading]) -> list[CurveSummary]:
     """Return every error that is a function of position."""
     numbers = seen(estimation.printed.observation, readings)
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
     left = numbers.values[firsts] - numbers.rows[firsts] @ estimation.printed.belief.mean
     sight = _Sight(numbers.rows[firsts], left, np.sqrt(numbers.variances[firsts]))
     drawn = [function for function in estimation.case.errors.functions if function.basis.size > 1]
-    return [_curve(estimation, each, [*_points(estimation, each, readings, sight)], truth) for each in drawn]
+    return [_curve(estimation, each, [*_points(estimation, each, readings, sight)]) for each in drawn]
 
 
 def value_unit(function: Term) -> str:
@@ -43,7 +42,7 @@ def value_unit(function: Term) -> str:
     return "urad" if function.angular else "um"
 
 
-def _curve(known: Estimation, function: Term, points: list[CurvePoint], truth: VirtualMachine | None) -> CurveSummary:
+def _curve(known: Estimation, function: Term, points: list[CurvePoint]) -> CurveSummary:
     estimate = known.estimate()
     axis = known.case.errors.machine.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
@@ -54,22 +53,17 @@ def _curve(known: Estimation, function: Term, points: list[CurvePoint], truth: V
     seen: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)  # without what no allowed reading sees
     now = estimate.curve(function.name, positions)
     before = replace(estimate, belief=known.without_readings).curve(function.name, positions).std
-    shown, true = to_unit(positions, position_unit).tolist(), None
-    if truth is not None:
-        own = (curve for term, curve in zip(truth.model.terms, truth.curves, strict=True) if term.name == function.name)
-        true = shown, to_unit(next(own, np.zeros_like)(positions), unit).tolist()
     return CurveSummary(
         name=function.name,
         axis=axis.name,
         caption=words(function.name),
-        position=shown,
+        position=to_unit(positions, position_unit).tolist(),
         mean=to_unit(now.mean, unit).tolist(),
         std=to_unit(now.std, unit).tolist(),
         std_seen=to_unit(seen, unit).tolist(),
         prior_std=to_unit(before, unit).tolist(),
         position_unit=position_unit,
         value_unit=unit,
-        truth=true,
         from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(before**2), 0.0, 1.0)),
         points=points,
     )

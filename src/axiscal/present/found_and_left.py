@@ -34,29 +34,27 @@ _BAR = 60.0
 """Pixels of the bar that shows the scale, at most."""
 
 
-def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", left: str = "") -> Drawing:
-    """Return the picture for a width, pixels.  found, left : figures under the titles, such as 27 µm"""
+def found_and_left_drawing(volume: BentVolume, width: float) -> Drawing:
+    """Return the picture for a width, pixels."""
     home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
     times, room = magnification(volume), Room(volume.machine, home)
-    panels = [(said("found"), found, volume.found, "beam")]
+    panels = [(said("found"), volume.found, "beam")]
     if volume.left is not None:
         title = said("left with the tables for {controller}", controller=volume.controller)
-        panels.append((title, left, volume.left, "read"))
+        panels.append((title, volume.left, "read"))
     beside = width >= _BESIDE
     across = width / len(panels) if beside else width
     high = round(across * (0.72 if len(panels) > 1 or not beside else 0.5))
     moved = [volume.tcp + times * (each + one) for each in _of_all(volume) for one in (*volume.allowed, 0.0)]
     arrows = points_of(list(_triad(volume, room)))
     around = np.vstack([*(_in_room(room, each).reshape(-1, 3) for each in moved), arrows])  # of both: one scale
-    heads = [
-        [*wrapped(title, across - 2 * _SIDE, "title"), *([words] if words else [])] for title, words, _, _ in panels
-    ]
+    heads = [wrapped(title, across - 2 * _SIDE, "title") for title, _, _ in panels]
     panel = Viewport(0, 0, across - 2 * _SIDE, high)
     body, head = "", _LINE * max(map(len, heads)) + 10
-    for n, (_, words, values, colour) in enumerate(panels):
+    for n, (_, values, colour) in enumerate(panels):
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
         for line, each in enumerate(heads[n]):
-            body += text(x + _SIDE, y + 18 + _LINE * line, each, "soft" if each == words else "title")
+            body += text(x + _SIDE, y + 18 + _LINE * line, each, "title")
         frame = replace(panel, left=x + _SIDE, top=y + head)
         shown = [*_bent(volume, room, values, times, colour), *_triad(volume, room)]
         body += drawn(shown, frame, around)

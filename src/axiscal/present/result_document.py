@@ -5,21 +5,20 @@ All readings as a CSV file, for spreadsheets and where the report lists the firs
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from hashlib import sha256
 from typing import Any
 
 from axiscal.answers.answer import coordinate, number, rounded
+from axiscal.answers.answer_words import answer_text
+from axiscal.answers.row_words import row_names
 from axiscal.estimation.accuracy.expanded import LEVEL
-from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import FOUND
 from axiscal.measurement.readers.csv_table import csv_text
+from axiscal.present.result_set import RECORD
 from axiscal.present.sentences import axis_unit
 from axiscal.present.summary import CurveSummary, HistoryRow, Summary, TableOffer
 from axiscal.present.volume_error import PlaneSummary
-
-LISTED = 1000
-"""Twenty pages; a matter of taste: nobody reads more on paper, and 20,000 take a minute and gigabytes to set."""
 
 READINGS = "readings.csv"
 """Its name."""
@@ -55,30 +54,12 @@ def _figure(value: float | None) -> str:
     return "" if value is None else f"{number(value, 'a figure of a CSV file'):.6g}"
 
 
-def listed(summary: Summary) -> tuple[list[HistoryRow], str]:
-    """Return the readings that are listed and where the others are, "" where there are none.
-
-    Raises SummaryError for a figure that is not finite.
-    """
-    rows = [row for row in summary.history if row.position]
-    if len(rows) <= LISTED:
-        return rows, ""
-    words = said(
-        "The first {count} of {whole} readings are listed here. All of them stand in {file} of the results, whose "
-        "SHA-256 is {hash}.",
-        count=LISTED,
-        whole=len(rows),
-        file=f"data/{READINGS}",
-        hash=sha256(readings_csv(summary)).hexdigest(),
-    )
-    return rows[:LISTED], words
-
-
 EFFECT = ("before_um", "after_um", "expected_um", "U_um")
 """Figures of a table."""
 _CURVE = "axis position mean std position_unit value_unit std_seen prior_std from_readings"
 _PLANE = "axes position mean std position_unit value_unit prior_std whole_mean whole_std from_readings"
-_HISTORY = "reading setup others rms_um worst_um minutes rejected"
+_HISTORY = "reading setup approach others units innovation surprise rms_um worst_um minutes rejected by"
+_WHO = "number customer laboratory place operator responsible temperature remarks maker serial"
 _MISTAKE = ("mistake", "odds", "setups", "text")
 _VOLUME = "axes parked tcp_mm found_um half_um left_um"
 
@@ -88,7 +69,13 @@ def result_json(summary: Summary) -> dict[str, Any]:
     taken = [row.reading for row in summary.history if row.value_um is not None]
     return {
         "schema": "axiscal-result/1",
+        "identity": _identity(summary),
+        "words": answered(summary),
         **_kept(summary, "machine readings minutes stopped_because"),
+        "setups": [
+            _stated(_kept(use, "name instrument along moves noise readings serial certificate temperature"))
+            for use in summary.setups
+        ],
         "agreement": {
             **_kept(summary.agreement, "count agreeing c2 p", contradict=summary.agreement.contradicts),
             "explained": [dict(zip(_MISTAKE, _figures(each, "a mistake"), strict=True)) for each in summary.mistakes],
@@ -100,24 +87,54 @@ def result_json(summary: Summary) -> dict[str, Any]:
         },
         **_expanded(summary),
         **_kept(summary, "unseen_rms_um"),
-        "budget": [_kept(row, "rms_um share", source=row.words) for row in summary.budget],
+        "budget": [_kept(row, "rms_um share kind distribution", source=row.words) for row in summary.budget],
+        "budget_smaller_um": _figures(summary.smaller_um, "budget_smaller_um"),
         **_kept(summary, "nonlinearity target_rms_um target_worst_um", target_U_um=summary.target_u_um),
         "target_reached": summary.target_reached,
         "history": [_row(row, _HISTORY, unit=row.unit if row.values else None) for row in summary.history],
-        "errors": {curve.name: _error(curve, _CURVE) for curve in (*summary.curves, *summary.reversals)},
-        "plane_errors": {plane.name: _error(plane, _PLANE) for plane in summary.planes},
+        "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
+        "plane_errors": {plane.name: _error(plane, _PLANE, words=plane.caption) for plane in summary.planes},
         "volume": summary.volume and _kept(summary.volume, _VOLUME, controller=summary.controller),
-        "constants": {each.name: _kept(each, "mean std unit prior_std seen") for each in summary.constants},
+        "constants": {each.name: _kept(each, "words mean std unit prior_std seen") for each in summary.constants},
+        "iso230": [
+            _kept(block, "axis left_out", unit=block.value_unit, figures=block.figures, U=block.uncertainties)
+            for block in summary.iso230
+        ],
         "observability": list(summary.observability),
+        "questions": list(summary.questions),
         "rejected": [_row(row, "reading setup unit reason") for row in summary.rejected],
         "warnings": [_kept(each, "code error text") for each in summary.warnings],
         "answer": summary.answer.model_dump(mode="json", exclude={"rows", "aims"})
         | {"aims": [aim.model_dump(mode="json") | _kept(aim, "now limit floor") for aim in summary.answer.aims]},
-        "rows": [row.model_dump(mode="json") for row in summary.answer.rows],
+        "rows": [row.model_dump(mode="json") | {"name": row_names([row])} for row in summary.answer.rows],
         "tables": [table for offer in summary.tables for table in _tables(offer, summary.answer.withheld)],
         "versions": dict(sorted(summary.versions.items())),
-        **({"record": {"event": summary.record.event, "hash": summary.record.hash}} if summary.record else {}),
+        "inputs": {**summary.checksums, f"data/{READINGS}": sha256(readings_csv(summary)).hexdigest()},
+        **({"record": _kept(summary.record, "file event hash")} if summary.record else {}),
     }
+
+
+def _identity(summary: Summary) -> dict[str, Any]:
+    """Return whose machine it is, who measured when, and for whom, as far as somebody has said so."""
+    known, taken = summary.particulars, _kept(summary, "chain campaign_file ended", begun=summary.date)
+    artefacts = {
+        name: _stated({"serial": each.serial, "certificate": each.certificate})
+        for name, each in known.artefacts.items()
+    }
+    return _stated(taken | _kept(known, _WHO) | {"artefacts": artefacts})
+
+
+def _stated(fields: dict[str, Any]) -> dict[str, Any]:
+    """Return fields without the texts and tables that are empty."""
+    return {name: value for name, value in fields.items() if value not in ("", {})}
+
+
+def answered(summary: Summary) -> dict[str, Any]:
+    """Return the answer as every surface says it: first line, rows as cells, sentences."""
+    record = RECORD if summary.record is None or summary.tables else summary.record.file  # with tables come copies
+    signed = "" if summary.record is None else summary.record.signed
+    told = answer_text(summary.answer, summary.agreement_words, record, evidence=signed)
+    return {"first": told.first.parts, "rows": told.rows, "sentences": told.sentences}
 
 
 def _kept(what: object, fields: str, **named: Any) -> dict[str, Any]:
@@ -131,19 +148,28 @@ def _figures(value: Any, what: str) -> Any:
     """Return a value of a summary as JSON has it; raises SummaryError for a figure that is not finite."""
     if isinstance(value, float):
         return number(value, what)
+    if isinstance(value, Mapping):
+        return {name: _figures(each, what) for name, each in value.items()}
     if isinstance(value, Sequence) and not isinstance(value, str):
         return [_figures(each, what) for each in value]
     return value
 
 
-def _error(error: CurveSummary | PlaneSummary, fields: str) -> dict[str, Any]:
+def _curve(curve: CurveSummary) -> dict[str, Any]:
+    """Return the error of an axis with the readings that bear on it and are believed."""
+    points = [point for point in curve.points if not point.rejected]
+    read = {"position": [point.position for point in points], "value": [point.value for point in points]}
+    return _error(curve, _CURVE, words=curve.caption, read=read)
+
+
+def _error(error: CurveSummary | PlaneSummary, fields: str, **named: Any) -> dict[str, Any]:
     """Return an error; raises SummaryError where a figure does not stand at a position."""
     plane = isinstance(error, PlaneSummary)
     size = len(error.position[1]) if isinstance(error, PlaneSummary) else len(error.position)
     for name in (each for each in fields.split() if each.endswith(("mean", "std", "std_seen"))):
         for row in getattr(error, name) if plane else [getattr(error, name)]:
             rounded(row, f"{name} of {error.name}", size)
-    return _kept(error, fields)
+    return _kept(error, fields, **named)
 
 
 def _expanded(summary: Summary) -> dict[str, Any]:
@@ -156,6 +182,7 @@ def _expanded(summary: Summary) -> dict[str, Any]:
         **of_u,
         "U_axis_um": {"x": x, "y": y, "z": z},
         "U_holds_for": found.conditions,
+        "U_along": found.along,
         **_kept(summary, "rms_um worst_um"),
     }
 

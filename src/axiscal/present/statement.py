@@ -8,21 +8,15 @@ Parts, u and k have a digit more than U, so that whoever redoes the sum finds U 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
-from axiscal.answers.answer import AnswerLine
-from axiscal.answers.answer_words import AnswerText, answer_text
-from axiscal.answers.row_words import row_names, signed_text
-from axiscal.estimation.accuracy.expanded import BAND, LEVEL
+from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import counted, later, listed, put, quoted, said
 from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import SaidOfDrift, Setup
-from axiscal.present.result_set import RECORD
-from axiscal.present.sentences import coordinate, figure, percent, quantity, root_mean_square, spelt
-from axiscal.present.summary import WORTH, BudgetRow, ConstantSummary, CurveSummary, Summary, Uncertainty
-from axiscal.present.volume_error import PlaneSummary
-from axiscal.units import digits, said_quantity, to_unit
+from axiscal.present.sentences import figure, percent, quantity, spelt
+from axiscal.present.summary import WORTH, Summary, Uncertainty
+from axiscal.units import said_quantity, to_unit
 
 _PARTS = 4
 """Digits: one more than of U."""
@@ -31,44 +25,13 @@ _UNSEEN = 1e-6
 _HOUR, _MANY = 3600.0, 3
 """s; and names in a clause, a matter of taste."""
 
-_HEADINGS = (
-    (later("row"), later("where"), later("read"), later("largest found"), later("known before"), later("at best")),
-    (later("error"), later("code"), later("before, 95 %"), later("now, 95 %")),
-    (later("source"), later("type"), later("distribution"), "u", later("share of u²")),
-)
-"""Of rows, errors and sources on a terminal."""
+_HEADING = (later("source"), later("type"), later("distribution"), "u", later("share of u²"))
 
 NOT_KNOWN = later("Not known: the readings contradict each other")
 
 
-class Statement(NamedTuple):
-    """Texts and cells: what U holds for, its figures, each source of u, their sum, each error, and each row.
-
-    sources : in words, type A or B, distribution, u, share of u²
-    errors : in words, code, ± before the first reading, ± now
-    rows : row, where it holds, places read, found at most, ± before, ± at best
-    """
-
-    conditions: list[tuple[str, str]]
-    figures: list[tuple[str, str]]
-    sources: list[list[str]]
-    sum: str
-    errors: list[list[str]]
-    rows: list[list[str]]
-
-    @property
-    def lines(self) -> Iterator[str]:
-        """The statement for a terminal, a line for each, with units as terminals have them."""
-        pairs = (f"{name}: {text}" for name, text in (*self.conditions, *self.figures))
-        tables = zip(_HEADINGS, (self.rows, self.errors, self.sources), strict=True)
-        each = (line for heading, lines in tables if lines for line in ([*map(said, heading)], *lines))
-        cells = ("  ".join(part for part in line if part) for line in each)
-        for line in (*pairs, *cells, *([self.sum] if self.sum else [])):
-            yield line.replace("µ", "u").replace("\xa0", " ")
-
-
-def statement(summary: Summary) -> Statement:
-    """Return the statement in the language that is spoken; where uncertainty is withheld only what it is about."""
+def statement(summary: Summary) -> Iterator[str]:
+    """Yield the statement for a terminal, a line for each; where uncertainty is withheld only what it is about."""
     found = summary.expanded
     conditions = [
         (said("Quantity"), said("length of the tool's deviation less the estimated one")),
@@ -76,38 +39,24 @@ def statement(summary: Summary) -> Statement:
         (said("Agreement"), summary.agreement_words),
         (said("Ended"), summary.stopped_because),
     ]
-    named = [(name, spelt(text)) for name, text in conditions if text]
-    if summary.answer.withheld:
-        return Statement(named, [], [], "", [], [])
-    constants = [each for each in summary.constants if ": " not in each.name]  # none of set-ups
-    errors = [
-        *(_error(each.caption, each, each.value_unit) for each in (*summary.curves, *summary.reversals)),
-        *(_error(each.caption, each, each.value_unit) for each in summary.planes),
-        *(_error(spelt(each.words), each, each.unit) for each in constants),
-    ]
-    total = _sum(summary) if summary.budget else ""
-    return Statement(named, list(_figures(summary)), list(_sources(summary)), total, errors, list(_rows(summary)))
+    lines = [f"{name}: {text}" for name, text in conditions if text]
+    if not summary.answer.withheld:
+        lines += [f"{name}: {text}" for name, text in _figures(summary)]
+    if summary.budget and not summary.answer.withheld:
+        lines += ["  ".join(part for part in source if part) for source in (map(said, _HEADING), *_sources(summary))]
+        lines.append(_sum(summary))
+    for line in lines:  # with units as terminals have them
+        yield line.replace("µ", "u").replace("\xa0", " ")
 
 
 def _sources(summary: Summary) -> Iterator[list[str]]:
-    """Yield each source of u, those too small for a row as one: their squares add up to u²."""
-    yield from map(_source, summary.budget)
-    share = (summary.smaller_um / summary.rms_um) ** 2 if summary.budget else 0.0
+    """Yield each source of u: in words, type A or B, distribution, u, share of u²; those without a row as one."""
+    for row in summary.budget:
+        yield [row.words, row.kind, row.distribution, quantity(row.rms_um, "um", _PARTS), percent(row.share)]
+    share = (summary.smaller_um / summary.rms_um) ** 2
     if share > _UNSEEN:
         words = said("Other sources, each less than {most:.2%} of u²", most=WORTH)
-        yield [spelt(words), "", "", quantity(summary.smaller_um, "um", _PARTS), percent(share)]
-
-
-def _source(row: BudgetRow) -> list[str]:
-    distribution = said(row.distribution) if row.distribution else ""
-    return [spelt(row.words), row.kind, distribution, quantity(row.rms_um, "um", _PARTS), percent(row.share)]
-
-
-def answered(summary: Summary) -> AnswerText:
-    """Return the answer of a report in words."""
-    record = RECORD if summary.record is None or summary.tables else summary.record.file  # with tables come copies
-    signed = "" if summary.record is None else summary.record.signed
-    return answer_text(summary.answer, summary.agreement_words, record, evidence=signed)
+        yield [words, "", "", quantity(summary.smaller_um, "um", _PARTS), percent(share)]
 
 
 def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
@@ -132,40 +81,6 @@ def _sum(summary: Summary) -> str:
     u, found = quantity(summary.rms_um, "um", _PARTS), summary.expanded
     words = "u = √(sum of squares) = {u}. U = k u = {k} · {u} = {expanded}."
     return said(words, u=u, k=figure(found.factor, _PARTS), expanded=quantity(found.space, "um"))
-
-
-def _error(caption: str, error: CurveSummary | PlaneSummary | ConstantSummary, unit: str) -> list[str]:
-    """Return an error with ± before measuring and now, 95 %, RMS over its positions."""
-    return [
-        caption,
-        error.name,
-        *(f"± {quantity(BAND * root_mean_square(std), unit)}" for std in (error.prior_std, error.std)),
-    ]
-
-
-def _rows(summary: Summary) -> Iterator[list[str]]:
-    """Yield where each row holds, how it was read, and how well it was known and can be."""
-    for row in summary.answer.rows:
-        largest, before, best = (f"{digits(size)} {row.unit}" for size in (row.largest, row.known_before, row.floor))
-        found, *sizes = map(spelt, (signed_text([row]) or largest, before, best))
-        where = list[str]()
-        for line in row.lines:
-            low, high = map(coordinate, line.ends)
-            along = said("{axis} {low} to {high}", axis=line.axis, low=low, high=high)
-            others = ", ".join(f"{axis} {coordinate(value)}" for axis, value in line.at.items())
-            where.append(said("{along} at {others}", along=along, others=others) if others else along)
-        places = said(" and ").join(_places(line) for line in row.lines)
-        if row.measured and row.lines and not any(line.read for line in row.lines):
-            places = "–"  # readings of several numbers, or of several axes, are no places of a line
-        yield [row_names([row]), "; ".join(where), places, found, *(f"± {size}" for size in sizes)]
-
-
-def _places(line: AnswerLine) -> str:
-    both = line.places["both"]
-    if both:
-        return counted("{count} place, {both} from both sides", "{count} places, {both} from both sides", line.read,
-                       both=both)  # fmt: skip
-    return counted("{count} place", "{count} places", line.read)
 
 
 def conditions(case: Case) -> str:

@@ -44,10 +44,10 @@ from axiscal.measurement.reading import (
     value_columns,
 )
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.curves import constants, curves
 from axiscal.present.findings import findings, observability
+from axiscal.present.schematic import read_schematics
 from axiscal.present.sentences import cause_words
 from axiscal.present.statement import conditions, counted_along
 from axiscal.present.summary import (
@@ -146,7 +146,7 @@ _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangul
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Extras:
-    """What a campaign itself does not know: tables that were written, a known truth, a finished standard test.
+    """What a campaign itself does not know: tables that were written, a finished standard test.
 
     warnings : about what was given, besides those of the estimate
     anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
@@ -156,7 +156,6 @@ class Extras:
     """
 
     tables: Sequence[TableOffer] = ()
-    truth: VirtualMachine | None = None
     iso230: Sequence[Iso230] = ()
     warnings: Sequence[Finding] = ()
     anyway: bool = False
@@ -185,14 +184,13 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     linear, found, stated = linearity(estimation), expanded_uncertainty(estimation), estimation.stated
     space, worst, x, y, z = (to_unit(each, "um") for each in (found.space, found.worst, *found.axes))
     factor, (sources, smaller) = found.factor(estimation.accuracy.rms), budget_rows(estimation)
-    target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
+    target, drawn = description.target, curves(estimation, campaign.state.readings)
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted, over = [Finding("accepted", None, change) for change in changes], campaign.state.finished is not None
     names = [setup.name for setup in description.setups]
     times = [reading.time for reading in campaign.state.readings if reading.time is not None]
     last = datetime.fromisoformat(campaign.begun) + timedelta(seconds=max(times, default=0.0))
     return Summary(
-        title=said("Calibration of {machine}", machine=description.machine.name),
         machine=description.machine.name,
         chain=description.machine.chain,
         radii=[axis.name for axis in description.machine.axes if axis.diameters],
@@ -237,6 +235,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         controller=controller,
         volume=volume_error(estimation, control) if campaign.state.readings else None,
         bent=bent_volume(estimation, controller, control) if campaign.state.readings else None,
+        schematics=read_schematics(description, [reading.place for reading in campaign.state.readings]),
         budget=sources,
         smaller_um=smaller,
         particulars=description.particulars,
@@ -339,7 +338,7 @@ def budget_rows(known: Estimation) -> tuple[list[BudgetRow], float]:
     whole = sum(share.rms**2 for share in shares) or 1.0
     rows = []
     for share in shares:  # of type A (GUM 4.2), or of type B with its distribution
-        evaluated = ("A", "") if share.cause is None else ("B", _DISTRIBUTIONS[share.cause.row.distribution])
+        evaluated = ("A", "") if share.cause is None else ("B", said(_DISTRIBUTIONS[share.cause.row.distribution]))
         rows.append(BudgetRow(_words(share), to_unit(share.rms, "um"), share.rms**2 / whole, *evaluated))
     counted = [row for row in rows if row.share >= WORTH]
     smaller = math.sqrt(sum(row.rms_um**2 for row in rows if row.share < WORTH))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from axiscal.answers.answer import ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, Checks
+from axiscal.present.schematic import Schematic
 from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
 
 _NOUGHT = 1e-6
@@ -22,11 +23,11 @@ Position = Mapping[str, float]
 
 @dataclass(frozen=True, slots=True)
 class SetupUse:
-    """A set-up, and how many readings were taken in it; `direction`, `noise` are text such as "x" and "0.3 um"."""
+    """A set-up, and how many readings were taken in it; `along`, `noise` are text such as "x" and "0.3 um"."""
 
     name: str
     instrument: str
-    direction: str
+    along: str
     moves: Sequence[str]
     noise: str
     readings: int
@@ -101,7 +102,6 @@ class CurveSummary:
     std : whole standard deviation, unmodelled rest and unseen part included
     std_seen : what the readings leave over, without the part that no allowed reading can see
     prior_std : without readings, at the sizes as learnt
-    truth : positions and values, where the truth is known
     from_readings : share of the variance at the sizes as learnt that the readings have taken away, 0 to 1
     """
 
@@ -115,7 +115,6 @@ class CurveSummary:
     prior_std: Sequence[float]
     position_unit: str
     value_unit: str
-    truth: tuple[Sequence[float], Sequence[float]] | None = None
     points: Sequence[CurvePoint] = ()
     from_readings: float = 0.0
 
@@ -236,7 +235,6 @@ class Summary:
     mistakes : what explains readings that contradict, the likeliest first: its kind, odds, set-ups, and in words
     """
 
-    title: str
     machine: str
     chain: str
     campaign_file: str
@@ -273,6 +271,7 @@ class Summary:
     controller: str = ""
     volume: VolumeError | None = None
     bent: BentVolume | None = None
+    schematics: Sequence[Schematic] = ()
     budget: Sequence[BudgetRow] = ()
     smaller_um: float = 0.0
     particulars: Particulars = NOTHING_SAID

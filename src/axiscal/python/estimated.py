@@ -26,7 +26,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import deliver, evaluated, write_files
-from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, line_trace, picture
+from axiscal.present.drawing.plot import Plot
 from axiscal.present.sentences import unit_text
 from axiscal.present.summarising import Extras
 from axiscal.python.given import GivenReadings, readings_of
@@ -47,25 +47,20 @@ def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str
     return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-LINE, FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
-_WIDE, _NARROW, HEIGHT = 640, 360, 260
+_WIDE, _NARROW = 640, 360
 """Pixels; a matter of taste."""
 
 
 @dataclass(frozen=True, slots=True)
 class NotebookPicture:
-    """A picture that a notebook shows.
+    """A picture that a notebook shows.  plots : side by side"""
 
-    figures : side by side, each a dict of `data` and `layout` as plotly's schema names them
-    """
-
-    figures: tuple[Figure, ...] = field(repr=False)
+    plots: tuple[Plot, ...] = field(repr=False)
 
     @property
     def svg(self) -> tuple[str, ...]:
-        """Each figure as the text of an SVG file."""
-        width = _WIDE if len(self.figures) == 1 else _NARROW
-        return tuple(alone(picture(figure, width, figure["name"])) for figure in self.figures)
+        """Each plot as the text of an SVG file."""
+        return tuple(plot.svg(_WIDE if len(self.plots) == 1 else _NARROW) for plot in self.plots)
 
     def _repr_html_(self) -> str:
         return "".join(self.svg)
@@ -134,16 +129,14 @@ class Curve(own.Curve):
         """Positions over the travel, close enough to draw it, m or rad."""
         return np.linspace(self.spline.knots[0], self.spline.knots[-1], _SHOWN)
 
-    def line(self) -> Figure:
+    def line(self) -> Plot:
         """Return the curve as it is drawn."""
         at = self.drawn_at
         mean, std = self(at)
-        x, middle = to_unit(at, self.position_unit).tolist(), to_unit(mean, self.unit).tolist()
-        half = (BAND * to_unit(std, self.unit)).tolist()
         along = said("position, °") if self.position_unit == "deg" else said("position, mm")
-        axes = axis_style(along), axis_style(f"{self.name}, {unit_text(self.unit)}")
-        data = [band(x, middle, half, FILL), line_trace(x, middle, LINE, 1.5)]
-        return {"name": self.name, "data": data, "layout": layout(*axes, HEIGHT)}
+        shown = [to_unit(each, self.unit).tolist() for each in (mean, BAND * std)]
+        x = to_unit(at, self.position_unit).tolist()
+        return Plot(self.name, along, f"{self.name}, {unit_text(self.unit)}", x, *shown)
 
     def __repr__(self) -> str:
         low, high = (to_unit(float(end), self.position_unit) for end in self.spline.knots[[0, -1]])

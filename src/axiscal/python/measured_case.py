@@ -32,11 +32,11 @@ from axiscal.planning.plan.plan import judged
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import foreseen
 from axiscal.planning.proposal import OwnCriterion, Proposal, SoFar, proposed, refuse_endless, refuse_out_of_reach
-from axiscal.present.drawing.svg_picture import axis_style, layout, line_trace
+from axiscal.present.drawing.plot import Plot
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
 from axiscal.python import given
-from axiscal.python.estimated import HEIGHT, LINE, Estimated, NotebookPicture, html_table, names_of
+from axiscal.python.estimated import Estimated, NotebookPicture, html_table, names_of
 from axiscal.python.given import GivenPlaces, GivenReadings, PlannedPlaces, SetupKeys, readings_of
 from axiscal.units import format_quantity, to_unit
 from axiscal_core import refusals
@@ -110,11 +110,8 @@ class PlanResult:
         bound, points = self.answer.bound_rms_um, self.answer.points
         minutes = [0.0, *(point.minutes for point in points)]
         rms = [self.answer.before_rms_um, *(point.rms_um for point in points)]
-        read = line_trace(minutes, rms, LINE, 1.5) | {"mode": "lines+markers", "marker": {"color": LINE, "size": 6}}
-        ends = [minutes[0], minutes[-1]]
-        floor = [] if bound is None else [line_trace(ends, [bound, bound], LINE, 1.5, "dot")]
-        drawn = layout(axis_style("minutes"), axis_style("RMS, µm", rangemode="tozero"), HEIGHT)
-        return NotebookPicture(({"name": "accuracy of a plan", "data": [read, *floor], "layout": drawn},))
+        name = "accuracy of a plan"
+        return NotebookPicture((Plot(name, "minutes", "RMS, µm", minutes, rms, level=bound, marked=True),))
 
     def __len__(self) -> int:
         return len(self.proposal.plan.readings)
