@@ -14,12 +14,11 @@ from axiscal.estimation.case import Case
 from axiscal.language.spoken import counted, later, listed, put, quoted, said
 from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import SaidOfDrift, Setup
-from axiscal.present.sentences import figure, percent, quantity, spelt
 from axiscal.present.summary import WORTH, Summary, Uncertainty
 from axiscal.units import said_quantity, to_unit
 
-_PARTS = 4
-"""Digits: one more than of U."""
+_PART, _SIZE, _SHARE = "{size:.4g} um", "{size:.3g} um", "{share:.1%}"
+"""A part has a digit more than U."""
 _UNSEEN = 1e-6
 """Share of u² that changes none of them."""
 _HOUR, _MANY = 3600.0, 3
@@ -45,42 +44,41 @@ def statement(summary: Summary) -> Iterator[str]:
     if summary.budget and not summary.answer.withheld:
         lines += ["  ".join(part for part in source if part) for source in (map(said, _HEADING), *_sources(summary))]
         lines.append(_sum(summary))
-    for line in lines:  # with units as terminals have them
-        yield line.replace("µ", "u").replace("\xa0", " ")
+    yield from lines
 
 
 def _sources(summary: Summary) -> Iterator[list[str]]:
     """Yield each source of u: in words, type A or B, distribution, u, share of u²; those without a row as one."""
     for row in summary.budget:
-        yield [row.words, row.kind, row.distribution, quantity(row.rms_um, "um", _PARTS), percent(row.share)]
+        yield [row.words, row.kind, row.distribution, put(_PART, size=row.rms_um), put(_SHARE, share=row.share)]
     share = (summary.smaller_um / summary.rms_um) ** 2
     if share > _UNSEEN:
         words = said("Other sources, each less than {most:.2%} of u²", most=WORTH)
-        yield [words, "", "", quantity(summary.smaller_um, "um", _PARTS), percent(share)]
+        yield [words, "", "", put(_PART, size=summary.smaller_um), put(_SHARE, share=share)]
 
 
 def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
     """Yield each figure with its name."""
     found, where = summary.expanded, in_space(summary.expanded)
-    yield said("Standard uncertainty u, RMS over the volume"), quantity(summary.rms_um, "um")
-    yield said("the same at the worst place"), quantity(summary.worst_um, "um")
-    k = said("{k}: {level:.0%} of all draws and places lie within k u", k=figure(found.factor), level=LEVEL)
-    yield said("Factor k"), spelt(k)
-    yield said("Expanded uncertainty U {where}", where=where), quantity(found.space, "um")
+    yield said("Standard uncertainty u, RMS over the volume"), put(_SIZE, size=summary.rms_um)
+    yield said("the same at the worst place"), put(_SIZE, size=summary.worst_um)
+    k = "{k:.3g}: {level:.0%} of all draws and places lie within k u"
+    yield said("Factor k"), said(k, k=found.factor, level=LEVEL)
+    yield said("Expanded uncertainty U {where}", where=where), put(_SIZE, size=found.space)
     for axis, value in found.ways:
-        yield said("U along {way}", way=axis), put("± {size}", size=quantity(value, "um"))
-    yield said("U {where}, worst place", where=where), quantity(found.worst, "um")
+        yield said("U along {way}", way=axis), put("± {size:.3g} um", size=value)
+    yield said("U {where}, worst place", where=where), put(_SIZE, size=found.worst)
     if summary.unseen_rms_um > 0:
-        yield said("part of u that stays open with any reading"), quantity(summary.unseen_rms_um, "um")
+        yield said("part of u that stays open with any reading"), put(_SIZE, size=summary.unseen_rms_um)
     if summary.nonlinearity is not None:
-        yield said("largest second order of a reading over its noise"), figure(summary.nonlinearity)
+        yield said("largest second order of a reading over its noise"), put("{size:.3g}", size=summary.nonlinearity)
 
 
 def _sum(summary: Summary) -> str:
     """Return how u and U follow from the sources."""
-    u, found = quantity(summary.rms_um, "um", _PARTS), summary.expanded
-    words = "u = √(sum of squares) = {u}. U = k u = {k} · {u} = {expanded}."
-    return said(words, u=u, k=figure(found.factor, _PARTS), expanded=quantity(found.space, "um"))
+    found = summary.expanded
+    words = "u = √(sum of squares) = {u:.4g} um. U = k u = {k:.4g} · {u:.4g} um = {expanded:.3g} um."
+    return said(words, u=summary.rms_um, k=found.factor, expanded=found.space)
 
 
 def conditions(case: Case) -> str:

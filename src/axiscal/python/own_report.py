@@ -14,11 +14,11 @@ import numpy as np
 from axiscal import __version__
 from axiscal.answers.row_words import said_row
 from axiscal.document.durable import write_whole
-from axiscal.language.spoken import LANGUAGES, WORDS, joined, said, speaking
+from axiscal.language.spoken import LANGUAGES, WORDS, joined, put, said, speaking
 from axiscal.present.rendering import printed
-from axiscal.present.sentences import figure, quantity
+from axiscal.present.sentences import spelt
 from axiscal.present.whose_language import named_language
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 from axiscal_core import refusals
 from axiscal_core.errors import Curved, Offset, Plane
 from axiscal_core.known import Known
@@ -83,7 +83,7 @@ def _figures(known: Known) -> list[list[str]]:
     before = float(np.sqrt(known.case.volume.value(known.case.prior.covariance)))
     sizes = [float(np.linalg.norm(root @ known.mean)), known.U, known.rms, before]
     heads = ["", said("found"), said("U (95 %)"), said("RMS"), said("RMS before")]
-    return [heads, [said_row("volume"), *(quantity(to_unit(size, "um"), "um") for size in sizes)]]
+    return [heads, [said_row("volume"), *(spelt(said_quantity(size, "um")) for size in sizes)]]
 
 
 def _sentences(known: Known) -> Iterator[str]:
@@ -98,7 +98,9 @@ def _sentences(known: Known) -> Iterator[str]:
         yield said("What no reading shows counts in U: {causes}.", causes=joined(known.case.causes))
     if large := [(name, size) for name, size in known.sizes.items() if size > _LARGER]:
         kinds = [(name.split(" ", 1), size) for name, size in large]
-        shown = [f"{owner} ({said(WORDS['sizes'][kind])}) × {figure(size, 2)}" for (kind, owner), size in kinds]
+        shown = [
+            f"{owner} ({said(WORDS['sizes'][kind])}) × {put('{size:.2g}', size=size)}" for (kind, owner), size in kinds
+        ]
         yield said("Readings show sizes larger than stated: {sizes}.", sizes=joined(shown))
     if max(known.sizes.values(), default=0.0) > _FAR_LARGER:
         yield said("Sizes that much larger contradict what is stated: look at the unit of the readings first.")
@@ -164,7 +166,7 @@ def _instruments(known: Known) -> Iterator[dict[str, Any]]:
     """Give what was mounted, what it moves and how finely it reads."""
     for each in known.case.instruments:
         noise = [
-            f"{name} {quantity(to_unit(sigma, UNITS[unit]), UNITS[unit])}"
+            f"{name} {spelt(said_quantity(sigma, UNITS[unit]))}"
             for name, sigma, unit in zip(each.names, each.sigma.tolist(), each.units, strict=True)
         ]
         mounted = {"name": each.name, "instrument": type(each).__name__, "along": "", "moves": [*each.moves]}
