@@ -18,7 +18,7 @@ from axiscal.numerics import Array
 from axiscal.present import volume_error as bent_module
 from axiscal.present.drawing.scene import flat
 from axiscal.present.found_and_left import found_and_left_drawing, magnification
-from axiscal.present.schematic import Room
+from axiscal.present.schematic import DrawnMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, bent_volume
 from axiscal.tables.surface import Control
 from tests.generators.campaigns import drawn, mixed
@@ -108,7 +108,7 @@ def test_deviations_are_drawn_to_scale_and_both_panels_on_one(name: str, width: 
     volume = _volume(load_machine(name))
     body, times = ElementTree.fromstring(f"<g>{found_and_left_drawing(volume, width).body}</g>"), magnification(volume)
     home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
-    room = Room(volume.machine, home)
+    room = DrawnMachine(volume.machine, home)
     panels = body.findall("svg")
     assert len(panels) == 2
     scales = []

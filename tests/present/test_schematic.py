@@ -14,7 +14,7 @@ from axiscal.machine import Machine
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import RIGHT, UP, Arrow, RoundMark
-from axiscal.present.schematic import Room, frame_seen, machine_schematic, plan_picture, setup_schematic
+from axiscal.present.schematic import DrawnMachine, frame_seen, machine_schematic, plan_picture, setup_schematic
 from tests.generators.kinematics import shifted, tip, turned
 from tests.present.drawn_words import Box, boxes_of, held_inside
 from tests.present.looked_at import FILE, MACHINES, Placed, pictures, placed_campaigns
@@ -56,7 +56,7 @@ def _carried(machine: Machine, part: int, pose: Array) -> Array:
 def test_the_tip_is_where_the_chain_puts_it(machine: Machine) -> None:
     tools = [k for k, axis in enumerate(machine.axes) if not axis.workpiece_side]
     for pose in _poses(machine):
-        room = Room(machine, pose)
+        room = DrawnMachine(machine, pose)
         np.testing.assert_allclose(room.on_table(tip(machine, pose)[None])[0], room.tip, atol=1e-12)
         if tools:
             held = _carried(machine, room.tool[-1], pose)
@@ -72,7 +72,7 @@ def _arrows(machine: Machine) -> dict[str, Arrow]:
 
 @pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
 def test_an_axis_is_drawn_along_the_way_on_which_its_part_moves(machine: Machine) -> None:
-    room, arrows = Room(machine, [0.0] * len(machine.axes)), _arrows(machine)
+    room, arrows = DrawnMachine(machine, [0.0] * len(machine.axes)), _arrows(machine)
     assert set(arrows) == {axis.name + ("′" if axis.workpiece_side else "") for axis in machine.axes}
     for k, axis in enumerate(machine.axes):
         arrow, further = arrows[axis.name + ("′" if axis.workpiece_side else "")], room.home.copy()
@@ -97,7 +97,7 @@ def test_the_frame_beside_a_question_is_turned_as_the_picture_is(machine: Machin
         np.testing.assert_allclose([way @ RIGHT, -(way @ UP)], moved, atol=1e-9)
 
 
-def _turns_with(room: Room, arrow: Arrow, step: Array) -> None:
+def _turns_with(room: DrawnMachine, arrow: Arrow, step: Array) -> None:
     """An arc is about the line of its axis, and a point of it moves along it as the axis turns."""
     inside = room.upright.T @ arrow.points.T
     middle = inside.shape[1] // 2
@@ -123,7 +123,7 @@ def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[Place
             scene = setup_schematic(campaign, setup, places, own[0])
             dots = [part.points for part in scene.parts if isinstance(part, RoundMark) and part.colour == "read"]
             machine, pose = campaign.machine, np.array(own[0].pose)
-            room = Room(machine, pose)
+            room = DrawnMachine(machine, pose)
             held = _carried(machine, room.work[0], pose) if room.work else np.eye(4)
             for place in own:
                 there = room.upright @ (held @ np.append(tip(machine, np.array(place.pose)), 1.0))[:3]

@@ -19,7 +19,7 @@ from axiscal.numerics import Array
 from axiscal.present.drawing.scene import EYE, Arrow, Fit, Part, Stroke, Viewport, drawn, points_of
 from axiscal.present.drawing.strokes import rounded_down, rounded_up, short_number, text, wrapped
 from axiscal.present.drawing.svg_picture import Drawing
-from axiscal.present.schematic import Room
+from axiscal.present.schematic import DrawnMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, sides_of
 
 _FLAT = 0.05
@@ -37,7 +37,7 @@ _BAR = 60.0
 def found_and_left_drawing(volume: BentVolume, width: float) -> Drawing:
     """Return the picture for a width, pixels."""
     home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
-    times, room = magnification(volume), Room(volume.machine, home)
+    times, room = magnification(volume), DrawnMachine(volume.machine, home)
     panels = [(said("found"), volume.found, "beam")]
     if volume.left is not None:
         title = said("left with the tables for {controller}", controller=volume.controller)
@@ -87,11 +87,11 @@ def _of_all(volume: BentVolume) -> list[Array]:
     return [volume.found] if volume.left is None else [volume.found, volume.left]
 
 
-def _in_room(room: Room, grid: Array) -> Array:
+def _in_room(room: DrawnMachine, grid: Array) -> Array:
     return room.on_table(grid.reshape(-1, 3), turned=False).reshape(grid.shape)
 
 
-def _bent(volume: BentVolume, room: Room, values: Array, times: float, colour: str) -> Iterator[Part]:
+def _bent(volume: BentVolume, room: DrawnMachine, values: Array, times: float, colour: str) -> Iterator[Part]:
     """Yield the volume as drawn, machines that the readings allow, and the bent one over them."""
     nominal = _in_room(room, volume.tcp)
     yield from (Stroke(each, "soft", 1.0, "4 4", 0.9) for each in _lines(nominal, nominal, edges=True))
@@ -128,7 +128,7 @@ def _behind(grid: Array, way: int) -> int:
     return 0 if near <= far else grid.shape[way] - 1
 
 
-def _triad(volume: BentVolume, room: Room) -> Iterator[Arrow]:
+def _triad(volume: BentVolume, room: DrawnMachine) -> Iterator[Arrow]:
     """Yield x, y and z of the workpiece beside the front corner on the left."""
     size = max(sides_of(volume.tcp), default=1.0)
     low = volume.tcp.reshape(-1, 3).min(axis=0)

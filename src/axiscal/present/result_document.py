@@ -106,7 +106,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "warnings": [_kept(each, "code error text") for each in summary.warnings],
         "answer": summary.answer.model_dump(mode="json", exclude={"rows", "aims"})
         | {"aims": [aim.model_dump(mode="json") | _kept(aim, "now limit floor") for aim in summary.answer.aims]},
-        "rows": [row.model_dump(mode="json") | {"name": row_names([row])} for row in summary.answer.rows],
+        "rows": [row.model_dump(mode="json") for row in summary.answer.rows],
         "tables": [table for offer in summary.tables for table in _tables(offer, summary.answer.withheld)],
         "versions": dict(sorted(summary.versions.items())),
         "inputs": {**summary.checksums, f"data/{READINGS}": sha256(readings_csv(summary)).hexdigest()},
@@ -130,11 +130,12 @@ def _stated(fields: dict[str, Any]) -> dict[str, Any]:
 
 
 def answered(summary: Summary) -> dict[str, Any]:
-    """Return the answer as every surface says it: first line, rows as cells, sentences."""
+    """Return the answer as every surface says it: first line, rows as cells, sentences, names of rows."""
     record = RECORD if summary.record is None or summary.tables else summary.record.file  # with tables come copies
     signed = "" if summary.record is None else summary.record.signed
     told = answer_text(summary.answer, summary.agreement_words, record, evidence=signed)
-    return {"first": told.first.parts, "rows": told.rows, "sentences": told.sentences}
+    names = {row.row: row_names([row]) for row in summary.answer.rows}
+    return {"first": told.first.parts, "rows": told.rows, "sentences": told.sentences, "names": names}
 
 
 def _kept(what: object, fields: str, **named: Any) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.language.spoken import counted, said
+from axiscal.language.spoken import counted, listed, put, said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import model_of
@@ -44,13 +44,15 @@ _LYING: Array = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 _LEAST = 1e-2
 """m, that a picture is wide at least; a matter of taste."""
 _Z: Array = np.eye(3)[2]
-_PAD, _ASIDE, _STEP, _TOOL, _ROUND, _WAY = 0.07, 0.28, 0.17, 0.3, 0.13, 0.2
+"""Upwards, of the room and of the workpiece."""
+_PAD, _ASIDE, _STEP, _TOOL, _ROUND, _WAY, _NEAR = 0.07, 0.28, 0.17, 0.3, 0.13, 0.2, 3.0
 """Shares of the size: beyond the reach go the table and the axes, so long are arrows and the tool, so wide the arcs
-of axes that turn the tool, so far goes the arrow of what is read; a matter of taste.
+of axes that turn the tool, so far goes the arrow of what is read, and so near stands a
+station that is shown; a matter of taste.
 """
 
 
-class Room:
+class DrawnMachine:
     """A machine at a pose.  pose : (q,) m or rad
 
     upright : the rotation from the machine frame to the room, (3, 3); home : linear axes amid their travels
@@ -128,7 +130,7 @@ class Room:
         return motion
 
 
-def _machine(room: Room, moves: Sequence[int]) -> Iterator[Part]:
+def _machine(room: DrawnMachine, moves: Sequence[int]) -> Iterator[Part]:
     """Yield the table, the edges of what the tool reaches, the axes, and the tool.  moves : axes that are not faint"""
     yield Stroke(room.on_table(_plate(room)), "edge", 1.2, filled="table")
     box = room.on_table(_corners(*room.reach), turned=False)
@@ -146,7 +148,7 @@ def _machine(room: Room, moves: Sequence[int]) -> Iterator[Part]:
     yield Stroke(np.array([room.tip, room.tip + _TOOL * size * room.stem]), "stone", 5.0)
 
 
-def _turning(room: Room, axis: int, box: Array) -> Iterator[Part]:
+def _turning(room: DrawnMachine, axis: int, box: Array) -> Iterator[Part]:
     """Yield the line of a rotary axis and the arc in which its part turns as its coordinate grows, at home."""
     way, point, works = room.growing(axis), room.axis_point(axis), axis in room.work
     beside = (
@@ -162,7 +164,7 @@ def _turning(room: Room, axis: int, box: Array) -> Iterator[Part]:
     yield Arrow(arc, room.named(axis), "gold")
 
 
-def _plate(room: Room) -> Array:
+def _plate(room: DrawnMachine) -> Array:
     """Return the corners of the table in the workpiece frame, below what the tool reaches, (5, 3) m."""
     low, high = room.reach
     middle, pad = (low + high) / 2, _PAD * room.size
@@ -186,28 +188,31 @@ def _edges(corners: Array, colour: str, dash: str) -> Iterator[Part]:
                 yield Stroke(corners[[i, j]], colour, 1.2, dash, 0.4 if back in (i, j) else 0.95)
 
 
-def _instrument(room: Room, setup: Setup) -> Iterator[Part]:
+def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
     """Yield balls and stations on their posts, the ways from stations to the tool, and along what is read."""
     foot, size = float(_plate(room)[0, 2]), room.size
     balls = setup.artefact.points if setup.artefact else np.zeros((0, 3))
-    for at in (*balls, *np.array(setup.standing).reshape(-1, 3)):
+    stations, (tip,) = np.array(setup.standing).reshape(-1, 3), frames(room.machine, room.pose[None]).tcp
+    near = np.linalg.norm(stations - tip, axis=1) <= _NEAR * size
+    for at in (*balls, *stations[near]):
         yield Stroke(room.on_table([[*at[:2], foot], at]), "stone", 3.5)
     if setup.artefact is not None:
         radius = 0.5 * (setup.artefact.diameter or 0.05 * size)
         for ball, place in zip(setup.artefact.balls, room.on_table(balls), strict=True):
             yield RoundMark(place, radius, "gold", 5.0)
             yield Caption(place + 1.2 * radius * _Z, ball.name)
-    for station in setup.standing:
-        (place,) = room.on_table(station)
-        yield Stroke(np.array([place, room.tip]), "beam", 2.2)
-        yield RoundMark(place, 0.03 * size, "gold", 5.0)
+    for at, stands in zip(stations, near.tolist(), strict=True):
+        way = at - tip if stands else _WAY * size * (at - tip) / np.linalg.norm(at - tip)
+        yield Stroke(room.on_table([tip, tip + way]), "beam", 2.2)
+        if stands:
+            yield RoundMark(room.on_table(at)[0], 0.03 * size, "gold", 5.0)
     if model_of(setup).directed:
         yield Arrow(room.tip + _WAY * size * np.outer([-0.7, 1.0], room.along(setup.direction)), "+", "beam")
     yield RoundMark(room.tip, 0.018 * size, "beam", 4.0)
     yield Caption(room.tip, said(setup.title))
 
 
-def _readings(room: Room, setup: Setup, places: Sequence[Place], colour: str, radius: float) -> Iterator[Part]:
+def _readings(room: DrawnMachine, setup: Setup, places: Sequence[Place], colour: str, radius: float) -> Iterator[Part]:
     """Yield a dot where each reading is taken, with a tail to the side its one linear axis comes from.
 
     radius : of a dot, pixels
@@ -261,7 +266,7 @@ def setup_schematic(
     """
     own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
     shown = at or _best_seen(campaign, setup, own)
-    room = Room(campaign.machine, shown.pose if shown else setup.park)
+    room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts = [
         *_machine(room, setup.moves),
@@ -272,17 +277,20 @@ def setup_schematic(
     ]
     one_line = len(setup.moves) == 1 and not campaign.machine.axes[setup.moves[0]].rotary
     tails = one_line and any(any(place.approach) for place in own)
-    read = "● " + counted("{count} reading", "{count} readings", len(own)) if own else ""
-    coming_words = said("grey: {count} to come", count=len(later)) if later else ""
-    legend = " · ".join(part for part in (read, coming_words) if part)
-    notes = _reach_note(room), said("tail: the side it comes from") if tails else ""
-    return Schematic(parts, setup.name, legend, " · ".join(note for note in notes if note))
+    read = put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else ""
+    legend = _dotted(read, said("grey: {count} to come", count=len(later)) if later else "")
+    note = _dotted(_reach_note(room), said("tail: the side it comes from") if tails else "")
+    return Schematic(parts, setup.name, legend, note)
+
+
+def _dotted(*parts: str) -> str:
+    return listed(" · ", [part for part in parts if part])
 
 
 def machine_schematic(machine: Machine, *, lengths: bool = True) -> Schematic:
     """Return a machine at home.  lengths : whether its axes say how far they travel, in mm"""
     axes = machine.axes
-    room = Room(machine, [0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
+    room = DrawnMachine(machine, [0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
     named = {room.named(k): _travel(room.named(k), axis) for k, axis in enumerate(axes) if lengths and not axis.rotary}
     parts = [
         replace(part, name=named.get(part.name, part.name)) if isinstance(part, Arrow) else part
@@ -297,7 +305,7 @@ def _travel(name: str, axis: Axis) -> str:
     return f"{text} (⌀ {2e3 * axis.length:.0f})" if axis.diameters else text
 
 
-def _reach_note(room: Room) -> str:
+def _reach_note(room: DrawnMachine) -> str:
     spans = " × ".join(f"{1e3 * span:.0f}" for span in room.reach[1] - room.reach[0] if span > 1e-9)
     return said("dashed: where the tool reaches, {size} mm", size=spans) if spans else ""
 
@@ -305,7 +313,7 @@ def _reach_note(room: Room) -> str:
 def _best_seen(campaign: CampaignDescription, setup: Setup, places: Sequence[Place]) -> Place | None:
     """Return the place that shows all best: rotary axes near 0, the tool to the right."""
     turned = [k for k, axis in enumerate(campaign.machine.axes) if axis.rotary]
-    right = Room(campaign.machine, setup.park).upright.T @ RIGHT
+    right = DrawnMachine(campaign.machine, setup.park).upright.T @ RIGHT
 
     def merit(place: Place) -> tuple[float, float]:
         off = sum(abs(float(np.sin(place.pose[k] / 2))) for k in turned)
@@ -314,7 +322,7 @@ def _best_seen(campaign: CampaignDescription, setup: Setup, places: Sequence[Pla
     return max(places, key=merit, default=None)
 
 
-def _outlines(campaign: CampaignDescription, room: Room) -> Iterator[Part]:
+def _outlines(campaign: CampaignDescription, room: DrawnMachine) -> Iterator[Part]:
     """Yield the part that is to be machined, and what the tool has to keep out of."""
     part = campaign.target.part
     if part is not None and part.radius is not None:
@@ -332,14 +340,14 @@ def _outlines(campaign: CampaignDescription, room: Room) -> Iterator[Part]:
 
 def frame_seen(machine: Machine, place: Place) -> list[tuple[float, float]]:
     """Return unit vectors along x, y, z of the workpiece as a picture of the machine has them, right and down."""
-    room = Room(machine, place.pose)
+    room = DrawnMachine(machine, place.pose)
     return [(right, down) for right, down in flat(np.array([*map(room.along, np.eye(3))])).tolist()]
 
 
 def setup_picture(shown: Schematic, width: float) -> str:
     """Return the text of an SVG file with one set-up, without its title, for a width in pixels."""
     ratio = 0.66 if width > 500 else 0.95
-    whole = replace(shown, legend=" · ".join(part for part in (shown.legend, shown.note) if part))
+    whole = replace(shown, legend=_dotted(shown.legend, shown.note))
     drawing = Drawing(width, round(ratio * width), whole.svg(width, round(ratio * width), titled=False))
     return picture_file([drawing], shown.title)
 
@@ -369,7 +377,7 @@ def beside_each_other(shown: Sequence[Schematic], title: str, width: float) -> D
     high = round(across * (0.6 if across > 600 else 0.9))
     note = shown[0].note if shown else ""
     heads = wrapped(f"{title}: {shown[0].title}" if alone else title, width - 2 * _SIDE, "title")
-    feet = wrapped(" · ".join(part for part in (shown[0].legend, note) if part) if alone else note, width - 2 * _SIDE)
+    feet = wrapped(_dotted(shown[0].legend, note) if alone else note, width - 2 * _SIDE)
     top = _LINE * len(heads) + 12
     foot = top + high * -(-len(shown) // columns)
     body = _lines(heads, _SIDE, 20, "title")
