@@ -14,16 +14,13 @@ from axiscal.estimation.promise.agreement import Agreement
 from axiscal.machine import load_machine
 from axiscal.present.result_document import EFFECT
 from axiscal.present.summary import (
-    ConstantSummary,
-    CurvePoint,
-    CurveSummary,
     Finding,
     HistoryRow,
     Iso230,
-    SetupUse,
     Summary,
     TableOffer,
     Uncertainty,
+    Written,
 )
 from tests.generators.answers import aim, answer, answer_row
 
@@ -41,32 +38,33 @@ def bare(**changes: Any) -> Summary:
     return replace(empty, **changes)
 
 
-def _curve(name: str, axis: str, readings: int, rng: np.random.Generator) -> CurveSummary:
-    """Return a smooth curve with a band around it and a few noisy readings."""
-    low, high = TRAVEL[axis]
-    unit, scale = ("urad", 20.0) if name[1] in "ABC" else ("um", 8.0)
-    where = np.linspace(low, high, 61)
-    truth = scale * np.sin(np.linspace(0, rng.uniform(3, 12), 61) + rng.uniform(0, 6))
-    chosen = np.sort(rng.choice(61, readings, replace=False))
-    noise = 0.06 * scale
-    seen = truth[chosen] + noise * rng.standard_normal(readings)
-    spread = scale * (0.1 + 0.08 * np.sin(np.linspace(0, 20, 61)))
-    return CurveSummary(
-        name=name,
-        axis=axis,
-        caption=words(name),
-        position=where.tolist(),
-        mean=(truth + 0.5 * spread).tolist(),
-        std=np.hypot(spread, 0.1 * scale).tolist(),
-        std_seen=spread.tolist(),
-        prior_std=[scale] * 61,
-        position_unit="deg" if axis in "BC" else "mm",
-        value_unit=unit,
-        points=[
-            CurvePoint(where[i], v, noise, "laser along X", 3 + n)
-            for n, (i, v) in enumerate(zip(chosen, seen, strict=True))
-        ],
-    )
+def written_error(mean: list[float], std: float, axis: str = "X", unit: str = "um") -> Written:
+    """Return an error over its axis as result.json has it."""
+    size = len(mean)
+    places = {"axis": axis, "words": words(f"EX{axis}"), "position": [float(n) for n in range(size)], "mean": mean}
+    bands = {name: [std] * size for name in ("std", "std_seen", "prior_std")}
+    units = {"position_unit": "deg" if axis in "BC" else "mm", "value_unit": unit}
+    return {**places, **bands, **units, "from_readings": 0.0, "read": {"position": [0.0], "value": [0.0]}}
+
+
+def _errors(rng: np.random.Generator) -> dict[str, Written]:
+    """Return thirty smooth curves."""
+    found = {}
+    for axis in TRAVEL:
+        for way in "XYZABC":
+            wave = 8 * np.sin(np.linspace(0, rng.uniform(3, 12), 61) + rng.uniform(0, 6))
+            found[f"E{way}{axis}"] = written_error(wave.tolist(), 1.5, axis, "urad" if way in "ABC" else "um")
+    return found
+
+
+def written_constant(name: str, mean: float, std: float, unit: str) -> Written:
+    """Return a constant as result.json has it."""
+    return {"words": words(name), "mean": mean, "std": std, "prior_std": 20.0, "unit": unit, "seen": True}
+
+
+def _setup(name: str, instrument: str, along: str, moves: str, noise: str) -> Written:
+    mounted = {"name": name, "instrument": instrument, "along": along, "moves": moves.split()}
+    return {**mounted, "noise": noise, "readings": 15}
 
 
 def _history(rng: np.random.Generator, readings: int) -> list[HistoryRow]:
@@ -103,22 +101,9 @@ def _answered(readings: int) -> ResultAnswer:
 def five_axis_summary(readings: int = 60) -> Summary:
     """Return a summary such as a five-axis campaign with a known truth produces."""
     rng = np.random.default_rng(7)
-    names = [(f"E{d}{a}", a) for a in TRAVEL for d in "XYZABC"]
-    curves = [_curve(name, axis, int(rng.integers(0, 12)), rng) for name, axis in names]
-    places = {"A0B": "urad", "C0B": "urad", "A0C": "urad", "B0C": "urad", "C0Y": "urad", "B0Z": "urad", "A0Z": "urad"}
-    places |= {"X0C": "um", "Y0C": "um", "X0B": "um", "Z0B": "um", "EXX_reversal": "um", "EYY_reversal": "um"}
-    constants = [
-        ConstantSummary(
-            n,
-            words(n),
-            float(rng.normal(0, 12)),
-            float(rng.uniform(0.5, 4)),
-            20.0,
-            u,
-            n != "C0B",
-        )
-        for n, u in places.items()
-    ]
+    places = dict.fromkeys(("A0B", "C0B", "A0C", "B0C", "C0Y", "B0Z", "A0Z"), "urad")
+    places |= dict.fromkeys(("X0C", "Y0C", "X0B", "Z0B", "EXX_reversal", "EYY_reversal"), "um")
+    constants = {name: written_constant(name, float(rng.normal(0, 12)), 2.0, unit) for name, unit in places.items()}
     block = Iso230(
         axis="X",
         value_unit="um",
@@ -132,10 +117,10 @@ def five_axis_summary(readings: int = 60) -> Summary:
         campaign_file="campaign.toml",
         date="2026-03-14",
         setups=[
-            SetupUse("set-up 1", "interferometer", "x", ("X",), "0.3 µm", 15),
-            SetupUse("set-up 2", "straightedge", "y", ("X", "Z"), "0.5 µm", 15),
-            SetupUse("set-up 3", "rtest", "x y z", ("B", "C"), "0.6 µm", 15),
-            SetupUse("set-up 4", "level", "about x", ("X", "Y"), "1 µrad", 15),
+            _setup("set-up 1", "interferometer", "x", "X", "0.3 µm"),
+            _setup("set-up 2", "straightedge", "y", "X Z", "0.5 µm"),
+            _setup("set-up 3", "rtest", "x y z", "B C", "0.6 µm"),
+            _setup("set-up 4", "level", "about x", "X Y", "1 µrad"),
         ],
         stopped_because="rms target reached",
         readings=readings,
@@ -146,7 +131,7 @@ def five_axis_summary(readings: int = 60) -> Summary:
         unseen_rms_um=0.82,
         history=history,
         answer=_answered(readings),
-        curves=curves,
+        errors=_errors(rng),
         constants=constants,
         observability=[
             "The constant part of EXX, EXY and EXZ cannot be told apart; a probe on a fixed ball would separate them."
@@ -172,7 +157,8 @@ def with_every_text(value: Any, text: str) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         return replace(value, **{f.name: with_every_text(getattr(value, f.name), text) for f in fields(value)})
     if isinstance(value, dict):
-        return {f"{text}{n}": with_every_text(item, text) for n, item in enumerate(value.values())}
+        names = [name if name.islower() else f"{text}{n}" for n, name in enumerate(value)]  # others are fields
+        return {name: with_every_text(item, text) for name, item in zip(names, value.values(), strict=True)}
     if isinstance(value, list | tuple):
         return type(value)(with_every_text(item, text) for item in value)
     return value

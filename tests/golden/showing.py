@@ -30,7 +30,7 @@ LEFT_AWAY = (
 schemas where they stand a second time.
 """
 DIGITS = 12
-MOST = 16
+MOST = 8
 """Entries of a list that is kept whole; of a longer one so many at most. Sentences are all kept."""
 ROWS = 4 * MOST
 """Rows of a table that is kept whole; of a longer one so many at most."""

@@ -8,16 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.errors.iso230 import words
 from axiscal.exceptions import SummaryError
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
 from axiscal.machine.questions import which_way
 from axiscal.present.rendering import pdf
 from axiscal.present.result_document import readings_csv, result_json
-from axiscal.present.summary import ConstantSummary, CurveSummary, Summary
+from axiscal.present.summary import Summary
 from tests.generators.answers import answer
-from tests.generators.summaries import AT_ODDS, CONTRADICT, bare, five_axis_summary
+from tests.generators.summaries import AT_ODDS, CONTRADICT, bare, five_axis_summary, written_constant, written_error
 from tests.golden.surfaces import of_paper, plain, words_of
 
 
@@ -32,14 +31,8 @@ def _said(summary: Summary, paper: Path, page: int | None = None) -> str:
     return of_paper(paper, page)
 
 
-def _plain_curve(mean: list[float], std: float) -> CurveSummary:
-    size = len(mean)
-    where = [float(n) for n in range(size)]
-    return CurveSummary("EXX", "X", words("EXX"), where, mean, [std] * size, [std] * size, [std] * size, "mm", "um")
-
-
 def test_a_campaign_without_readings_has_a_report(paper: Path) -> None:
-    said = _said(bare(curves=[_plain_curve([0.0, 0.0], 9.0)]), paper)
+    said = _said(bare(errors={"EXX": written_error([0.0, 0.0], 9.0)}), paper)
     assert "NOREADINGSYET" in said
     for stated in ("14.2um", "Uinspace23.4um", "Ualongy±12.0um", "foratoolof120mm", "hardlytouchedbythereadings"):
         assert stated in said
@@ -53,28 +46,21 @@ def test_what_nobody_has_said_stands_in_it(paper: Path) -> None:
 
 @pytest.mark.parametrize("size", [1e-300, 1e-12, 1e12, 1e150])
 def test_extreme_figures_still_make_a_report(size: float, paper: Path) -> None:
-    curve = _plain_curve([size, -size, size], size)
-    constant = ConstantSummary("C0Y", words("C0Y"), size, size, size, "urad")
-    said = _said(bare(curves=[curve], constants=[constant], rms_um=size, worst_um=size), paper)
+    found = {"errors": {"EXX": written_error([size, -size, size], size)}}
+    found |= {"constants": {"C0Y": written_constant("C0Y", size, size, "urad")}}
+    said = _said(bare(**found, rms_um=size, worst_um=size), paper)
     assert "C0Y" in said
     assert "nan" not in said
 
 
 def test_a_figure_that_is_not_finite_is_refused_by_name() -> None:
-    with pytest.raises(SummaryError, match="mean of EXX is nan"):
-        pdf(bare(curves=[_plain_curve([0.0, float("nan")], 1.0)]))
-
-
-@pytest.mark.parametrize("field", ["mean", "std", "std_seen", "prior_std"])
-def test_a_curve_whose_lengths_differ_is_refused_by_name(field: str) -> None:
-    curve = replace(_plain_curve([0.0, 1.0], 1.0), **{field: [1.0]})  # type: ignore[arg-type]
-    with pytest.raises(SummaryError, match=f"{field} of EXX has 1 values for 2 positions"):
-        pdf(bare(curves=[curve]))
+    with pytest.raises(SummaryError, match="mean of EXX of errors"):
+        pdf(bare(errors={"EXX": written_error([0.0, float("nan")], 1.0)}))
 
 
 def test_readings_that_contradict_each_other_leave_no_uncertainty(paper: Path) -> None:
     withheld = answer(verdict="contradict", withheld=True)
-    summary = bare(**AT_ODDS, answer=withheld, readings=24, curves=[_plain_curve([0.0], 9.0)])
+    summary = bare(**AT_ODDS, answer=withheld, readings=24, errors={"EXX": written_error([0.0], 9.0)})
     said, result = _said(summary, paper), result_json(summary)
     assert "READINGSCONTRADICT" in said
     assert plain(CONTRADICT) in said

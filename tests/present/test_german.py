@@ -42,12 +42,11 @@ def _sentences(summary: Summary) -> Iterator[str]:
     yield from (summary.stopped_because, summary.agreement_words)
     yield from (summary.expanded.conditions, *summary.observability, *summary.questions)
     yield from (finding.text for finding in summary.warnings)
-    yield from (curve.caption for curve in (*summary.curves, *summary.reversals))
-    yield from (plane.caption for plane in summary.planes)
-    yield from (constant.words for constant in summary.constants)
+    for kind in (summary.errors, summary.plane_errors, summary.constants):
+        yield from (each["words"] for each in kind.values())
     yield from (row.words for row in summary.budget)
     yield from (rejection.reason for rejection in summary.rejected)
-    yield from (use.instrument for use in summary.setups)
+    yield from (use["instrument"] for use in summary.setups)
     yield from (words for *_, words in summary.mistakes)
 
 

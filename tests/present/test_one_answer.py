@@ -87,5 +87,5 @@ def test_what_was_known_before_is_at_the_sizes_as_learnt(tmp_path: Path) -> None
             (curve,) = (row for row in answers[0].rows if row.row == "positioning X")
             assert curve.known_before > 1.1 * before["positioning X"]
             assert summary.history[0] == first.history[0]
-            assert max(summary.curves[0].prior_std) > max(first.curves[0].prior_std)
+            assert max(summary.errors["EXX"]["prior_std"]) > max(first.errors["EXX"]["prior_std"])
         assert "prior-misfit" in [each.code for each in summary.warnings]

@@ -44,8 +44,8 @@ def test_what_is_signed_stands_in_it(tmp_path: Path) -> None:
         "date, signature",
     ):
         assert each in words
-    for curve in summary.curves:
-        assert curve.name in words
+    for name in summary.errors:
+        assert name in words
 
 
 def test_any_text_is_only_text(tmp_path: Path) -> None:

@@ -11,21 +11,15 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import SummaryError
 from axiscal.present.result_document import result_json
-from axiscal.present.summary import (
-    CurveSummary,
-    HistoryRow,
-)
-from tests.generators.summaries import bare
+from axiscal.present.summary import HistoryRow
+from tests.generators.summaries import bare, written_error
 
-CURVE = CurveSummary(
-    "EXX", "X", "words", [0.0, 1 / 3], [1.23456789, -0.0], [2.0, 2.5], [1.0, 1.0], [9.0, 9.0], "mm", "um"
-)
+CURVE = written_error([1.23456789, -0.0], 2.5) | {"position": [0.0, 1 / 3]}
 READ = HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2, reason="too far off")
 SUMMARY = bare(
     unseen_rms_um=0.5,
     history=[*bare().history, READ],
-    curves=[CURVE],
-    reversals=[replace(CURVE, name="EXX_reversal")],
+    errors={"EXX": CURVE, "EXX_reversal": CURVE},
 )
 
 
@@ -33,7 +27,7 @@ def test_the_document_is_what_the_contract_says() -> None:
     document = result_json(SUMMARY)
     assert document["schema"] == "axiscal-result/1"
     assert set(document["errors"]) == {"EXX", "EXX_reversal"}
-    assert document["errors"]["EXX"]["std"] == [2.0, 2.5]  # the whole standard deviation, not the part that is seen
+    assert document["errors"]["EXX"]["std"] == [2.5, 2.5]  # the whole standard deviation, not the part that is seen
     assert [row["position"] for row in document["history"]] == [None, {"X": 120.0}]
     assert document["unseen_rms_um"] == 0.5
     assert (document["U_um"], document["k"], document["U_axis_um"]) == (23.4, 1.65, {"x": 11.0, "y": 12.0, "z": 13.0})

@@ -1,4 +1,4 @@
-"""Every error of the machine as the belief knows it: curves with their bands and readings, and constants."""
+"""Every error of the machine as `result.json` has it: curves with their bands and readings, and constants."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Reading, units_of
 from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
-from axiscal.present.summary import ConstantSummary, CurvePoint, CurveSummary
+from axiscal.present.summary import Written
 from axiscal.units import said_quantity, to_unit
 
 _POSITIONS = 101
@@ -27,14 +27,15 @@ _SEEN = 0.5
 _UNKNOWNS = WORDS["unknowns"]
 
 
-def curves(estimation: Estimation, readings: Sequence[Reading]) -> list[CurveSummary]:
-    """Return every error that is a function of position."""
+def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, Written]:
+    """Return every error that is a function of position, by name, reversals last."""
     numbers = seen(estimation.printed.observation, readings)
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
     left = numbers.values[firsts] - numbers.rows[firsts] @ estimation.printed.belief.mean
-    sight = _Sight(numbers.rows[firsts], left, np.sqrt(numbers.variances[firsts]))
+    sight = _Sight(numbers.rows[firsts], left)
     drawn = [function for function in estimation.case.errors.functions if function.basis.size > 1]
-    return [_curve(estimation, each, [*_points(estimation, each, readings, sight)]) for each in drawn]
+    drawn.sort(key=lambda function: function.name.endswith("_reversal"))
+    return {each.name: _error(estimation, each, [*_points(estimation, each, readings, sight)]) for each in drawn}
 
 
 def value_unit(function: Term) -> str:
@@ -42,7 +43,7 @@ def value_unit(function: Term) -> str:
     return "urad" if function.angular else "um"
 
 
-def _curve(known: Estimation, function: Term, points: list[CurvePoint]) -> CurveSummary:
+def _error(known: Estimation, function: Term, points: list[tuple[float, float]]) -> Written:
     estimate = known.estimate()
     axis = known.case.errors.machine.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
@@ -53,50 +54,52 @@ def _curve(known: Estimation, function: Term, points: list[CurvePoint]) -> Curve
     seen: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)  # without what no allowed reading sees
     now = estimate.curve(function.name, positions)
     before = replace(estimate, belief=known.without_readings).curve(function.name, positions).std
-    return CurveSummary(
-        name=function.name,
-        axis=axis.name,
-        caption=words(function.name),
-        position=to_unit(positions, position_unit).tolist(),
-        mean=to_unit(now.mean, unit).tolist(),
-        std=to_unit(now.std, unit).tolist(),
-        std_seen=to_unit(seen, unit).tolist(),
-        prior_std=to_unit(before, unit).tolist(),
-        position_unit=position_unit,
-        value_unit=unit,
-        from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(before**2), 0.0, 1.0)),
-        points=points,
-    )
+    return {
+        "axis": axis.name,
+        "words": words(function.name),
+        "position": to_unit(positions, position_unit).tolist(),
+        "mean": to_unit(now.mean, unit).tolist(),
+        "std": to_unit(now.std, unit).tolist(),
+        "position_unit": position_unit,
+        "value_unit": unit,
+        "std_seen": to_unit(seen, unit).tolist(),
+        "prior_std": to_unit(before, unit).tolist(),
+        "from_readings": float(np.clip(1.0 - np.sum(now.std**2) / np.sum(before**2), 0.0, 1.0)),
+        "read": {"position": [at for at, _ in points], "value": [value for _, value in points]},
+    }
 
 
-def constants(estimation: Estimation) -> list[ConstantSummary]:
-    """Return location errors, constant reversals, and the unknowns of the set-ups."""
-    case, own = estimation.case, list[ConstantSummary]()
+def constants(estimation: Estimation) -> dict[str, Written]:
+    """Return location errors, constant reversals, and the unknowns of the set-ups, by name."""
+    case, own = estimation.case, dict[str, Written]()
     for function in (each for each in case.errors.functions if each.basis.size == 1):
         column = function.columns.start
-        found = _found(estimation, function.name, words(function.name), column, value_unit(function))
+        found = _found(estimation, words(function.name), column, value_unit(function))
         hidden = float(np.linalg.norm(case.yardstick.unseen[column]))
-        own.append(replace(found, seen=hidden**2 < _SEEN * float(function.covariance[0, 0])))
+        own[function.name] = found | {"seen": hidden**2 < _SEEN * float(function.covariance[0, 0])}
     for index, setup in enumerate(case.description.setups):
         columns = estimation.printed.observation.unknowns_of(index)
         for column, unknown in zip(columns, setup.unknowns, strict=True):
-            name, unit = f"{setup.name}: {unknown.name}", case.unit_of(setup, unknown)
-            own.append(_found(estimation, name, _unknown_words(unknown.name), column, unit))
+            found = _found(estimation, _unknown_words(unknown.name), column, case.unit_of(setup, unknown))
+            own[f"{setup.name}: {unknown.name}"] = found
     for setup in case.description.setups:  # how far zeros that may wander came from the first reading to the last
         ways = zip(model_of(setup).names_of(setup), units_of(setup), strict=True)
         for (way, unit), path in zip(ways, paths(estimation, setup), strict=False):
             spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
-            mean, std, before = (to_unit(float(each[-1]), unit) for each in (path.mean, path.std, path.prior))
-            name = f"{setup.name}: drift" + (f"_{way}" if way else "")
-            own.append(ConstantSummary(name, spoken, mean, std, before, unit))
+            sizes = (float(each[-1]) for each in (path.mean, path.std, path.prior))
+            own[f"{setup.name}: drift" + (f"_{way}" if way else "")] = _constant(spoken, unit, *sizes)
     return own
 
 
-def _found(known: Estimation, name: str, spoken: str, column: int, unit: str) -> ConstantSummary:
+def _found(known: Estimation, spoken: str, column: int, unit: str) -> Written:
     """Return one number of the belief.  spoken : what it is"""
     stds = (float(np.linalg.norm(each.factor[column])) for each in (known.printed.belief, known.without_readings))
-    mean, std, before = (to_unit(size, unit) for size in (float(known.printed.belief.mean[column]), *stds))
-    return ConstantSummary(name, spoken, mean, std, before, unit)
+    return _constant(spoken, unit, float(known.printed.belief.mean[column]), *stds)
+
+
+def _constant(spoken: str, unit: str, mean: float, std: float, before: float) -> Written:
+    sizes = {"mean": to_unit(mean, unit), "std": to_unit(std, unit), "unit": unit, "prior_std": to_unit(before, unit)}
+    return {"words": spoken, **sizes, "seen": True}
 
 
 def _unknown_words(name: str) -> str:
@@ -113,12 +116,11 @@ def _unknown_words(name: str) -> str:
 class _Sight(NamedTuple):
     """The first number of each reading, with what the whole model leaves of it.
 
-    rows : (m, size); left : (m,) the number less what is expected of it; std : (m,) of its noise, m or rad
+    rows : (m, size); left : (m,) the number less what is expected of it, m or rad
     """
 
     rows: Array
     left: Array
-    std: Array
 
     def shares(self, function: Term) -> Array:
         """Return the variance that the prior of one error gives to each, (m,)."""
@@ -127,24 +129,19 @@ class _Sight(NamedTuple):
         return shares
 
 
-def _points(known: Estimation, function: Term, readings: Sequence[Reading], sight: _Sight) -> Iterator[CurvePoint]:
-    """Yield each reading as a curve sees it: less what the rest of the model says, per unit of the lever."""
+def _points(
+    known: Estimation, function: Term, readings: Sequence[Reading], sight: _Sight
+) -> Iterator[tuple[float, float]]:
+    """Yield place and value of each reading that is believed: less what the rest of the model says, per lever."""
     setups = known.case.description.setups
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
     whole = sum(sight.shares(each) for each in known.case.errors.functions)
     unit, axis = value_unit(function), known.case.errors.machine.axes[function.axis]
     for index in np.flatnonzero(sight.shares(function) > _BEARS_ON * whole).tolist():
         reading = readings[index]
-        if function.axis not in moves[reading.setup]:
+        if function.axis not in moves[reading.setup] or index in known.left_out:
             continue
         basis = function.basis.rows(np.array([reading.pose[function.axis]]))[0]
         lever = float(sight.rows[index, function.columns] @ basis / (basis @ basis))
         value = float(basis @ known.printed.belief.mean[function.columns]) + float(sight.left[index]) / lever
-        yield CurvePoint(
-            position=to_unit(reading.pose[function.axis], axis.unit),
-            value=to_unit(value, unit),
-            std=to_unit(float(sight.std[index]) / abs(lever), unit),
-            setup=reading.setup,
-            reading=reading.numbered(index),
-            rejected=index in known.left_out,
-        )
+        yield to_unit(reading.pose[function.axis], axis.unit), to_unit(value, unit)

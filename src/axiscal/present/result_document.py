@@ -17,8 +17,7 @@ from axiscal.measurement.readers.csv_readings import FOUND
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.present.result_set import RECORD
 from axiscal.present.sentences import axis_unit
-from axiscal.present.summary import CurveSummary, HistoryRow, Summary, TableOffer
-from axiscal.present.volume_error import PlaneSummary
+from axiscal.present.summary import HistoryRow, Summary, TableOffer
 
 READINGS = "readings.csv"
 """Its name."""
@@ -56,8 +55,6 @@ def _figure(value: float | None) -> str:
 
 EFFECT = ("before_um", "after_um", "expected_um", "U_um")
 """Figures of a table."""
-_CURVE = "axis position mean std position_unit value_unit std_seen prior_std from_readings"
-_PLANE = "axes position mean std position_unit value_unit prior_std whole_mean whole_std from_readings"
 _HISTORY = "reading setup approach others units innovation surprise rms_um worst_um minutes rejected by"
 _WHO = "number customer laboratory place operator responsible temperature remarks maker serial"
 _MISTAKE = ("mistake", "odds", "setups", "text")
@@ -71,11 +68,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "schema": "axiscal-result/1",
         "identity": _identity(summary),
         "words": answered(summary),
-        **_kept(summary, "machine readings minutes stopped_because"),
-        "setups": [
-            _stated(_kept(use, "name instrument along moves noise readings serial certificate temperature"))
-            for use in summary.setups
-        ],
+        **_kept(summary, "machine readings minutes stopped_because setups"),
         "agreement": {
             **_kept(summary.agreement, "count agreeing c2 p", contradict=summary.agreement.contradicts),
             "explained": [dict(zip(_MISTAKE, _figures(each, "a mistake"), strict=True)) for each in summary.mistakes],
@@ -92,10 +85,8 @@ def result_json(summary: Summary) -> dict[str, Any]:
         **_kept(summary, "nonlinearity target_rms_um target_worst_um", target_U_um=summary.target_u_um),
         "target_reached": summary.target_reached,
         "history": [_row(row, _HISTORY, unit=row.unit if row.values else None) for row in summary.history],
-        "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
-        "plane_errors": {plane.name: _error(plane, _PLANE, words=plane.caption) for plane in summary.planes},
+        **_kept(summary, "errors plane_errors constants"),
         "volume": summary.volume and _kept(summary.volume, _VOLUME, controller=summary.controller),
-        "constants": {each.name: _kept(each, "words mean std unit prior_std seen") for each in summary.constants},
         "iso230": [
             _kept(block, "axis left_out", unit=block.value_unit, figures=block.figures, U=block.uncertainties)
             for block in summary.iso230
@@ -150,27 +141,10 @@ def _figures(value: Any, what: str) -> Any:
     if isinstance(value, float):
         return number(value, what)
     if isinstance(value, Mapping):
-        return {name: _figures(each, what) for name, each in value.items()}
+        return {name: _figures(each, f"{name} of {what}") for name, each in value.items()}
     if isinstance(value, Sequence) and not isinstance(value, str):
         return [_figures(each, what) for each in value]
     return value
-
-
-def _curve(curve: CurveSummary) -> dict[str, Any]:
-    """Return the error of an axis with the readings that bear on it and are believed."""
-    points = [point for point in curve.points if not point.rejected]
-    read = {"position": [point.position for point in points], "value": [point.value for point in points]}
-    return _error(curve, _CURVE, words=curve.caption, read=read)
-
-
-def _error(error: CurveSummary | PlaneSummary, fields: str, **named: Any) -> dict[str, Any]:
-    """Return an error; raises SummaryError where a figure does not stand at a position."""
-    plane = isinstance(error, PlaneSummary)
-    size = len(error.position[1]) if isinstance(error, PlaneSummary) else len(error.position)
-    for name in (each for each in fields.split() if each.endswith(("mean", "std", "std_seen"))):
-        for row in getattr(error, name) if plane else [getattr(error, name)]:
-            rounded(row, f"{name} of {error.name}", size)
-    return _kept(error, fields, **named)
 
 
 def _expanded(summary: Summary) -> dict[str, Any]:

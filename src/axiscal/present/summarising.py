@@ -45,7 +45,7 @@ from axiscal.measurement.reading import (
 )
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.present.curves import constants, curves
+from axiscal.present.curves import constants, errors
 from axiscal.present.findings import findings, observability
 from axiscal.present.schematic import read_schematics
 from axiscal.present.sentences import cause_words
@@ -57,10 +57,10 @@ from axiscal.present.summary import (
     HistoryRow,
     Iso230,
     RecordState,
-    SetupUse,
     Summary,
     TableOffer,
     Uncertainty,
+    Written,
 )
 from axiscal.present.volume_error import bent_volume, planes, volume_error
 from axiscal.tables.offer import Export
@@ -184,7 +184,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     linear, found, stated = linearity(estimation), expanded_uncertainty(estimation), estimation.stated
     space, worst, x, y, z = (to_unit(each, "um") for each in (found.space, found.worst, *found.axes))
     factor, (sources, smaller) = found.factor(estimation.accuracy.rms), budget_rows(estimation)
-    target, drawn = description.target, curves(estimation, campaign.state.readings)
+    target = description.target
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted, over = [Finding("accepted", None, change) for change in changes], campaign.state.finished is not None
     names = [setup.name for setup in description.setups]
@@ -206,10 +206,9 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         history=rows,
         expanded=Uncertainty(space, (x, y, z), worst, factor, conditions(stated), counted_along(stated)),
         answer=answer.model_copy(update={"checked": extras.checked}),
-        curves=[curve for curve in drawn if not curve.name.endswith("_reversal")],
-        reversals=[curve for curve in drawn if curve.name.endswith("_reversal")],
+        errors=errors(estimation, campaign.state.readings),
         constants=constants(estimation),
-        planes=planes(estimation),
+        plane_errors=planes(estimation),
         observability=observability(case),
         questions=[
             *questions(description.machine),
@@ -306,7 +305,7 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Hi
     )
 
 
-def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
+def _setup_use(setup: Setup, campaign: Campaign) -> Written:
     axes = campaign.description.machine.axes
     count = sum(reading.setup == setup.name for reading in campaign.state.readings)
     moves = [axes[k].name for k in setup.moves]
@@ -316,9 +315,10 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     named = values_of(setup) > 1 or setup.written
     along = " ".join(model_of(setup).names_of(setup)) if named else direction_text(setup)
     along = along if setup.length is None else said("the bar")
-    own = setup.name, said(setup.title), along, moves, noise, count
+    own = {"name": setup.name, "instrument": said(setup.title), "along": along, "moves": moves, "noise": noise}
     grown = said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6)) if setup.growth else ""
-    return SetupUse(*own, of.serial, of.certificate, grown)
+    told = {"serial": of.serial, "certificate": of.certificate, "temperature": grown}
+    return {**own, "readings": count, **{name: text for name, text in told.items() if text}}
 
 
 def not_gaussian(found: Linearity) -> Iterator[Finding]:

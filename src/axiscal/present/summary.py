@@ -8,32 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from axiscal.answers.answer import ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, Checks
 from axiscal.present.schematic import Schematic
-from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
+from axiscal.present.volume_error import BentVolume, VolumeError
 
 _NOUGHT = 1e-6
 """um: rounding."""
 Position = Mapping[str, float]
 """Axis name to coordinate, mm or deg."""
-
-
-@dataclass(frozen=True, slots=True)
-class SetupUse:
-    """A set-up, and how many readings were taken in it; `along`, `noise` are text such as "x" and "0.3 um"."""
-
-    name: str
-    instrument: str
-    along: str
-    moves: Sequence[str]
-    noise: str
-    readings: int
-    serial: str = ""
-    certificate: str = ""
-    temperature: str = ""
+Written = dict[str, Any]
+"""A part of `result.json` as it stands there, its figures not rounded yet (docs/result.schema.json)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,55 +69,6 @@ class HistoryRow:
     def units(self) -> tuple[str, ...]:
         """The unit of each number, which its column ends with."""
         return tuple(column.rpartition("_")[2] for column in self.columns)
-
-
-@dataclass(frozen=True, slots=True)
-class CurvePoint:
-    """A reading as one curve sees it: its value minus what the rest of the model says, and the std of that."""
-
-    position: float
-    value: float
-    std: float
-    setup: str
-    reading: int
-    rejected: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class CurveSummary:
-    """One error function over its axis; all sequences have the length of `position`.
-
-    std : whole standard deviation, unmodelled rest and unseen part included
-    std_seen : what the readings leave over, without the part that no allowed reading can see
-    prior_std : without readings, at the sizes as learnt
-    from_readings : share of the variance at the sizes as learnt that the readings have taken away, 0 to 1
-    """
-
-    name: str
-    axis: str
-    caption: str
-    position: Sequence[float]
-    mean: Sequence[float]
-    std: Sequence[float]
-    std_seen: Sequence[float]
-    prior_std: Sequence[float]
-    position_unit: str
-    value_unit: str
-    points: Sequence[CurvePoint] = ()
-    from_readings: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class ConstantSummary:
-    """A location error, a constant reversal or a set-up's unknown; `seen`: an allowed reading bears on it."""
-
-    name: str
-    words: str
-    mean: float
-    std: float
-    prior_std: float
-    unit: str
-    seen: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,7 +178,7 @@ class Summary:
     chain: str
     campaign_file: str
     date: str
-    setups: Sequence[SetupUse]
+    setups: Sequence[Written]
     stopped_because: str
     readings: int
     minutes: float
@@ -249,10 +188,9 @@ class Summary:
     history: Sequence[HistoryRow]
     expanded: Uncertainty
     answer: ResultAnswer
-    curves: Sequence[CurveSummary] = ()
-    reversals: Sequence[CurveSummary] = ()
-    constants: Sequence[ConstantSummary] = ()
-    planes: Sequence[PlaneSummary] = ()
+    errors: Mapping[str, Written] = field(default_factory=dict)
+    constants: Mapping[str, Written] = field(default_factory=dict)
+    plane_errors: Mapping[str, Written] = field(default_factory=dict)
     observability: Sequence[str] = ()
     questions: Sequence[str] = ()
     warnings: Sequence[Finding] = ()

@@ -1,12 +1,13 @@
 """The error of the volume: what the tool does at places spread over it, as found, as left, and how well it is known.
 
-One error of two axes as plain data in display units, beside the rest of a summary.
+One error of two axes as plain data in display units.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -29,36 +30,15 @@ _POSITIONS = 31
 """Points of a drawn map along each axis."""
 
 
-@dataclass(frozen=True, slots=True)
-class PlaneSummary:
-    """One error of two axes over both; maps have a row for each position of the first axis.
+def planes(estimation: Estimation) -> dict[str, dict[str, Any]]:
+    """Return every error that is a function of two positions, as `result.json` has it, by name.
 
-    mean, std, prior_std : of what the axes do together alone, rest included; sign : +1 or -1, how the tool shows it
-    whole_mean, whole_std : with the curves that each axis has alone in the same direction, signs as the tool moves,
-        and their mean over the plane taken off
+    Maps have a row for each position of the first axis; sign : +1 or -1, how the tool shows the error
     """
-
-    name: str
-    axes: tuple[str, str]
-    caption: str
-    position: tuple[Sequence[float], Sequence[float]]
-    position_unit: tuple[str, str]
-    value_unit: str
-    mean: Sequence[Sequence[float]]
-    std: Sequence[Sequence[float]]
-    prior_std: Sequence[Sequence[float]]
-    whole_mean: Sequence[Sequence[float]]
-    whole_std: Sequence[Sequence[float]]
-    from_readings: float = 0.0
-    sign: float = 1.0
+    return {plane.name: _plane(estimation, plane) for plane in estimation.case.errors.planes}
 
 
-def planes(estimation: Estimation) -> list[PlaneSummary]:
-    """Return every error that is a function of two positions."""
-    return [_plane(estimation, plane) for plane in estimation.case.errors.planes]
-
-
-def _plane(estimation: Estimation, plane: Term) -> PlaneSummary:
+def _plane(estimation: Estimation, plane: Term) -> dict[str, Any]:
     errors, belief = estimation.case.errors, estimation.printed.belief
     axes = tuple(errors.machine.axes[index] for index in plane.axes)
     at = tuple(np.linspace(*axis.travel, _POSITIONS) for axis in axes)
@@ -76,21 +56,20 @@ def _plane(estimation: Estimation, plane: Term) -> PlaneSummary:
     known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.without_readings))
     mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
     first, second = axes
-    return PlaneSummary(
-        name=plane.name,
-        axes=(first.name, second.name),
-        caption=words(plane.name),
-        position=(to_unit(at[0], first.unit).tolist(), to_unit(at[1], second.unit).tolist()),
-        position_unit=(first.unit, second.unit),
-        value_unit=unit,
-        mean=_map(sign * (own @ mean), unit),
-        std=_map(known, unit),
-        prior_std=_map(without, unit),
-        whole_mean=_map(whole @ mean, unit),
-        whole_std=_map(_std(whole, belief.factor[: errors.size], rests), unit),
-        sign=sign,
-        from_readings=float(np.clip(1.0 - np.sum(known**2) / np.sum(without**2), 0.0, 1.0)),
-    )
+    return {
+        "axes": [first.name, second.name],
+        "words": words(plane.name),
+        "position": [to_unit(at[0], first.unit).tolist(), to_unit(at[1], second.unit).tolist()],
+        "mean": _map(sign * (own @ mean), unit),
+        "std": _map(known, unit),
+        "position_unit": [first.unit, second.unit],
+        "value_unit": unit,
+        "prior_std": _map(without, unit),
+        "whole_mean": _map(whole @ mean, unit),
+        "whole_std": _map(_std(whole, belief.factor[: errors.size], rests), unit),
+        "from_readings": float(np.clip(1.0 - np.sum(known**2) / np.sum(without**2), 0.0, 1.0)),
+        "sign": int(sign),
+    }
 
 
 def _rows_of_plane(errors: ErrorModel, terms: Sequence[Term], poses: Array) -> Array:
