@@ -16,7 +16,6 @@ from axiscal.present.result_document import EFFECT
 from axiscal.present.summary import (
     Finding,
     HistoryRow,
-    Iso230,
     Summary,
     TableOffer,
     Uncertainty,
@@ -104,12 +103,13 @@ def five_axis_summary(readings: int = 60) -> Summary:
     places = dict.fromkeys(("A0B", "C0B", "A0C", "B0C", "C0Y", "B0Z", "A0Z"), "urad")
     places |= dict.fromkeys(("X0C", "Y0C", "X0B", "Z0B", "EXX_reversal", "EYY_reversal"), "um")
     constants = {name: written_constant(name, float(rng.normal(0, 12)), 2.0, unit) for name, unit in places.items()}
-    block = Iso230(
-        axis="X",
-        value_unit="um",
-        figures={"A": 11.2, "A_up": 9.8, "E": 10.0, "R": 4.2, "B": 2.0, "B_mean": 2.0, "M": 8.1},
-        uncertainties={"A": 1.1, "E": 0.9, "R": 0.7, "B": 0.4, "M": 0.6},
-    )
+    block = {
+        "axis": "X",
+        "unit": "um",
+        "figures": {"A": 11.2, "A_up": 9.8, "E": 10.0, "R": 4.2, "B": 2.0, "B_mean": 2.0, "M": 8.1},
+        "U": {"A": 1.1, "E": 0.9, "R": 0.7, "B": 0.4, "M": 0.6},
+        "left_out": [],
+    }
     history = _history(rng, readings)
     return Summary(
         machine="Five-axis machine, 600 × 500 × 500",

@@ -47,7 +47,7 @@ def _sentences(summary: Summary) -> Iterator[str]:
     yield from (row.words for row in summary.budget)
     yield from (rejection.reason for rejection in summary.rejected)
     yield from (use["instrument"] for use in summary.setups)
-    yield from (words for *_, words in summary.mistakes)
+    yield from (each["text"] for each in summary.mistakes)
 
 
 def test_every_sentence_can_be_said_again(summary: Summary) -> None:

@@ -57,8 +57,6 @@ EFFECT = ("before_um", "after_um", "expected_um", "U_um")
 """Figures of a table."""
 _HISTORY = "reading setup approach others units innovation surprise rms_um worst_um minutes rejected by"
 _WHO = "number customer laboratory place operator responsible temperature remarks maker serial"
-_MISTAKE = ("mistake", "odds", "setups", "text")
-_VOLUME = "axes parked tcp_mm found_um half_um left_um"
 
 
 def result_json(summary: Summary) -> dict[str, Any]:
@@ -71,7 +69,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         **_kept(summary, "machine readings minutes stopped_because setups"),
         "agreement": {
             **_kept(summary.agreement, "count agreeing c2 p", contradict=summary.agreement.contradicts),
-            "explained": [dict(zip(_MISTAKE, _figures(each, "a mistake"), strict=True)) for each in summary.mistakes],
+            "explained": _figures(summary.mistakes, "a mistake"),
             "text": summary.agreement_words,
         },
         "checks": {
@@ -85,14 +83,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         **_kept(summary, "nonlinearity target_rms_um target_worst_um", target_U_um=summary.target_u_um),
         "target_reached": summary.target_reached,
         "history": [_row(row, _HISTORY, unit=row.unit if row.values else None) for row in summary.history],
-        **_kept(summary, "errors plane_errors constants"),
-        "volume": summary.volume and _kept(summary.volume, _VOLUME, controller=summary.controller),
-        "iso230": [
-            _kept(block, "axis left_out", unit=block.value_unit, figures=block.figures, U=block.uncertainties)
-            for block in summary.iso230
-        ],
-        "observability": list(summary.observability),
-        "questions": list(summary.questions),
+        **_kept(summary, "errors plane_errors volume constants iso230 observability questions"),
         "rejected": [_row(row, "reading setup unit reason") for row in summary.rejected],
         "warnings": [_kept(each, "code error text") for each in summary.warnings],
         "answer": summary.answer.model_dump(mode="json", exclude={"rows", "aims"})

@@ -55,7 +55,6 @@ from axiscal.present.summary import (
     BudgetRow,
     Finding,
     HistoryRow,
-    Iso230,
     RecordState,
     Summary,
     TableOffer,
@@ -75,7 +74,7 @@ _SAME = 1e-6
 
 def iso230_blocks(
     description: CampaignDescription, readings: Sequence[Reading], doubted: Collection[int] = ()
-) -> list[Iso230]:
+) -> list[Written]:
     """Return the figures of each axis whose readings in one set-up are a test after ISO 230-2.
 
     doubted : readings, counted from 0, that were not believed: their runs are left out
@@ -88,7 +87,7 @@ def iso230_blocks(
         test = _test(description, setup, kept)
         if test is not None:
             axis = description.machine.axes[setup.moves[0]]
-            blocks.append(replace(iso230_block(axis.name, evaluate(test, setup.noise)), left_out=wrong))
+            blocks.append(iso230_block(axis.name, evaluate(test, setup.noise), wrong))
     return blocks
 
 
@@ -129,15 +128,11 @@ def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], sid
     return whole if whole.shape[1] >= _FEWEST_RUNS else None
 
 
-def iso230_block(axis: str, found: Positioning) -> Iso230:
-    """Return the block of one axis."""
-    unit = found.unit
-    return Iso230(
-        axis=axis,
-        value_unit=unit,
-        figures={name: to_unit(value, unit) for name, value in found.figures.items()},
-        uncertainties={name: to_unit(value, unit) for name, value in found.uncertainty.items()},
-    )
+def iso230_block(axis: str, found: Positioning, left_out: Sequence[int] = ()) -> Written:
+    """Return the figures of one axis.  left_out : readings that were not believed; the test is without their runs"""
+    kinds = {"figures": found.figures, "U": found.uncertainty}  # U : expanded (k = 2)
+    shown = {kind: {name: to_unit(x, found.unit) for name, x in each.items()} for kind, each in kinds.items()}
+    return {"axis": axis, "unit": found.unit, **shown, "left_out": [*left_out]}
 
 
 _WORDS = WORDS["sources"]
@@ -156,7 +151,7 @@ class Extras:
     """
 
     tables: Sequence[TableOffer] = ()
-    iso230: Sequence[Iso230] = ()
+    iso230: Sequence[Written] = ()
     warnings: Sequence[Finding] = ()
     anyway: bool = False
     checked: TablesChecked | None = None
@@ -228,11 +223,11 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         checks=estimation.checks,
         agreement_words=agreement_words(estimation) if estimation.readings else "",
         mistakes=[
-            (each.mistake, each.odds, [names[k] for k in each.setups], mistake_words(each, estimation))
+            {"mistake": each.mistake, "odds": each.odds, "setups": [names[k] for k in each.setups], "text": words}
             for each in estimation.agreement.explained
+            for words in [mistake_words(each, estimation)]
         ],
-        controller=controller,
-        volume=volume_error(estimation, control) if campaign.state.readings else None,
+        volume=volume_error(estimation, controller, control) if campaign.state.readings else None,
         bent=bent_volume(estimation, controller, control) if campaign.state.readings else None,
         schematics=read_schematics(description, [reading.place for reading in campaign.state.readings]),
         budget=sources,

@@ -14,7 +14,7 @@ from axiscal.answers.answer import ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, Checks
 from axiscal.present.schematic import Schematic
-from axiscal.present.volume_error import BentVolume, VolumeError
+from axiscal.present.volume_error import BentVolume
 
 _NOUGHT = 1e-6
 """um: rounding."""
@@ -95,21 +95,6 @@ class TableOffer:
     effect: Mapping[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
-class Iso230:
-    """ISO 230-2 figures of one axis: A, E, R, B, M by name.
-
-    uncertainties : expanded (k = 2), for the figures whose uncertainty is known
-    left_out : readings that were not believed; the test is without their runs
-    """
-
-    axis: str
-    value_unit: str
-    figures: Mapping[str, float]
-    uncertainties: Mapping[str, float] = field(default_factory=dict)
-    left_out: Sequence[int] = ()
-
-
 WORTH = 5e-4
 """Shares of the square below have no row of their own: they would show as nought."""
 
@@ -169,9 +154,8 @@ class Summary:
 
     answer : what is said first; without what tables leave until they are made
     agreement_words : whether the readings agree, in a sentence, "" before the first
-    controller : whose tables make what pictures and `volume` show as left
     radii : the axes whose displays show diameters; smaller_um : of the sources whose shares are below `WORTH`
-    mistakes : what explains readings that contradict, the likeliest first: its kind, odds, set-ups, and in words
+    mistakes : what explains readings that contradict, the likeliest first
     """
 
     machine: str
@@ -199,15 +183,14 @@ class Summary:
     target_worst_um: float | None = None
     target_u_um: float | None = None
     target_reached: bool | None = None
-    iso230: Sequence[Iso230] = ()
+    iso230: Sequence[Written] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     record: RecordState | None = None
     agreement: Agreement = NOTHING_READ
     checks: Checks = field(default_factory=Checks)
     agreement_words: str = ""
-    mistakes: Sequence[tuple[str, float, Sequence[str], str]] = ()
-    controller: str = ""
-    volume: VolumeError | None = None
+    mistakes: Sequence[Written] = ()
+    volume: Written | None = None
     bent: BentVolume | None = None
     schematics: Sequence[Schematic] = ()
     budget: Sequence[BudgetRow] = ()

@@ -100,44 +100,27 @@ _SMOOTH = {1: (33,), 2: (13, 9), 3: (9, 7, 7)}
 _COUNTS = {1: (11,), 2: (7, 7), 3: (5, 5, 3)}
 """Places along the axes that move, the longest first: enough to see a shape; a matter of taste."""
 
-Triple = tuple[float, float, float]
 
+def volume_error(estimation: Estimation, controller: str = "", control: Control | None = None) -> dict[str, Any]:
+    """Return the error of the volume as `result.json` has it; both sides from which an axis may come count alike.
 
-@dataclass(frozen=True, slots=True)
-class VolumeError:
-    """Deviations of the tool point from the workpiece at places, one shift of all of them taken off.
-
-    axes : that move from place to place; parked : where the others stand, in words, "" where none does
-    tcp_mm : nominal places in the workpiece frame; found_um : as estimated; half_um : ± of it, 95 %, along x, y, z
-    left_um : with tables, as estimated; empty where there are none
-    """
-
-    axes: Sequence[str]
-    parked: str
-    tcp_mm: Sequence[Triple]
-    found_um: Sequence[Triple]
-    half_um: Sequence[Triple]
-    left_um: Sequence[Triple] = ()
-
-
-def volume_error(estimation: Estimation, control: Control | None = None) -> VolumeError:
-    """Return the error of the volume; both sides from which an axis may come count alike.
-
-    control : what tables do, None where there are none
+    One shift of all places is taken off. control : what the tables of `controller` do, None where there are none
     """
     estimate = estimation.estimate()
     moving, poses, _ = places_over(estimate, _COUNTS)
     found = _shifted(_either_way(estimate.deviation, poses))
-    left = () if control is None else _triples(_shifted(_left(estimate, control, poses)))
+    left = () if control is None else to_unit(_shifted(_left(estimate, control, poses)), "um").tolist()
     axes = estimate.machine.axes
     at = {axis.name: said_quantity(float(poses[0, k]), axis.unit, 4) for k, axis in enumerate(axes) if k not in moving}
     parked = listed(", ", [put("{axis} {at}", axis=name, at=at[name]) for name in sorted(at)])
-    places = _triples(frames(estimate.machine, poses).tcp, "mm")
+    places = to_unit(frames(estimate.machine, poses).tcp, "mm").tolist()
     names = [axes[k].name for k in moving]
     spread = _shifted(_either_way(estimate.model.rows, poses)) @ estimate.factor
     rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
     half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
-    return VolumeError(names, parked, places, _triples(found), _triples(half), left)
+    sizes = {"tcp_mm": places, "left_um": left}
+    sizes |= {"found_um": to_unit(found, "um").tolist(), "half_um": to_unit(half, "um").tolist()}
+    return {"axes": names, "parked": parked, **sizes, "controller": controller}
 
 
 def places_over(estimate: Estimate, counts: Mapping[int, Sequence[int]]) -> tuple[list[int], Array, tuple[int, ...]]:
@@ -173,10 +156,6 @@ def _shifted(mean: Array) -> Array:
     """Return deviations, or their rows, less one shift of all places, (m, ...)."""
     shifted: Array = mean - mean.mean(axis=0)
     return shifted
-
-
-def _triples(metres: Array, unit: str = "um") -> list[Triple]:
-    return [(x, y, z) for x, y, z in to_unit(metres, unit).tolist()]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
