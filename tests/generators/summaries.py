@@ -18,21 +18,39 @@ from axiscal.present.summary import (
     HistoryRow,
     Summary,
     TableOffer,
-    Uncertainty,
     Written,
 )
 from tests.generators.answers import aim, answer, answer_row
 
 TRAVEL = {"C": (0.0, 360.0), "B": (-30.0, 110.0), "Y": (0.0, 500.0), "X": (0.0, 600.0), "Z": (0.0, 500.0)}
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'`&{{ 7*7 }}\u2028javascript:alert(3)"
-EXPANDED = Uncertainty(23.4, (11.0, 12.0, 13.0), 51.0, 1.65, "for a tool of 120 mm")
 CONTRADICT = "The readings contradict each other (p = 1e-09)"
 AT_ODDS: dict[str, Any] = {"agreement": Agreement(24, 11, 80.0, 1e-9), "agreement_words": CONTRADICT}
 
 
+def _expanded(size: float, k: float) -> Written:
+    """Return expanded uncertainties and what they hold for as result.json has them."""
+    sizes = {"U_um": size, "U_worst_um": 2 * size, "U_level": 0.95, "k": k}
+    return {
+        **sizes,
+        "U_axis_um": {"x": 11.0, "y": 12.0, "z": 13.0},
+        "U_holds_for": "for a tool of 120 mm",
+        "U_along": "xyz",
+    }
+
+
 def bare(**changes: Any) -> Summary:
     first = HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)
-    figures = 0, 0.0, 14.2, 31.0, 0.0, [first], EXPANDED, answer(verdict="nothing", readings=0, compared=0, minutes=0.0)
+    figures = (
+        0,
+        0.0,
+        14.2,
+        31.0,
+        0.0,
+        [first],
+        _expanded(23.4, 1.65),
+        answer(verdict="nothing", readings=0, compared=0, minutes=0.0),
+    )
     empty = Summary("m", "", "c.toml", "2026-03-14", [], "nothing measured", *figures)
     return replace(empty, **changes)
 
@@ -124,7 +142,7 @@ def five_axis_summary(readings: int = 60) -> Summary:
         ],
         stopped_because="rms target reached",
         readings=readings,
-        expanded=Uncertainty(3.3, (1.9, 1.8, 1.7), 6.1, 1.7, "for a tool of 120 mm"),
+        expanded=_expanded(3.3, 1.7),
         minutes=history[-1].minutes,
         rms_um=history[-1].rms_um,
         worst_um=history[-1].worst_um,
@@ -157,7 +175,9 @@ def with_every_text(value: Any, text: str) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         return replace(value, **{f.name: with_every_text(getattr(value, f.name), text) for f in fields(value)})
     if isinstance(value, dict):
-        names = [name if name.islower() else f"{text}{n}" for n, name in enumerate(value)]  # others are fields
+        names = [
+            name if name.islower() or name[0] == "U" else f"{text}{n}" for n, name in enumerate(value)
+        ]  # others are fields
         return {name: with_every_text(item, text) for name, item in zip(names, value.values(), strict=True)}
     if isinstance(value, list | tuple):
         return type(value)(with_every_text(item, text) for item in value)

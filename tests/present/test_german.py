@@ -40,11 +40,11 @@ def summary(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
 def _sentences(summary: Summary) -> Iterator[str]:
     """Yield every text of a summary that is a sentence for people, and no name that somebody gave."""
     yield from (summary.stopped_because, summary.agreement_words)
-    yield from (summary.expanded.conditions, *summary.observability, *summary.questions)
+    yield from (summary.expanded["U_holds_for"], *summary.observability, *summary.questions)
     yield from (finding.text for finding in summary.warnings)
     for kind in (summary.errors, summary.plane_errors, summary.constants):
         yield from (each["words"] for each in kind.values())
-    yield from (row.words for row in summary.budget)
+    yield from (row["source"] for row in summary.budget)
     yield from (rejection.reason for rejection in summary.rejected)
     yield from (use["instrument"] for use in summary.setups)
     yield from (each["text"] for each in summary.mistakes)

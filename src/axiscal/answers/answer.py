@@ -1,6 +1,6 @@
 """The answer that a campaign gives, as a document of codes and numbers: um, urad, mm, deg, minutes; no sentence.
 
-Terminal, page, HTML, PDF, JSON and certificate show this document, and look their words up by its codes.
+Terminal, page, PDF and JSON show this document, and look their words up by its codes.
 """
 
 from __future__ import annotations

@@ -9,10 +9,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from hashlib import sha256
 from typing import Any
 
-from axiscal.answers.answer import coordinate, number, rounded
+from axiscal.answers.answer import coordinate, number
 from axiscal.answers.answer_words import answer_text
 from axiscal.answers.row_words import row_names
-from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.measurement.readers.csv_readings import FOUND
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.present.result_set import RECORD
@@ -62,6 +61,7 @@ _WHO = "number customer laboratory place operator responsible temperature remark
 def result_json(summary: Summary) -> dict[str, Any]:
     """Return the document `axiscal-result/1`; raises SummaryError for a number that is not finite."""
     taken = [row.reading for row in summary.history if row.value_um is not None]
+    known = _figures(summary.expanded, "uncertainties") | _kept(summary, "rms_um worst_um")
     return {
         "schema": "axiscal-result/1",
         "identity": _identity(summary),
@@ -76,10 +76,8 @@ def result_json(summary: Summary) -> dict[str, Any]:
             **_kept(summary.checks, "as_promised s", count=len(summary.checks.each)),
             "each": [_kept(each, "z used", reading=taken[each.reading]) for each in summary.checks.each],
         },
-        **_expanded(summary),
-        **_kept(summary, "unseen_rms_um"),
-        "budget": [_kept(row, "rms_um share kind distribution", source=row.words) for row in summary.budget],
-        "budget_smaller_um": _figures(summary.smaller_um, "budget_smaller_um"),
+        **(dict.fromkeys(known) if summary.answer.withheld else known),
+        **_kept(summary, "unseen_rms_um budget", budget_smaller_um=summary.smaller_um),
         **_kept(summary, "nonlinearity target_rms_um target_worst_um", target_U_um=summary.target_u_um),
         "target_reached": summary.target_reached,
         "history": [_row(row, _HISTORY, unit=row.unit if row.values else None) for row in summary.history],
@@ -136,21 +134,6 @@ def _figures(value: Any, what: str) -> Any:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return [_figures(each, what) for each in value]
     return value
-
-
-def _expanded(summary: Summary) -> dict[str, Any]:
-    if summary.answer.withheld:
-        return dict.fromkeys(("U_um", "U_axis_um", "U_worst_um", "U_level", "k", "U_holds_for", "rms_um", "worst_um"))
-    found = summary.expanded
-    x, y, z = rounded(found.axes, "U_axis_um", 3)
-    of_u = _kept(found, "", U_um=found.space, U_worst_um=found.worst, U_level=LEVEL, k=found.factor)
-    return {
-        **of_u,
-        "U_axis_um": {"x": x, "y": y, "z": z},
-        "U_holds_for": found.conditions,
-        "U_along": found.along,
-        **_kept(summary, "rms_um worst_um"),
-    }
 
 
 def _row(row: HistoryRow, fields: str, **named: Any) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription, Equipment
 from axiscal.description.type_b import Distribution
+from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.functionals.functional import seen_by, stand_of
@@ -51,14 +52,11 @@ from axiscal.present.schematic import read_schematics
 from axiscal.present.sentences import cause_words
 from axiscal.present.statement import conditions, counted_along
 from axiscal.present.summary import (
-    WORTH,
-    BudgetRow,
     Finding,
     HistoryRow,
     RecordState,
     Summary,
     TableOffer,
-    Uncertainty,
     Written,
 )
 from axiscal.present.volume_error import bent_volume, planes, volume_error
@@ -199,7 +197,15 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         worst_um=rows[-1].worst_um,
         unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
         history=rows,
-        expanded=Uncertainty(space, (x, y, z), worst, factor, conditions(stated), counted_along(stated)),
+        expanded={
+            "U_um": space,
+            "U_worst_um": worst,
+            "U_level": LEVEL,
+            "k": factor,
+            "U_axis_um": {"x": x, "y": y, "z": z},
+            "U_holds_for": conditions(stated),
+            "U_along": counted_along(stated),
+        },
         answer=answer.model_copy(update={"checked": extras.checked}),
         errors=errors(estimation, campaign.state.readings),
         constants=constants(estimation),
@@ -327,17 +333,22 @@ def not_gaussian(found: Linearity) -> Iterator[Finding]:
     yield Finding("not-gaussian", None, said(text, reading=found.reading, times=float(found.largest)))
 
 
-def budget_rows(known: Estimation) -> tuple[list[BudgetRow], float]:
+WORTH = 5e-4
+"""Shares of the square below have no row of their own: they would show as nought."""
+
+
+def budget_rows(known: Estimation) -> tuple[list[Written], float]:
     """Return the sources of the standard uncertainty, the largest first, and the RMS of those without a row, um."""
     shares = budget(known)
     whole = sum(share.rms**2 for share in shares) or 1.0
+    counted = [share for share in shares if share.rms**2 >= WORTH * whole]
+    smaller = math.sqrt(sum(share.rms**2 for share in shares if share.rms**2 < WORTH * whole))
     rows = []
-    for share in shares:  # of type A (GUM 4.2), or of type B with its distribution
-        evaluated = ("A", "") if share.cause is None else ("B", said(_DISTRIBUTIONS[share.cause.row.distribution]))
-        rows.append(BudgetRow(_words(share), to_unit(share.rms, "um"), share.rms**2 / whole, *evaluated))
-    counted = [row for row in rows if row.share >= WORTH]
-    smaller = math.sqrt(sum(row.rms_um**2 for row in rows if row.share < WORTH))
-    return [counted[k] for k in ranked(np.array([row.share for row in counted]), ALIKE)], smaller
+    for share in (counted[k] for k in ranked(np.array([share.rms**2 / whole for share in counted]), ALIKE)):
+        row = {"rms_um": to_unit(share.rms, "um"), "share": share.rms**2 / whole, "source": _words(share)}
+        spread = "" if share.cause is None else said(_DISTRIBUTIONS[share.cause.row.distribution])
+        rows.append({**row, "kind": "B" if share.cause else "A", "distribution": spread})  # GUM 4.2, 4.3
+    return rows, to_unit(smaller, "um")
 
 
 def _words(share: BudgetShare) -> str:

@@ -16,8 +16,6 @@ from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, Checks
 from axiscal.present.schematic import Schematic
 from axiscal.present.volume_error import BentVolume
 
-_NOUGHT = 1e-6
-"""um: rounding."""
 Position = Mapping[str, float]
 """Axis name to coordinate, mm or deg."""
 Written = dict[str, Any]
@@ -95,24 +93,6 @@ class TableOffer:
     effect: Mapping[str, float] = field(default_factory=dict)
 
 
-WORTH = 5e-4
-"""Shares of the square below have no row of their own: they would show as nought."""
-
-
-@dataclass(frozen=True, slots=True)
-class BudgetRow:
-    """One source of the uncertainty in words, its standard uncertainty over the volume, um, and share of the square.
-
-    kind : "A" or "B" (GUM 4.2, 4.3); distribution : of what no reading shows, "" of others
-    """
-
-    words: str
-    rms_um: float
-    share: float
-    kind: str = "A"
-    distribution: str = ""
-
-
 @dataclass(frozen=True, slots=True)
 class RecordState:
     """What all figures come from: a record's file, the number of its last event, the hash up to there.
@@ -127,34 +107,13 @@ class RecordState:
 
 
 @dataclass(frozen=True, slots=True)
-class Uncertainty:
-    """Expanded uncertainties of the tool point over the volume, 95 %, um.
-
-    space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
-    factor : k, `space` over the standard uncertainty; conditions : what it was evaluated for, in words
-    along : the directions whose distance `space` and `worst` are, such as "z" of a bed; all of them where it is "xyz"
-    """
-
-    space: float
-    axes: tuple[float, float, float]
-    worst: float
-    factor: float
-    conditions: str = ""
-    along: str = "xyz"
-
-    @property
-    def ways(self) -> list[tuple[str, float]]:
-        """Directions along which a described error moves the tool, each with its uncertainty."""
-        return [(way, size) for way, size in zip("xyz", self.axes, strict=True) if size > _NOUGHT]
-
-
-@dataclass(frozen=True, slots=True)
 class Summary:
     """Everything the report shows.
 
+    expanded : expanded uncertainties over the volume, 95 %, and what they hold for
     answer : what is said first; without what tables leave until they are made
     agreement_words : whether the readings agree, in a sentence, "" before the first
-    radii : the axes whose displays show diameters; smaller_um : of the sources whose shares are below `WORTH`
+    radii : the axes whose displays show diameters; smaller_um : of the sources that are too small for a row
     mistakes : what explains readings that contradict, the likeliest first
     """
 
@@ -170,7 +129,7 @@ class Summary:
     worst_um: float
     unseen_rms_um: float
     history: Sequence[HistoryRow]
-    expanded: Uncertainty
+    expanded: Written
     answer: ResultAnswer
     errors: Mapping[str, Written] = field(default_factory=dict)
     constants: Mapping[str, Written] = field(default_factory=dict)
@@ -193,7 +152,7 @@ class Summary:
     volume: Written | None = None
     bent: BentVolume | None = None
     schematics: Sequence[Schematic] = ()
-    budget: Sequence[BudgetRow] = ()
+    budget: Sequence[Written] = ()
     smaller_um: float = 0.0
     particulars: Particulars = NOTHING_SAID
     checksums: Mapping[str, str] = field(default_factory=dict)
