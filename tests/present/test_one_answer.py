@@ -24,7 +24,7 @@ from tests.golden.surfaces import numbers, of_screen, of_state
 
 def test_every_verdict_has_its_words_and_its_colour_in_the_pdf() -> None:
     template = (Path(summarising.__file__).parent / "paper" / "report.typ").read_text(encoding="utf-8")
-    (colours,) = re.findall(r"#let colours = \((.*)\)", template)
+    (colours,) = re.findall(r"#let colours = \(([^)]*)\)", template)
     assert set(re.findall(r"(\w+): ", colours)) == set(get_args(Verdict))
 
 

@@ -13,12 +13,12 @@ from axiscal.campaign.evidence import evidence_words
 from axiscal.cli.printing import say, say_document
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.language.spoken import again, put, said, speaking
+from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.delivery import deliver
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_screen
 from axiscal.present.result_document import result_json
 from axiscal.present.sentences import U_OF_TABLES
-from axiscal.present.statement import NOT_KNOWN
 from axiscal.present.summarising import Extras
 from axiscal.present.summary import Summary, TableOffer
 

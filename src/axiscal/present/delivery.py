@@ -25,9 +25,9 @@ from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.readers.homing import zero_by
 from axiscal.measurement.reading import Reading
+from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.result_document import EFFECT, READINGS, readings_csv, result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
-from axiscal.present.statement import NOT_KNOWN
 from axiscal.present.summarising import Extras, iso230_block, record_state, summarise
 from axiscal.present.summary import RecordState, Summary, TableOffer
 from axiscal.present.whose_language import named_language

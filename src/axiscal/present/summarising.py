@@ -46,11 +46,11 @@ from axiscal.measurement.reading import (
 )
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.present.conditions import conditions, counted_along
 from axiscal.present.curves import constants, errors
 from axiscal.present.findings import findings, observability
 from axiscal.present.schematic import read_schematics
 from axiscal.present.sentences import cause_words
-from axiscal.present.statement import conditions, counted_along
 from axiscal.present.summary import (
     Finding,
     HistoryRow,
