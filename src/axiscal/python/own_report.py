@@ -144,10 +144,17 @@ def _unit(term: object) -> str:
 
 def _constants(known: Known, drawn: Sequence[Curved]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Give each unknown that is on no curve with its standard deviation, now and before."""
-    machine, now, before, units = known.case.machine, known.normal.std, known.case.prior.std, dict[int, str]()
+    machine, now, before, names = (
+        known.case.machine,
+        known.normal.std,
+        known.case.prior.std,
+        dict(enumerate(known.names)),
+    )
+    units = dict[int, str]()
     for term, columns in zip(machine.terms, machine.columns, strict=True):
         if term not in drawn:
             units |= dict.fromkeys(range(columns.start, columns.stop), _unit(term))
+            names |= {columns.start: term.name} if columns.stop - columns.start == 1 else {}
     own = ((each, name) for each in known.case.instruments for name in each.own)
     for i, (each, name) in enumerate(own, machine.size):
         of = like(type(each).unknowns.get(name))
@@ -156,10 +163,7 @@ def _constants(known: Known, drawn: Sequence[Curved]) -> Iterator[tuple[str, dic
     for i, unit in units.items():
         shown = UNITS.get(unit, "")
         sizes = (to_unit(float(size), shown) if shown else float(size) for size in (known.mean[i], now[i], before[i]))
-        yield (
-            known.names[i],
-            {"words": "", "unit": shown, **dict(zip(("mean", "std", "prior_std"), sizes, strict=True))},
-        )
+        yield names[i], {"words": "", "unit": shown} | dict(zip(("mean", "std", "prior_std"), sizes, strict=True))
 
 
 def _instruments(known: Known) -> Iterator[dict[str, Any]]:
