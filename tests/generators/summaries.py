@@ -15,7 +15,6 @@ from axiscal.machine import load_machine
 from axiscal.present.result_document import EFFECT
 from axiscal.present.summary import (
     Finding,
-    HistoryRow,
     Summary,
     TableOffer,
     Written,
@@ -40,7 +39,7 @@ def _expanded(size: float, k: float) -> Written:
 
 
 def bare(**changes: Any) -> Summary:
-    first = HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)
+    first = written_row(0)
     figures = (
         0,
         0.0,
@@ -84,27 +83,23 @@ def _setup(name: str, instrument: str, along: str, moves: str, noise: str) -> Wr
     return {**mounted, "noise": noise, "readings": 15}
 
 
-def _history(rng: np.random.Generator, readings: int) -> list[HistoryRow]:
-    rows = [HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)]
+def written_row(number: int, **changes: Any) -> Written:
+    """Return a row of the history: a reading in X, and as number 0 the prior."""
+    known = {"rms_um": 14.2, "worst_um": 31.0, "minutes": 0.7 * number, "rejected": False, "approach": "", "by": ""}
+    blank = dict.fromkeys(("setup", "position", "value", "unit", "innovation", "surprise", "std", "time"))
+    row = {"reading": number, **blank, **known, "others": (), "units": (), "columns": (), "check": False}
+    read: Written = {"setup": "laser", "unit": "um", "units": ("um",), "columns": ("value_um",), "approach": "X+"}
+    read |= {"position": {"X": 120.0}, "value": 1.5, "innovation": 0.1, "surprise": 0.2}
+    return row | (read if number else {}) | changes
+
+
+def _history(rng: np.random.Generator, readings: int) -> list[Written]:
+    rows = [written_row(0)]
     for n in range(1, readings + 1):
         position = {axis: round(float(rng.uniform(*span)), 1) for axis, span in TRAVEL.items()}
-        rms = 1.75 + 12.45 * float(np.exp(-n / 14))
-        z = 7.3 if n == 31 else float(rng.standard_normal())
-        rows.append(
-            HistoryRow(
-                reading=n,
-                setup=f"set-up {n * 4 // (readings + 1) + 1}",
-                position=position,
-                value_um=float(rng.normal(0, 6)),
-                innovation=2 * z,
-                surprise=z,
-                rms_um=rms,
-                worst_um=1.9 * rms,
-                minutes=0.7 * n + 12 * (1 + n * 4 // (readings + 1)),
-                reason="7.3 standard deviations from what was expected." if n == 31 else "",
-                approach="X+",
-            )
-        )
+        row = written_row(n, setup=f"set-up {n * 4 // (readings + 1) + 1}", position=position)
+        odd = {"rejected": True, "reason": "7.3 standard deviations from what was expected.", "surprise": 7.3}
+        rows.append(row | {"value": float(rng.normal(0, 6)), "rms_um": 1.75} | (odd if n == 31 else {}))
     return rows
 
 
@@ -143,9 +138,9 @@ def five_axis_summary(readings: int = 60) -> Summary:
         stopped_because="rms target reached",
         readings=readings,
         expanded=_expanded(3.3, 1.7),
-        minutes=history[-1].minutes,
-        rms_um=history[-1].rms_um,
-        worst_um=history[-1].worst_um,
+        minutes=history[-1]["minutes"],
+        rms_um=history[-1]["rms_um"],
+        worst_um=history[-1]["worst_um"],
         unseen_rms_um=0.82,
         history=history,
         answer=_answered(readings),

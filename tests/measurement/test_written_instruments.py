@@ -135,8 +135,8 @@ def test_a_set_up_that_is_not_there_is_named_and_rows_read_by_a_grid_count_no_pl
     readings.write_text("\n".join(["setup,X_mm,Y_mm,approach,dx_um,dy_um", *rows]))
     assert command("data", "estimate", campaign, readings, "--out", out).status == 0
     paper = of_paper(out / "report.pdf")
-    assert plain("shows the first of them") in paper
-    assert "0places" not in paper
+    assert plain("is compared by the first of them") in paper
+    assert plain("positioning X X 0 to 600 at Y 200 · Z 200 – –") in paper
 
 
 def test_its_readings_are_told_by_name_unit_and_count(tmp_path: Path) -> None:

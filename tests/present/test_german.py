@@ -45,7 +45,7 @@ def _sentences(summary: Summary) -> Iterator[str]:
     for kind in (summary.errors, summary.plane_errors, summary.constants):
         yield from (each["words"] for each in kind.values())
     yield from (row["source"] for row in summary.budget)
-    yield from (rejection.reason for rejection in summary.rejected)
+    yield from (row["reason"] for row in summary.history if row["rejected"])
     yield from (use["instrument"] for use in summary.setups)
     yield from (each["text"] for each in summary.mistakes)
 

@@ -11,11 +11,10 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import SummaryError
 from axiscal.present.result_document import result_json
-from axiscal.present.summary import HistoryRow
-from tests.generators.summaries import bare, written_error
+from tests.generators.summaries import bare, written_error, written_row
 
 CURVE = written_error([1.23456789, -0.0], 2.5) | {"position": [0.0, 1 / 3]}
-READ = HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2, reason="too far off")
+READ = written_row(1, rejected=True, reason="too far off")
 SUMMARY = bare(
     unseen_rms_um=0.5,
     history=[*bare().history, READ],
@@ -41,10 +40,10 @@ def test_numbers_keep_six_digits_and_zero_has_no_sign() -> None:
 
 def test_where_an_axis_stood_is_written_to_far_below_a_nanometre() -> None:
     stood = {"X": 120.12345678949, "C": -179.123456789}
-    document = result_json(replace(SUMMARY, history=[replace(SUMMARY.history[1], position=stood)]))
+    document = result_json(replace(SUMMARY, history=[written_row(1, position=stood)]))
     assert document["history"][0]["position"] == {"X": 120.123456789, "C": -179.123456789}
     with pytest.raises(SummaryError, match="position of X"):
-        result_json(replace(SUMMARY, history=[replace(SUMMARY.history[1], position={"X": float("nan")})]))
+        result_json(replace(SUMMARY, history=[written_row(1, position={"X": float("nan")})]))
 
 
 @given(st.sampled_from(["minutes", "rms_um", "worst_um", "unseen_rms_um"]), st.sampled_from(["nan", "inf", "-inf"]))

@@ -16,7 +16,7 @@ from axiscal.measurement.readers.csv_readings import FOUND
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.present.result_set import RECORD
 from axiscal.present.sentences import axis_unit
-from axiscal.present.summary import HistoryRow, Summary, TableOffer
+from axiscal.present.summary import Summary, TableOffer, Written
 
 READINGS = "readings.csv"
 """Its name."""
@@ -29,23 +29,24 @@ def readings_csv(summary: Summary) -> bytes:
 
 def _readings(summary: Summary) -> Iterator[Sequence[str]]:
     """Yield the lines; what `axiscal data estimate` reads, and what was found beside it."""
-    rows = [row for row in summary.history if row.position is not None]
-    axes = list(dict.fromkeys(axis for row in rows for axis in row.position or {}))
-    values = list(dict.fromkeys(column for row in rows for column in row.columns))
-    stds = list(dict.fromkeys(f"std_{row.unit}" for row in rows if row.std is not None))
-    clock = ["time"] if all(row.time is not None for row in rows) else []
-    drawn = ["check"] if any(row.check for row in rows) else []
+    rows = [row for row in summary.history if row["position"] is not None]
+    axes = list(dict.fromkeys(axis for row in rows for axis in row["position"]))
+    values = list(dict.fromkeys(column for row in rows for column in row["columns"]))
+    stds = list(dict.fromkeys(f"std_{row['unit']}" for row in rows if row["std"] is not None))
+    clock = ["time"] if all(row["time"] is not None for row in rows) else []
+    drawn = ["check"] if any(row["check"] for row in rows) else []
     columns = {axis: f"{axis}{'_radius' * (axis in summary.radii)}_{axis_unit(axis)}" for axis in axes}
     names = ["reading", "setup", *columns.values(), "approach", *values, *stds, *clock, *drawn]
     yield [*names, *FOUND]
     for row in rows:
-        cells = {"reading": str(row.reading), "setup": row.setup or "", "approach": row.approach}
-        at = {axis: coordinate(each, "a position in a CSV file") for axis, each in (row.position or {}).items()}
+        cells = {"reading": str(row["reading"]), "setup": row["setup"], "approach": row["approach"]}
+        at = {axis: coordinate(each, "a position in a CSV file") for axis, each in row["position"].items()}
         cells |= {columns[axis]: f"{each:.12g}" for axis, each in at.items()}
-        cells |= zip(row.columns, map(_figure, row.values), strict=True)
-        cells |= {f"std_{row.unit}": _figure(row.std), "time": f"{_figure(row.time)} s", "check": "yes" * row.check}
-        found = [*map(_figure, (row.innovation, row.surprise)), "no" if row.rejected else "yes"]
-        yield [*(cells.get(name, "") for name in names), *found, *map(_figure, (row.rms_um, row.minutes))]
+        cells |= zip(row["columns"], map(_figure, (row["value"], *row["others"])), strict=True)
+        cells |= {f"std_{row['unit']}": _figure(row["std"]), "time": f"{_figure(row['time'])} s"}
+        cells |= {"check": "yes" * row["check"]}
+        found = [*map(_figure, (row["innovation"], row["surprise"])), "no" if row["rejected"] else "yes"]
+        yield [*(cells.get(name, "") for name in names), *found, *map(_figure, (row["rms_um"], row["minutes"]))]
 
 
 def _figure(value: float | None) -> str:
@@ -54,13 +55,16 @@ def _figure(value: float | None) -> str:
 
 EFFECT = ("before_um", "after_um", "expected_um", "U_um")
 """Figures of a table."""
-_HISTORY = "reading setup approach others units innovation surprise rms_um worst_um minutes rejected by"
+_HISTORY = (
+    "reading setup approach position value others unit units innovation surprise rms_um worst_um minutes rejected by"
+)
+_REJECTED = "reading setup unit reason value position"
 _WHO = "number customer laboratory place operator responsible temperature remarks maker serial"
 
 
 def result_json(summary: Summary) -> dict[str, Any]:
     """Return the document `axiscal-result/1`; raises SummaryError for a number that is not finite."""
-    taken = [row.reading for row in summary.history if row.value_um is not None]
+    taken = [row["reading"] for row in summary.history if row["value"] is not None]
     known = _figures(summary.expanded, "uncertainties") | _kept(summary, "rms_um worst_um")
     return {
         "schema": "axiscal-result/1",
@@ -80,9 +84,9 @@ def result_json(summary: Summary) -> dict[str, Any]:
         **_kept(summary, "unseen_rms_um budget", budget_smaller_um=summary.smaller_um),
         **_kept(summary, "nonlinearity target_rms_um target_worst_um", target_U_um=summary.target_u_um),
         "target_reached": summary.target_reached,
-        "history": [_row(row, _HISTORY, unit=row.unit if row.values else None) for row in summary.history],
+        "history": [_row(row, _HISTORY) for row in summary.history],
         **_kept(summary, "errors plane_errors volume constants iso230 observability questions"),
-        "rejected": [_row(row, "reading setup unit reason") for row in summary.rejected],
+        "rejected": [_row(row, _REJECTED) for row in summary.history if row["rejected"]],
         "warnings": [_kept(each, "code error text") for each in summary.warnings],
         "answer": summary.answer.model_dump(mode="json", exclude={"rows", "aims"})
         | {"aims": [aim.model_dump(mode="json") | _kept(aim, "now limit floor") for aim in summary.answer.aims]},
@@ -136,9 +140,9 @@ def _figures(value: Any, what: str) -> Any:
     return value
 
 
-def _row(row: HistoryRow, fields: str, **named: Any) -> dict[str, Any]:
-    at = row.position and {axis: coordinate(each, f"position of {axis}") for axis, each in row.position.items()}
-    return _kept(row, fields, value=row.value_um, **named) | {"position": at}
+def _row(row: Written, names: str) -> dict[str, Any]:
+    at = row["position"] and {axis: coordinate(each, f"position of {axis}") for axis, each in row["position"].items()}
+    return {name: at if name == "position" else _figures(row[name], f"{name} of a reading") for name in names.split()}
 
 
 def _tables(offer: TableOffer, withheld: bool) -> Iterator[dict[str, Any]]:

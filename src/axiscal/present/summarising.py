@@ -53,7 +53,6 @@ from axiscal.present.schematic import read_schematics
 from axiscal.present.sentences import cause_words
 from axiscal.present.summary import (
     Finding,
-    HistoryRow,
     RecordState,
     Summary,
     TableOffer,
@@ -192,9 +191,9 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         setups=[_setup_use(setup, campaign) for setup in description.setups],
         stopped_because=because_text(campaign.state.finished or "not finished"),
         readings=len(campaign.state.readings),
-        minutes=rows[-1].minutes,
-        rms_um=rows[-1].rms_um,
-        worst_um=rows[-1].worst_um,
+        minutes=rows[-1]["minutes"],
+        rms_um=rows[-1]["rms_um"],
+        worst_um=rows[-1]["worst_um"],
         unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
         history=rows,
         expanded={
@@ -262,7 +261,7 @@ def record_state(campaign: Campaign) -> RecordState:
     return RecordState(campaign.path.name, campaign.state.last, campaign.state.name, evidence_words(campaign))
 
 
-def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
+def _history(campaign: Campaign, estimation: Estimation) -> list[Written]:
     """Return how well the machine was known after each reading, and how much each surprised, or was not believed."""
     doubts = {doubt.reading: doubt for doubt in estimation.outliers}
     first, *moments = path(estimation)
@@ -272,38 +271,38 @@ def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
         if index in doubts:
             away = float(doubts[index].surprise)
             reason = said("{away:.1f} standard deviations from what the other readings say", away=away)
-            row = replace(row, reason=reason, surprise=math.copysign(away, row.innovation or 0.0))
+            row |= {"rejected": True, "reason": reason, "surprise": math.copysign(away, row["innovation"])}
         rows.append(row)
     return rows
 
 
-def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> HistoryRow:
+def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Written:
+    """Return a reading, None of the prior, and the accuracy after it."""
     rms, worst = (to_unit(each, "um") for each in (moment.accuracy.rms, moment.accuracy.worst))
-    minutes, last = to_unit(moment.seconds, "min"), moment.innovations
-    if reading is None or last is None:
-        return HistoryRow(number, None, None, None, None, None, rms, worst, minutes)
-    description = case.description
-    setup, axes = description.setup(reading.setup), description.machine.axes
-    unit, *others = units_of(setup)
-    return HistoryRow(
-        reading=number,
-        setup=reading.setup,
-        position=shown_pose(axes, reading.pose),
-        value_um=to_unit(reading.value, unit),
-        innovation=to_unit(float(last.value[0]), unit),
-        surprise=float(last.value[0] / last.std[0]),
-        rms_um=rms,
-        worst_um=worst,
-        minutes=minutes,
-        unit=unit,
-        approach=approach_text(axes, reading.approach),
-        others=tuple(to_unit(each, own) for each, own in zip(reading.others, others, strict=True)),
-        columns=value_columns(setup),
-        std=None if reading.std is None else to_unit(reading.std, unit),
-        time=reading.time,
-        check=reading.check,
-        by=by_text(reading),
-    )
+    known = {"rms_um": rms, "worst_um": worst, "minutes": to_unit(moment.seconds, "min"), "rejected": False}
+    blank = dict.fromkeys(("setup", "position", "value", "unit", "innovation", "surprise", "std", "time"))
+    row = {"reading": number, **blank, "approach": "", "by": "", "others": (), "units": (), "columns": (), **known}
+    if reading is None or (last := moment.innovations) is None:
+        return row
+    setup, axes = case.description.setup(reading.setup), case.description.machine.axes
+    units = units_of(setup)
+    value, *others = (to_unit(x, own) for x, own in zip((reading.value, *reading.others), units, strict=True))
+    return row | {
+        "setup": reading.setup,
+        "position": shown_pose(axes, reading.pose),
+        "value": value,
+        "unit": units[0],
+        "others": others,
+        "units": [column.rpartition("_")[2] for column in value_columns(setup)],
+        "innovation": to_unit(float(last.value[0]), units[0]),
+        "surprise": float(last.value[0] / last.std[0]),
+        "approach": approach_text(axes, reading.approach),
+        "by": by_text(reading),
+        "columns": value_columns(setup),
+        "std": None if reading.std is None else to_unit(reading.std, units[0]),
+        "time": reading.time,
+        "check": reading.check,
+    }
 
 
 def _setup_use(setup: Setup, campaign: Campaign) -> Written:

@@ -16,57 +16,8 @@ from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, Checks
 from axiscal.present.schematic import Schematic
 from axiscal.present.volume_error import BentVolume
 
-Position = Mapping[str, float]
-"""Axis name to coordinate, mm or deg."""
 Written = dict[str, Any]
 """A part of `result.json` as it stands there, its figures not rounded yet (docs/result.schema.json)."""
-
-
-@dataclass(frozen=True, slots=True)
-class HistoryRow:
-    """One reading and the accuracy after it; reading 0 is the prior and has no position, value or innovation.
-
-    unit : of `value_um` and `innovation`: "um" except for angle readings
-    surprise : innovation in standard deviations; of one that was not believed, by what all others say
-    others : the further numbers of a reading that has several, such as a sphere's along y and z
-    reason : why it was not believed, "" where it was
-    columns : of its values in a file of readings; std : of the reading's own, in `unit`; time : by the clock, s
-    check : its place was drawn at random; by : who took it, as `by_text` says it
-    """
-
-    reading: int
-    setup: str | None
-    position: Position | None
-    value_um: float | None
-    innovation: float | None
-    surprise: float | None
-    rms_um: float
-    worst_um: float
-    minutes: float
-    unit: str = "um"
-    approach: str = ""
-    others: tuple[float, ...] = ()
-    reason: str = ""
-    columns: Sequence[str] = ("value_um",)
-    std: float | None = None
-    time: float | None = None
-    check: bool = False
-    by: str = ""
-
-    @property
-    def rejected(self) -> bool:
-        """Whether it was not believed."""
-        return self.reason != "" and self.value_um is not None
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """All numbers of the reading, each in its unit of `units`; none of the prior."""
-        return () if self.value_um is None else (self.value_um, *self.others)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """The unit of each number, which its column ends with."""
-        return tuple(column.rpartition("_")[2] for column in self.columns)
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +62,7 @@ class Summary:
     """Everything the report shows.
 
     expanded : expanded uncertainties over the volume, 95 %, and what they hold for
+    history : each reading and the accuracy after it, the prior first, with what the file of readings has beside
     answer : what is said first; without what tables leave until they are made
     agreement_words : whether the readings agree, in a sentence, "" before the first
     radii : the axes whose displays show diameters; smaller_um : of the sources that are too small for a row
@@ -128,7 +80,7 @@ class Summary:
     rms_um: float
     worst_um: float
     unseen_rms_um: float
-    history: Sequence[HistoryRow]
+    history: Sequence[Written]
     expanded: Written
     answer: ResultAnswer
     errors: Mapping[str, Written] = field(default_factory=dict)
@@ -159,8 +111,3 @@ class Summary:
     ended: str = ""
     nonlinearity: float | None = None
     radii: Sequence[str] = ()
-
-    @property
-    def rejected(self) -> Sequence[HistoryRow]:
-        """The readings that were not believed."""
-        return [row for row in self.history if row.rejected]
