@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,12 +29,12 @@ _UNKNOWNS = WORDS["unknowns"]
 def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, Written]:
     """Return every error that is a function of position, by name, reversals last."""
     numbers = seen(estimation.printed.observation, readings)
-    firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
-    left = numbers.values[firsts] - numbers.rows[firsts] @ estimation.printed.belief.mean
-    sight = _Sight(numbers.rows[firsts], left)
+    firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))  # the first number of each
+    rows = numbers.rows[firsts]
+    left = numbers.values[firsts] - rows @ estimation.printed.belief.mean
     drawn = [function for function in estimation.case.errors.functions if function.basis.size > 1]
     drawn.sort(key=lambda function: function.name.endswith("_reversal"))
-    return {each.name: _error(estimation, each, [*_points(estimation, each, readings, sight)]) for each in drawn}
+    return {each.name: _error(estimation, each, [*_points(estimation, each, readings, rows, left)]) for each in drawn}
 
 
 def value_unit(function: Term) -> str:
@@ -113,35 +112,26 @@ def _unknown_words(name: str) -> str:
     return said("{unknown} of the set-up, {way}", unknown=unknown, way=way) if way else whole
 
 
-class _Sight(NamedTuple):
-    """The first number of each reading, with what the whole model leaves of it.
-
-    rows : (m, size); left : (m,) the number less what is expected of it, m or rad
-    """
-
-    rows: Array
-    left: Array
-
-    def shares(self, function: Term) -> Array:
-        """Return the variance that the prior of one error gives to each, (m,)."""
-        own = self.rows[:, function.columns]
-        shares: Array = np.sum((own @ function.covariance) * own, axis=1)
-        return shares
+def _shares(rows: Array, function: Term) -> Array:
+    """Return the variance that the prior of one error gives to each reading, (m,).  rows : (m, size)"""
+    own = rows[:, function.columns]
+    shares: Array = np.sum((own @ function.covariance) * own, axis=1)
+    return shares
 
 
 def _points(
-    known: Estimation, function: Term, readings: Sequence[Reading], sight: _Sight
+    known: Estimation, function: Term, readings: Sequence[Reading], rows: Array, left: Array
 ) -> Iterator[tuple[float, float]]:
     """Yield place and value of each reading that is believed: less what the rest of the model says, per lever."""
     setups = known.case.description.setups
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
-    whole = sum(sight.shares(each) for each in known.case.errors.functions)
+    whole = sum(_shares(rows, each) for each in known.case.errors.functions)
     unit, axis = value_unit(function), known.case.errors.machine.axes[function.axis]
-    for index in np.flatnonzero(sight.shares(function) > _BEARS_ON * whole).tolist():
+    for index in np.flatnonzero(_shares(rows, function) > _BEARS_ON * whole).tolist():
         reading = readings[index]
         if function.axis not in moves[reading.setup] or index in known.left_out:
             continue
         basis = function.basis.rows(np.array([reading.pose[function.axis]]))[0]
-        lever = float(sight.rows[index, function.columns] @ basis / (basis @ basis))
-        value = float(basis @ known.printed.belief.mean[function.columns]) + float(sight.left[index]) / lever
+        lever = float(rows[index, function.columns] @ basis / (basis @ basis))
+        value = float(basis @ known.printed.belief.mean[function.columns]) + float(left[index]) / lever
         yield to_unit(reading.pose[function.axis], axis.unit), to_unit(value, unit)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -64,10 +64,9 @@ def found_and_left_drawing(volume: BentVolume, width: float) -> Drawing:
         parts.append(said("part aligned"))
     parts += [said("dashed: without errors"), said("thin: {count} machines that fit", count=MACHINES)]
     lines = wrapped(" · ".join(parts), width - 2 * _SIDE)
-    bar, length = _scale_bar(scale * times, top + 8)
-    body += bar + "".join(text(_SIDE + (length if n == 0 else 0), top + 17 + _LINE * n, each, "soft")
-                          for n, each in enumerate(_beside_bar(lines, width, length)))  # fmt: skip
-    return Drawing(width, top + 12 + _LINE * len(_beside_bar(lines, width, length)), body)
+    body += _scale_bar(scale * times, top + 8)
+    body += "".join(text(_SIDE, top + 37 + _LINE * n, each, "soft") for n, each in enumerate(lines))
+    return Drawing(width, top + 32 + _LINE * len(lines), body)
 
 
 def magnification(volume: BentVolume) -> float:
@@ -138,21 +137,10 @@ def _triad(volume: BentVolume, room: DrawnMachine) -> Iterator[Arrow]:
         yield Arrow(np.array([ends[0], end]) + away, name)
 
 
-def _beside_bar(lines: Sequence[str], width: float, length: float) -> list[str]:
-    """Return lines of which the first is shorter by the bar."""
-    first, *_ = wrapped(lines[0], width - 2 * _SIDE - length) if lines else [""]
-    rest = " ".join(lines)[len(first) :].strip()
-    return [first, *(wrapped(rest, width - 2 * _SIDE) if rest else [])]
-
-
-def _scale_bar(per_metre: float, y: float) -> tuple[str, float]:
-    """Return a bar of a round length with that length, and how far right both reach, pixels.
-
-    per_metre : pixels for a metre of deviation
-    """
+def _scale_bar(per_metre: float, y: float) -> str:
+    """Return a bar of a round length with that length.  per_metre : pixels for a metre of deviation"""
     size = rounded_down(_BAR / per_metre * 1e6)
     pixels = size * 1e-6 * per_metre
     d = f"M{short_number(_SIDE)} {short_number(y)}v8h{short_number(pixels)}v-8"
-    words = f"{size:g} µm"
     bar = f'<path d="{d}" fill="none" stroke="var(--ink)" stroke-width="1.6"/>'
-    return bar + text(_SIDE + pixels + 8, y + 9, words), pixels + 30 + 8.5 * len(words)
+    return bar + text(_SIDE + pixels + 8, y + 9, f"{size:g} µm")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from axiscal.present.drawing.strokes import (
     Label,
     Point,
     corners_way,
-    covered,
     placed,
     short_number,
     text_width,
@@ -31,8 +30,6 @@ EYE: Array = np.cross(RIGHT, UP)
 """Unit vector towards who looks."""
 _HEAD, _HALF_HEAD = 11.0, 4.5
 """Pixels of the head of an arrow; a matter of taste."""
-_SHARES = (0.0, -0.5, 0.5, -1.0, 1.0, -1.5, 1.5)
-"""Of its length by which an arrow moves out of the way of another, the first that does."""
 _MARGIN = 14.0
 """Pixels around what is drawn, for the names of arrows."""
 
@@ -131,7 +128,6 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
     within : points that fill the frame, (n, 3) m, in place of those of the parts; several scenes get one scale by it
     """
     fitted = Fit.into(points_of(parts) if within is None else within, frame)
-    parts = list(_apart(parts, fitted))
     marks = [part for part in parts if not isinstance(part, Caption)]
     labels = [_label(part, fitted) for part in parts if isinstance(part, (Arrow, Caption))]
     over = [_around(part, fitted) for part in marks if isinstance(part, (Arrow, RoundMark))]
@@ -167,19 +163,6 @@ def _arrow(at: Array, colour: str) -> str:
     head = corners_way(np.array([tip, neck + _HALF_HEAD * across, neck - _HALF_HEAD * across])) + "z"
     line = f'<path d="{corners_way(shaft)}" fill="none" stroke="{colour}" stroke-width="2.4"/>'
     return f'{line}<path d="{head}" fill="{colour}"/>'
-
-
-def _apart(parts: Sequence[Part], fitted: Fit) -> Iterator[Part]:
-    """Yield the parts, straight arrows moved along themselves where they would lie over another one."""
-    taken = list[Bounds]()
-    for part in parts:
-        if isinstance(part, Arrow) and len(part.points) == 2:
-            way = part.points[1] - part.points[0]
-            tried = [replace(part, points=part.points + share * way) for share in _SHARES]
-            free = (each for each in tried if not covered(_around(each, fitted), taken))
-            part = next(free, part)
-            taken.append(_around(part, fitted))
-        yield part
 
 
 def _around(part: Arrow | RoundMark, fitted: Fit) -> Bounds:
