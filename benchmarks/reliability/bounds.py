@@ -20,7 +20,7 @@ from tests.web.served import served, started
 from tests.zoo.running import given, rows_of
 
 GIGABYTES, SECONDS = 2.0, 5
-_OPEN, _GUARDED = ("/", "/elements.js", "/api/1/openapi.json"), ("/api/1/state", "/machine.svg", "/report.html")
+_OPEN, _GUARDED = ("/", "/elements.js", "/api/1/openapi.json"), ("/api/1/state", "/machine.svg", "/report.pdf")
 
 
 def token() -> Trial:

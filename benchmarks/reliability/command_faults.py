@@ -96,7 +96,7 @@ COMMANDS: Mapping[str, Command] = {
     "export, over earlier tables": Command(EXPORT, (*THREE, EXPORT, UNDONE), out="out", manifest=TABLES),
     "run": Command(RUN, again=(*RUN, "--resume"), out="out", manifest=SET),
     "estimate": Command(ESTIMATE, out="out", manifest=SET),
-    "report": Command(_words(f"report {RECORD} --out out/page.html"), MEASURED, out="out/page.html"),
+    "report": Command(_words(f"report {RECORD} --out out/page.pdf"), MEASURED, out="out/page.pdf"),
     "plan, as programs": Command(_words("plan campaign.toml --gcode linuxcnc --out out"), out="out"),
     "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
 }

@@ -28,7 +28,7 @@ GIVEN = {
     "POSES.csv": ["poses.csv"],
 }
 """What is put in the place of each argument beside the record."""
-OPTIONS = {"export": ["--to", "csv", "--out", "tables"], "finish": ["--out", "results"], "report": ["--out", "r.html"]}
+OPTIONS = {"export": ["--to", "csv", "--out", "tables"], "finish": ["--out", "results"], "report": ["--out", "r.pdf"]}
 LEFT = {"step start"}
 """The record is what it makes."""
 

@@ -117,7 +117,7 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     assert "MEASURED   4 readings" in terminal.until("mill-results/report.pdf")
     assert terminal.ended() == 0
     assert kept(folder / "mill.axiscal") == [-1.7, 0.4, 1.1, 0.2]
-    assert (folder / "mill-results" / "report.html").is_file()
+    assert (folder / "mill-results" / "report.pdf").is_file()
     with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
         assert campaign.state.notes[-1].text == "it was 21.4 °C"
         assert campaign.description.setup("laser").warmer == pytest.approx(1.4)

@@ -10,7 +10,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.setup import Setup
-from axiscal.present.statement import drift_words
+from axiscal.present.conditions import drift_words
 from axiscal.record.events import Created
 from axiscal.record.payload import decode
 from axiscal.record.store import Record

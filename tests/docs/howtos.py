@@ -5,7 +5,6 @@ python -m tests.docs.howtos         # makes the pictures anew
 
 from __future__ import annotations
 
-import json
 import re
 import shlex
 import subprocess
@@ -21,7 +20,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place
 from axiscal.present.drawing.svg_picture import picture_file
 from axiscal.present.found_and_left import found_and_left_drawing
-from axiscal.present.machine_drawing.setup_picture import plan_picture
+from axiscal.present.schematic import plan_picture
 from axiscal.present.volume_error import bent_volume
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
@@ -86,21 +85,12 @@ def draw(page: Path, folder: Path) -> None:
 def draw_demo(folder: Path) -> None:
     """Draw the error of the volume as the report of the demo has it.  folder : where its results go"""
     run(["demo", "--out", str(folder)])
-    controller, words = "linuxcnc-volumetric", _of_volume(folder)
+    controller = "linuxcnc-volumetric"
     with Campaign.open(folder / "campaign.axiscal", write=False) as campaign:
         known = campaign.estimate(ended=True)
         bent = bent_volume(known, controller, export(known.estimate(), controller, ExportOptions()).control)
-        drawings = [found_and_left_drawing(bent, width, *words) for width in _WIDTHS]
+        drawings = [found_and_left_drawing(bent, width) for width in _WIDTHS]
         _keep("demo.svg", picture_file(drawings, "The error of the volume, found and left"))
-
-
-def _of_volume(folder: Path) -> tuple[str, str]:
-    """Return what the result says of the volume in a few words, as found and as left, with its target."""
-    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    row = next(each for each in result["rows"] if each["row"] == "volume")
-    left, target = row["left"]["linuxcnc-volumetric"], result["target_rms_um"]
-    reached = f", target {target:.2g} µm: reached" if result["target_reached"] else ""
-    return f"{row['found']:.2g} µm RMS", f"{left:.2g} µm RMS{reached}"
 
 
 def _keep(name: str, svg: str) -> None:

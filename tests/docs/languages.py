@@ -36,8 +36,8 @@ _SAYING = ("said", "counted", "later", "stage", "staged")
 _MADE_OF_SAID = (*_SAYING, "put", "listed", "joined", "capital", "again", "meant")
 _NEVER = datetime(2026, 1, 1, tzinfo=UTC)
 """Files that are made anew from the same messages are the same."""
-_IN_SCRIPT = re.compile(r'\b(?:said|rich)\("((?:[^"\\]|\\.)*)"')
-_TEMPLATES = [*(SOURCES / "web" / "static").glob("*.js"), *(SOURCES / "present" / "templates").iterdir()]
+_IN_SCRIPT = re.compile(r'\bsaid\("((?:[^"\\]|\\.)*)"')
+_SCRIPTS = [*(SOURCES / "web" / "static").glob("*.js")]
 
 
 @cache
@@ -46,7 +46,7 @@ def messages() -> set[Message]:
     python = [found for file in SOURCES.rglob("*.py") for found in _said(file)]
     scripts = [
         found[1].replace('\\"', '"')
-        for file in _TEMPLATES
+        for file in _SCRIPTS
         for found in _IN_SCRIPT.finditer(file.read_text(encoding="utf-8"))
     ]
     words = [text for file in WORDS for text in _in_tables(tomllib.loads(file.read_text(encoding="utf-8")))]

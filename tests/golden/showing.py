@@ -1,13 +1,12 @@
-"""What a campaign gave, as texts that are kept: documents with fewer digits and points, pages as their words."""
+"""What a campaign gave, as texts that are kept: documents with fewer digits and points."""
 
 from __future__ import annotations
 
-import html
 import json
 import math
 import re
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -24,20 +23,19 @@ MASKED = (
 """What differs from one installation to another, hashes of it, and roundings of zero; clock and paths never do."""
 LEFT_AWAY = (
     *("*.axiscal", "*.axiscal-*", "*.answers", "*.sqlite"),
-    *("report.html", "report.pdf", "*.svg", "data/*", "tables/*/README.txt"),
+    *("*.pdf", "*.svg", "data/*", "tables/*/README.txt"),
     *("axiscal_vcomp.comp", "axiscal_vcomp_core.h", "job/*.schema.json"),
 )
-"""Records and what is kept beside them; the report in its forms; the words beside tables; code that is copied; the
+"""Records and what is kept beside them; reports and pictures; the words beside tables; code that is copied; the
 schemas where they stand a second time.
 """
 DIGITS = 12
-MOST = 16
+MOST = 8
 """Entries of a list that is kept whole; of a longer one so many at most. Sentences are all kept."""
 ROWS = 4 * MOST
 """Rows of a table that is kept whole; of a longer one so many at most."""
 _ROW = re.compile(r"(?:[A-Z]\w*[,;]\s*)?[-+.\d][-+.,;\dEe\s]*")
 """Numbers, behind the name of an axis or without it."""
-_UNSEEN = re.compile(r"<(script|style|svg)\b.*?</\1>", re.DOTALL)
 
 
 def shown(campaign: Given, said: Sequence[Said], folder: Path) -> dict[str, str]:
@@ -86,8 +84,6 @@ def _is_document(text: str) -> bool:
 
 def _file(path: Path, name: str) -> tuple[str, str]:
     text = path.read_bytes().decode("utf-8", "backslashreplace").replace("\r\n", "\n")
-    if path.suffix == ".html":
-        return f"{name}.txt", "\n".join(_words(text)) + "\n"
     return name, _document(text) if path.suffix == ".json" else _table(text)
 
 
@@ -99,13 +95,6 @@ def _table(text: str) -> str:
         every = math.ceil(len(rows) / ROWS) if numeric else 1
         kept += rows[::every] + [f"({len(rows)} rows, every {every}th)\n"] * (every > 1)
     return "".join(kept)
-
-
-def _words(page: str) -> Iterator[str]:
-    """Yield what a page says, a line for each part."""
-    for part in re.split(r"<(?:p|li|tr|h\d|div|section|figure|dt|dd|summary)\b[^>]*>", _UNSEEN.sub("", page)):
-        if line := " ".join(html.unescape(re.sub(r"<[^>]*>", " ", part)).split()):
-            yield line
 
 
 def _document(text: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 import re
 import subprocess
@@ -26,7 +25,7 @@ class Shown(NamedTuple):
 
 def plain(text: str) -> str:
     """Return a text with one spelling of units, and no space."""
-    return re.sub(r"[\s\u00a0\u202f]", "", html.unescape(text)).replace("µ", "u").replace("μ", "u")
+    return re.sub(r"[\s\u00a0\u202f]", "", text).replace("µ", "u").replace("μ", "u")
 
 
 def of_screen(text: str) -> Shown:
@@ -40,21 +39,21 @@ def of_screen(text: str) -> Shown:
     return Shown(plain("".join(lines[:first])), _columns(lines[first:table]), plain("".join(lines[table:end])))
 
 
-def of_paper(path: Path, page: int = 1) -> str:
-    """Return what a page of a PDF says, without spaces."""
-    command = ["pdftotext", "-layout", "-f", f"{page}", "-l", f"{page}", str(path), "-"]
-    return plain(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+def of_paper(path: Path, page: int | None = None) -> str:
+    """Return what a PDF says, or one page of it, without spaces."""
+    return plain(lines_of(path, page))
 
 
-def of_page(text: str) -> Shown:
-    """Return what an HTML report shows."""
-    box = re.search(r'<p class="box [a-z]+">(.*?)</p>', text)
-    assert box is not None
-    table = re.search(r'<table class="answer">(.*?)</table>', text, re.DOTALL)
-    lines = re.findall(r"<tr>(.*?)</tr>", table[1], re.DOTALL) if table is not None else []
-    cells = [[_words(cell) for cell in re.findall(r"<t[hd].*?>(.*?)</t[hd]>", line)] for line in lines]
-    below = text[(box if table is None else table).end() :].partition("<dl")[0].partition("<figure")[0]
-    return Shown(plain(_words(box[1])), cells, plain(_words(below)))
+def words_of(path: Path, page: int) -> list[str]:
+    """Return the words on a page of a PDF, without numbers and units."""
+    return re.findall(r"[^\W\d_]{2,}", lines_of(path, page))
+
+
+def lines_of(path: Path, page: int | None = None) -> str:
+    """Return what a PDF says, or one page of it, as its lines are laid out."""
+    pages = [] if page is None else ["-f", f"{page}", "-l", f"{page}"]
+    command = ["pdftotext", "-layout", *pages, str(path), "-"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
 class Printed(NamedTuple):
@@ -65,13 +64,12 @@ class Printed(NamedTuple):
 
 
 class Redone(NamedTuple):
-    """What a statement of uncertainty says of u, U and k, beside its parts.  texts : of parts and sum, no spaces"""
+    """What a statement of uncertainty says of u, U and k, beside its parts."""
 
     parts: list[Printed]
     u: Printed
     k: Printed
     expanded: Printed
-    texts: list[str]
 
     @property
     def faults(self) -> list[str]:
@@ -92,20 +90,15 @@ def redone(sources: Sequence[Sequence[str]], total: str) -> Redone:
     """Return what is printed of sources, of which u is the cell before the last, and of their sum."""
     u, k, again, expanded = _all_printed(total)
     assert u == again
-    texts = [*(plain(source[-2]) for source in sources), plain(total)]
-    return Redone([each for source in sources for each in _all_printed(source[-2])], u, k, expanded, texts)
+    return Redone([each for source in sources for each in _all_printed(source[-2])], u, k, expanded)
 
 
-def statement_of(text: str) -> Redone | None:
-    """Return what an HTML report says of its sources of uncertainty; None where it says nothing."""
-    total = re.search(r"<p[^>]*>\s*(u = √.*?)</p>", text, re.DOTALL)
-    if total is None:
-        return None
-    *_, table = re.findall(r"<table.*?</table>", text[: total.start()], re.DOTALL)
-    lines = [
-        re.findall(r"<td.*?>(.*?)</td>", line, re.DOTALL) for line in re.findall(r"<tr>(.*?)</tr>", table, re.DOTALL)
-    ]
-    return redone([[*map(_words, line)] for line in lines if line], _words(total[1]))
+def statement_of(path: Path) -> Redone | None:
+    """Return what the second page of a report says of its sources of uncertainty; None where it says nothing."""
+    text = re.sub("[\u00a0\u202f]", " ", lines_of(path, 2))
+    total = re.search(r"u = √.*", text)
+    sources = re.findall(r"([\d.,]+ µm) +([\d.,]+ %)$", text, re.MULTILINE)
+    return None if total is None else redone(sources, total[0])
 
 
 def _all_printed(text: str) -> list[Printed]:
@@ -219,7 +212,3 @@ def _columns(lines: Sequence[str]) -> list[list[str]]:
     """Return the cells of lines whose columns are set off by two spaces, an empty name before those of the heading."""
     split = [re.split(r" {2,}", line.strip()) for line in lines if line.strip()]
     return [["", *split[0]], *split[1:]] if split else []
-
-
-def _words(markup: str) -> str:
-    return html.unescape(re.sub(r"<[^>]*>", "", markup))

@@ -31,6 +31,7 @@ from axiscal.tables.registry import offered
 from tests.commands import Command
 from tests.core.strangers import Grid
 from tests.generators.texts import machine_text
+from tests.golden.surfaces import of_paper, plain
 
 MACHINE = "three-axis-mill"
 HEAD = f'machine = "{MACHINE}"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 8\n[[setups]]\n'
@@ -133,9 +134,9 @@ def test_a_set_up_that_is_not_there_is_named_and_rows_read_by_a_grid_count_no_pl
     rows = [f"plate,{x},200,X+ Y+,{1e-2 * x},{-2e-2 * x}" for x in range(20, 600, 40)]
     readings.write_text("\n".join(["setup,X_mm,Y_mm,approach,dx_um,dy_um", *rows]))
     assert command("data", "estimate", campaign, readings, "--out", out).status == 0
-    page = (out / "report.html").read_text(encoding="utf-8")
-    assert "shows the first of them" in page
-    assert "0 places" not in page
+    paper = of_paper(out / "report.pdf")
+    assert plain("is compared by the first of them") in paper
+    assert plain("positioning X X 0 to 600 at Y 200 · Z 200 – –") in paper
 
 
 def test_its_readings_are_told_by_name_unit_and_count(tmp_path: Path) -> None:

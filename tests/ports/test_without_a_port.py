@@ -22,7 +22,7 @@ WORK = (
     "step run job/campaign.toml --source sim:3 --out run",
     "step status run/campaign.axiscal",
     "export run/campaign.axiscal --to csv --out tables",
-    "report run/campaign.axiscal --out report.html",
+    "report run/campaign.axiscal --out report.pdf",
     "--help",
 )
 NEEDS = {  # and what it says without

@@ -17,13 +17,11 @@ from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place
-from axiscal.present.found_and_left import found_and_left
-from axiscal.present.machine_drawing.setup_picture import machine_scene, plan_picture
-from axiscal.present.rendering import render
+from axiscal.present.found_and_left import found_and_left_drawing
+from axiscal.present.schematic import machine_schematic, plan_picture
 from axiscal_core.machine import Machine
 from tests.docs.howtos import DOCS, written
 from tests.present.test_found_and_left import _volume
-from tests.present.test_page import five_axis_summary
 
 FILE = Path(__file__).with_suffix(".json")
 _ELEMENT = re.compile(r"<(path|circle|rect|text|polyline|polygon)\b([^>]*)>")
@@ -105,15 +103,13 @@ def figures(picture: str) -> Figures:
 
 
 def pictures(campaigns: list[Placed]) -> dict[str, Figures]:
-    """Return all of them: machines alone, plans of campaigns, and a report."""
-    found = {f"{n} {each.chain}": machine_scene(each).svg(400.0, 300.0) for n, each in enumerate(MACHINES)}
+    """Return all of them: machines alone, plans of campaigns, and bent volumes."""
+    found = {f"{n} {each.chain}": machine_schematic(each).svg(400.0, 300.0) for n, each in enumerate(MACHINES)}
     found |= {name: plan_picture(of.machine.name, of, places, (1400.0,)) for name, of, places in campaigns}
     _, of, places = max(campaigns, key=lambda each: len(each[1].setups))
     found["at every width"] = plan_picture(of.machine.name, of, places)
-    page = render(five_axis_summary(12))
-    for n, part in enumerate(page[: page.index("<script>")].split('class="picture"')):
-        found[f"report {n}"] = part
-    found |= {f"bent {name}": found_and_left(_volume(load_machine(name)), 1110.0) for name in builtin_names()}
+    volumes = {name: _volume(load_machine(name)) for name in builtin_names()}
+    found |= {f"bent {name}": found_and_left_drawing(each, 1110.0).body for name, each in volumes.items()}
     return {name: figures(picture) for name, picture in found.items()}
 
 

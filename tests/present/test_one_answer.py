@@ -23,8 +23,8 @@ from tests.golden.surfaces import numbers, of_screen, of_state
 
 
 def test_every_verdict_has_its_words_and_its_colour_in_the_pdf() -> None:
-    template = (Path(summarising.__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8")
-    (colours,) = re.findall(r"#let box_colours = \((.*)\)", template)
+    template = (Path(summarising.__file__).parent / "paper" / "report.typ").read_text(encoding="utf-8")
+    (colours,) = re.findall(r"#let colours = \(([^)]*)\)", template)
     assert set(re.findall(r"(\w+): ", colours)) == set(get_args(Verdict))
 
 
@@ -87,5 +87,5 @@ def test_what_was_known_before_is_at_the_sizes_as_learnt(tmp_path: Path) -> None
             (curve,) = (row for row in answers[0].rows if row.row == "positioning X")
             assert curve.known_before > 1.1 * before["positioning X"]
             assert summary.history[0] == first.history[0]
-            assert max(summary.curves[0].prior_std) > max(first.curves[0].prior_std)
+            assert max(summary.errors["EXX"]["prior_std"]) > max(first.errors["EXX"]["prior_std"])
         assert "prior-misfit" in [each.code for each in summary.warnings]

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.present.rendering import pdf
-from tests.present.test_edges import AT_ODDS, CONTRADICT, _bare
-from tests.present.test_page import HOSTILE, _with_every_text, five_axis_summary
+from tests.generators.summaries import AT_ODDS, CONTRADICT, HOSTILE, bare, five_axis_summary, with_every_text
 
 
 def _words(made: bytes, folder: Path) -> str:
@@ -45,18 +44,18 @@ def test_what_is_signed_stands_in_it(tmp_path: Path) -> None:
         "date, signature",
     ):
         assert each in words
-    for curve in summary.curves:
-        assert curve.name in words
+    for name in summary.errors:
+        assert name in words
 
 
 def test_any_text_is_only_text(tmp_path: Path) -> None:
     attack = "#panic[x] $x$ *b* " + HOSTILE
-    attacked = replace(_with_every_text(five_axis_summary(3), attack), date="2026-03-14")
+    attacked = replace(with_every_text(five_axis_summary(3), attack), date="2026-03-14")
     assert "#panic[x] $x$ *b*" in _words(pdf(attacked), tmp_path)
 
 
 def test_a_campaign_without_readings_can_be_printed(tmp_path: Path) -> None:
-    assert "NO READINGS YET" in _words(pdf(_bare()), tmp_path)
+    assert "NO READINGS YET" in _words(pdf(bare()), tmp_path)
 
 
 def test_readings_that_contradict_each_other_are_marked_on_each_page(tmp_path: Path) -> None:

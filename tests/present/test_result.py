@@ -11,21 +11,14 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import SummaryError
 from axiscal.present.result_document import result_json
-from axiscal.present.summary import (
-    CurveSummary,
-    HistoryRow,
-)
-from tests.present.test_edges import _bare
+from tests.generators.summaries import bare, written_error, written_row
 
-CURVE = CurveSummary(
-    "EXX", "X", "words", [0.0, 1 / 3], [1.23456789, -0.0], [2.0, 2.5], [1.0, 1.0], [9.0, 9.0], "mm", "um"
-)
-READ = HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2, reason="too far off")
-SUMMARY = _bare(
+CURVE = written_error([1.23456789, -0.0], 2.5) | {"position": [0.0, 1 / 3]}
+READ = written_row(1, rejected=True, reason="too far off")
+SUMMARY = bare(
     unseen_rms_um=0.5,
-    history=[*_bare().history, READ],
-    curves=[CURVE],
-    reversals=[replace(CURVE, name="EXX_reversal")],
+    history=[*bare().history, READ],
+    errors={"EXX": CURVE, "EXX_reversal": CURVE},
 )
 
 
@@ -33,7 +26,7 @@ def test_the_document_is_what_the_contract_says() -> None:
     document = result_json(SUMMARY)
     assert document["schema"] == "axiscal-result/1"
     assert set(document["errors"]) == {"EXX", "EXX_reversal"}
-    assert document["errors"]["EXX"]["std"] == [2.0, 2.5]  # the whole standard deviation, not the part that is seen
+    assert document["errors"]["EXX"]["std"] == [2.5, 2.5]  # the whole standard deviation, not the part that is seen
     assert [row["position"] for row in document["history"]] == [None, {"X": 120.0}]
     assert document["unseen_rms_um"] == 0.5
     assert (document["U_um"], document["k"], document["U_axis_um"]) == (23.4, 1.65, {"x": 11.0, "y": 12.0, "z": 13.0})
@@ -47,10 +40,10 @@ def test_numbers_keep_six_digits_and_zero_has_no_sign() -> None:
 
 def test_where_an_axis_stood_is_written_to_far_below_a_nanometre() -> None:
     stood = {"X": 120.12345678949, "C": -179.123456789}
-    document = result_json(replace(SUMMARY, history=[replace(SUMMARY.history[1], position=stood)]))
+    document = result_json(replace(SUMMARY, history=[written_row(1, position=stood)]))
     assert document["history"][0]["position"] == {"X": 120.123456789, "C": -179.123456789}
     with pytest.raises(SummaryError, match="position of X"):
-        result_json(replace(SUMMARY, history=[replace(SUMMARY.history[1], position={"X": float("nan")})]))
+        result_json(replace(SUMMARY, history=[written_row(1, position={"X": float("nan")})]))
 
 
 @given(st.sampled_from(["minutes", "rms_um", "worst_um", "unseen_rms_um"]), st.sampled_from(["nan", "inf", "-inf"]))

@@ -43,12 +43,12 @@ def known() -> ac.Known:
 @pytest.mark.parametrize(
     ("language", "said"),
     [
-        ("en", ["Calibration report", "What was found", "Not believed, marked ×: readings 3.", "3 ×", "position, mm"]),
+        ("en", ["Calibration report", "Error curves", "Not believed, marked ×: readings 3.", "3 ×", "position, mm"]),
         (
             "de",
             [
                 "Kalibrierbericht",
-                "Was gefunden wurde",
+                "Fehlerkurven",
                 "Nicht geglaubt, mit × gekennzeichnet: Messungen 3.",
                 "3 ×",
                 "Position, mm",

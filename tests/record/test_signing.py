@@ -24,6 +24,7 @@ from axiscal.record.signing import KEY, PERSON, key_file
 from axiscal.record.store import Record
 from tests.commands import Command
 from tests.generators.begun import begun
+from tests.golden.surfaces import of_paper
 from tests.reliability.salvaged import CAMPAIGN, MACHINE
 from tools.check_record import checked, main
 
@@ -184,11 +185,11 @@ def test_every_surface_says_who_answers_for_a_record(path: Path, key: Path, comm
     for x in (20, 280):
         assert run(["record", str(path), f"{x / 10} um", "--setup", "along x", "--at", f"X={x}mm"]) == 0
     assert run(["sign", str(path)]) == 0
-    report = path.with_suffix(".html")
+    report = path.with_suffix(".pdf")
     signed = "signed by Anna on [^ ]+ until reading 3"
     assert re.search(rf"The record is {signed}\.", command("status", path).said)
     assert run(["report", str(path), "--out", str(report)]) == 0
-    assert re.search(rf"The record is {signed}", report.read_text())
+    assert re.search("TherecordissignedbyAnnaon.+untilreading3", of_paper(report))
 
 
 def test_a_key_is_known_by_the_file_of_people_and_an_unknown_one_is_said(

@@ -12,7 +12,7 @@ from axiscal.present.summary import RecordState
 from tests.reliability.faults import faults
 from tests.reliability.trial import Say, Trial, scratch
 
-NAMES = ("result.json", "report.html", "tables/linuxcnc/X.comp", "tables/csv/X.csv")
+NAMES = ("result.json", "tables/linuxcnc/X.comp", "tables/csv/X.csv")
 _MINE = ("mine.txt", "tables/mine.txt")
 Content = Mapping[str, str]
 

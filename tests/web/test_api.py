@@ -44,13 +44,11 @@ def test_a_whole_campaign_over_the_api(page: Served) -> None:
     assert (state["question"], state["ended"]) == (None, "4 readings taken")
     assert [each["values"] for each in state["readings"]] == [[1.1], [0.4], [0.5]]
     assert page.call("finish", after=state["last"]).status == 200
-    assert (page.record.parent / "mill-results" / "report.html").is_file()
+    assert (page.record.parent / "mill-results" / "report.pdf").is_file()
     known = page.state()["answer"]
     assert known["first"][0] == "MEASURED"
     assert re.fullmatch(r"4 readings, \d+ min", known["first"][1])  # of the clock
     assert [step["code"] for step in known["document"]["steps"]] == []  # four readings tell no table to check
-    report = page.ask("GET", "/report.html", Authorization=f"Bearer {page.token}")
-    assert (report.status, b"<html" in report.body) == (200, True)
     paper = page.ask("GET", "/report.pdf", Authorization=f"Bearer {page.token}")
     assert (paper.status, paper.body[:5], paper.headers["content-disposition"]) == (200, b"%PDF-", "attachment")
     assert page.call("undo", after=page.state()["last"]).document["sentence"].startswith("Took back the end")

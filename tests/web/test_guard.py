@@ -26,7 +26,7 @@ HOSTS += [f"{n}.rebind.example:{{port}}" for n in range(84)]
 STATIC = resources.files("axiscal.web").joinpath("static")
 _STEPS = ["..", "%2e%2e", "..%2f", "%2e%2e%2f", "..%5c", "..\\", "%c0%ae%c0%ae", "....//", "%252e%252e%252f", ".%00."]
 _GOALS = ["etc/passwd", "mill.axiscal", "page.py", "mill.axiscal%00.css", "\\\\host\\share\\file"]
-_ROOTS = ["/", "/report.html/", "/page.css/", "/api/1/"]
+_ROOTS = ["/", "/report.pdf/", "/page.css/", "/api/1/"]
 TRAVERSALS = [f"{root}{step}/{goal}" for root in _ROOTS for step in _STEPS for goal in _GOALS]
 
 
@@ -51,7 +51,7 @@ def test_a_page_that_renamed_itself_is_refused(page: Served) -> None:
         assert answer.status == 400, host
 
 
-@pytest.mark.parametrize("path", ["/api/1/state", "/api/1/start", "/machine.svg", "/setup.svg", "/report.html", "/x"])
+@pytest.mark.parametrize("path", ["/api/1/state", "/api/1/start", "/machine.svg", "/setup.svg", "/report.pdf", "/x"])
 @pytest.mark.parametrize("query", ["", "?token=", "?token={token}"])
 def test_nothing_of_the_campaign_is_shown_without_the_token(page: Served, path: str, query: str) -> None:
     for cookie in ("", f"axiscal-{page.port}={page.token}"):

@@ -155,7 +155,7 @@ def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) ->
         looked_at(page)
         assert page.complaints() == []
     assert kept(record) == [-1.7, 0.4, 1.1, 0.2]
-    assert (tmp_path / "mill-results" / "report.html").is_file()
+    assert (tmp_path / "mill-results" / "report.pdf").is_file()
 
 
 @pytest.mark.long

@@ -1,6 +1,6 @@
 """The answer that a campaign gives, as a document of codes and numbers: um, urad, mm, deg, minutes; no sentence.
 
-Terminal, page, HTML, PDF, JSON and certificate show this document, and look their words up by its codes.
+Terminal, page, PDF and JSON show this document, and look their words up by its codes.
 """
 
 from __future__ import annotations
@@ -45,10 +45,8 @@ def finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def rounded(values: Sequence[float], what: str, size: int | None = None) -> list[float]:
-    """Return values at six significant digits; raises SummaryError if one is not finite or their count is not size."""
-    if size is not None and len(values) != size:
-        raise SummaryError(f"{what} has {len(values)} values for {size} positions.")
+def rounded(values: Sequence[float], what: str) -> list[float]:
+    """Return values at six significant digits; raises SummaryError if one is not finite."""
     return [number(value, what) for value in values]
 
 

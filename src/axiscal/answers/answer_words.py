@@ -1,6 +1,6 @@
 """An answer in words, in the language that is spoken: the first line, the rows as cells, sentences, commands.
 
-Terminal, page, HTML and PDF lay out these words and say no others, so that all of them show the same figures.
+Terminal, page and PDF lay out these words and say no others, so that all of them show the same figures.
 """
 
 from __future__ import annotations

@@ -12,13 +12,13 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
 from axiscal.cli.printing import say, say_document
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
-from axiscal.language.spoken import again, put, resaid, said
+from axiscal.language.spoken import again, put, said, speaking
+from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.delivery import deliver
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_screen
 from axiscal.present.result_document import result_json
 from axiscal.present.sentences import U_OF_TABLES
-from axiscal.present.statement import NOT_KNOWN, statement
 from axiscal.present.summarising import Extras
 from axiscal.present.summary import Summary, TableOffer
 
@@ -54,7 +54,8 @@ def write_outputs(
     except KeyboardInterrupt:
         raise AxiscalError(f"Stopped by Ctrl-C. Every reading is kept. {whole}; {again}") from None
     if as_json:
-        say_document(result_json(summary))
+        with speaking("en"):
+            say_document(result_json(summary))
     else:
         if details:
             tell_details(summary, out)
@@ -68,10 +69,9 @@ def write_outputs(
 
 
 def tell_details(summary: Summary, out: Path) -> None:
-    """Print the statement of uncertainty, where the files are, what each control's leave, and all warnings."""
-    for line in statement(resaid(summary)).lines:
-        say(line)
-    names = ["report.html", "report.pdf", "result.json", *([] if summary.answer.withheld else ["tables"])]
+    """Print what U holds for, where the files are, what each control's leave, and all warnings."""
+    say(put("{what}: {these}", what=said("Holds"), these=summary.expanded["U_holds_for"]))
+    names = ["report.pdf", "result.json", *([] if summary.answer.withheld else ["tables"])]
     say(said("Files: {files}", files=", ".join(str(out / name) for name in names)))
     for offer in summary.tables:
         say(_offered(offer))

@@ -34,9 +34,9 @@ from axiscal.planning.proposal import (
     refuse_out_of_reach,
 )
 from axiscal.planning.unseen import seen_as_one
-from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.plan_answer import plan_answer
 from axiscal.present.plan_words import plan_list, plan_screen
+from axiscal.present.schematic import plan_picture
 from axiscal.programs import write_programs
 from axiscal.programs.dialects import dialect
 from axiscal.units import to_unit

@@ -25,29 +25,27 @@ def report(
     record: OwnRecord,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.html", help="Where to write it, .html or .pdf; default: beside the record."),
+        typer.Option(metavar="FILE.pdf", help="Where to write it; default: beside the record."),
     ] = None,
     language: ReportLanguage = None,
 ) -> None:
     """Write the report of a campaign, finished or not.
 
-    The report is a page that needs no network, or a PDF. It is in the language that --language or AXISCAL_LANGUAGE
-    names, else in that of campaign.toml ([report] language), else in English.
+    The report is a PDF to sign. It is in the language that --language or AXISCAL_LANGUAGE names, else in that of
+    campaign.toml ([report] language), else in English.
 
     \b
-    Examples:
-      axiscal report mill.axiscal --out mill.html
+    Example:
       axiscal report mill.axiscal --out mill.pdf --language de
     """
 
-    target = out or record.with_suffix(".html")
+    target = out or record.with_suffix(".pdf")
     option = f"report --out FILE{target.suffix.lower()}"
     if instead := instead_of("options", option):
         raise typer.BadParameter(said("{name} is gone. {instead}.", name=option, instead=instead))
-    if target.suffix.lower() not in (".html", ".htm", ".pdf"):
-        what = "the report is an HTML page or a PDF, and {out} is the name of neither"
-        names = ", ".join(target.with_suffix(suffix).name for suffix in (".html", ".pdf"))
-        raise RecordError(what, "Write it to one of {names}", target, out=target.name, names=names)
+    if target.suffix.lower() != ".pdf":
+        what = "the report is a PDF, and {out} is the name of none"
+        raise RecordError(what, "Write it to {name}", target, out=target.name, name=target.with_suffix(".pdf").name)
     with Campaign.open(record, write=False) as campaign:
         summary = summarise(campaign, campaign.estimate(ended=True), Extras(answer=standing_answer(campaign)))
     target.parent.mkdir(parents=True, exist_ok=True)

@@ -248,7 +248,7 @@ class SetupTable(Table):
 
 
 class ReportTable(Table):
-    """[report]: who measured for whom; it stands in the report and in the certificate, no figure depends on it."""
+    """[report]: who measured for whom; it stands in the report, no figure depends on it."""
 
     number: Printable = Field("", examples=['"2026-031"'])
     operator: Printable = Field("", examples=['"R. Turner"'])

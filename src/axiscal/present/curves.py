@@ -1,10 +1,9 @@
-"""Every error of the machine as the belief knows it: curves with their bands and readings, and constants."""
+"""Every error of the machine as `result.json` has it: curves with their bands and readings, and constants."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -14,9 +13,8 @@ from axiscal.language.spoken import WORDS, said
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Reading, units_of
 from axiscal.measurement.reading_rows import seen
-from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.present.summary import ConstantSummary, CurvePoint, CurveSummary
+from axiscal.present.summary import Written
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.terms import Term
 
@@ -28,14 +26,15 @@ _SEEN = 0.5
 _UNKNOWNS = WORDS["unknowns"]
 
 
-def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
-    """Return every error that is a function of position."""
+def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, Written]:
+    """Return every error that is a function of position, by name, reversals last."""
     numbers = seen(estimation.printed.observation, readings)
-    firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
-    left = numbers.values[firsts] - numbers.rows[firsts] @ estimation.printed.belief.mean
-    sight = _Sight(numbers.rows[firsts], left, np.sqrt(numbers.variances[firsts]))
+    firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))  # the first number of each
+    rows = numbers.rows[firsts]
+    left = numbers.values[firsts] - rows @ estimation.printed.belief.mean
     drawn = [function for function in estimation.case.errors.curves if function.spline.size > 1]
-    return [_curve(estimation, each, [*_points(estimation, each, readings, sight)], truth) for each in drawn]
+    drawn.sort(key=lambda function: function.name.endswith("_reversal"))
+    return {each.name: _error(estimation, each, [*_points(estimation, each, readings, rows, left)]) for each in drawn}
 
 
 def value_unit(function: Term) -> str:
@@ -43,7 +42,7 @@ def value_unit(function: Term) -> str:
     return "urad" if function.angular else "um"
 
 
-def _curve(known: Estimation, function: Term, points: list[CurvePoint], truth: VirtualMachine | None) -> CurveSummary:
+def _error(known: Estimation, function: Term, points: list[tuple[float, float]]) -> Written:
     estimate = known.estimate()
     axis = known.case.errors.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
@@ -54,55 +53,52 @@ def _curve(known: Estimation, function: Term, points: list[CurvePoint], truth: V
     seen: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)  # without what no allowed reading sees
     now = estimate.curve(function.name, positions)
     before = replace(estimate, belief=known.without_readings).curve(function.name, positions).std
-    shown, true = to_unit(positions, position_unit).tolist(), None
-    if truth is not None:
-        own = (curve for term, curve in zip(truth.model.terms, truth.curves, strict=True) if term.name == function.name)
-        true = shown, to_unit(next(own, np.zeros_like)(positions), unit).tolist()
-    return CurveSummary(
-        name=function.name,
-        axis=axis.name,
-        caption=words(function.name),
-        position=shown,
-        mean=to_unit(now.mean, unit).tolist(),
-        std=to_unit(now.std, unit).tolist(),
-        std_seen=to_unit(seen, unit).tolist(),
-        prior_std=to_unit(before, unit).tolist(),
-        position_unit=position_unit,
-        value_unit=unit,
-        truth=true,
-        from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(before**2), 0.0, 1.0)),
-        points=points,
-    )
+    return {
+        "axis": axis.name,
+        "words": words(function.name),
+        "position": to_unit(positions, position_unit).tolist(),
+        "mean": to_unit(now.mean, unit).tolist(),
+        "std": to_unit(now.std, unit).tolist(),
+        "position_unit": position_unit,
+        "value_unit": unit,
+        "std_seen": to_unit(seen, unit).tolist(),
+        "prior_std": to_unit(before, unit).tolist(),
+        "from_readings": float(np.clip(1.0 - np.sum(now.std**2) / np.sum(before**2), 0.0, 1.0)),
+        "read": {"position": [at for at, _ in points], "value": [value for _, value in points]},
+    }
 
 
-def constants(estimation: Estimation) -> list[ConstantSummary]:
-    """Return location errors, constant reversals, and the unknowns of the set-ups."""
-    case, own = estimation.case, list[ConstantSummary]()
+def constants(estimation: Estimation) -> dict[str, Written]:
+    """Return location errors, constant reversals, and the unknowns of the set-ups, by name."""
+    case, own = estimation.case, dict[str, Written]()
     for function in (each for each in case.errors.curves if each.spline.size == 1):
         column = function.columns.start
-        found = _found(estimation, function.name, words(function.name), column, value_unit(function))
+        found = _found(estimation, words(function.name), column, value_unit(function))
         hidden = float(np.linalg.norm(case.yardstick.unseen[column]))
-        own.append(replace(found, seen=hidden**2 < _SEEN * float(function.covariance[0, 0])))
+        own[function.name] = found | {"seen": hidden**2 < _SEEN * float(function.covariance[0, 0])}
     for index, setup in enumerate(case.description.setups):
         columns = estimation.printed.observation.unknowns_of(index)
         for column, unknown in zip(columns, setup.unknowns, strict=True):
-            name, unit = f"{setup.name}: {unknown.name}", case.unit_of(setup, unknown)
-            own.append(_found(estimation, name, _unknown_words(unknown.name), column, unit))
+            found = _found(estimation, _unknown_words(unknown.name), column, case.unit_of(setup, unknown))
+            own[f"{setup.name}: {unknown.name}"] = found
     for setup in case.description.setups:  # how far zeros that may wander came from the first reading to the last
         ways = zip(model_of(setup).names_of(setup), units_of(setup), strict=True)
         for (way, unit), path in zip(ways, paths(estimation, setup), strict=False):
             spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
-            mean, std, before = (to_unit(float(each[-1]), unit) for each in (path.mean, path.std, path.prior))
-            name = f"{setup.name}: drift" + (f"_{way}" if way else "")
-            own.append(ConstantSummary(name, spoken, mean, std, before, unit))
+            sizes = (float(each[-1]) for each in (path.mean, path.std, path.prior))
+            own[f"{setup.name}: drift" + (f"_{way}" if way else "")] = _constant(spoken, unit, *sizes)
     return own
 
 
-def _found(known: Estimation, name: str, spoken: str, column: int, unit: str) -> ConstantSummary:
+def _found(known: Estimation, spoken: str, column: int, unit: str) -> Written:
     """Return one number of the belief.  spoken : what it is"""
     stds = (float(np.linalg.norm(each.factor[column])) for each in (known.printed.belief, known.without_readings))
-    mean, std, before = (to_unit(size, unit) for size in (float(known.printed.belief.mean[column]), *stds))
-    return ConstantSummary(name, spoken, mean, std, before, unit)
+    return _constant(spoken, unit, float(known.printed.belief.mean[column]), *stds)
+
+
+def _constant(spoken: str, unit: str, mean: float, std: float, before: float) -> Written:
+    sizes = {"mean": to_unit(mean, unit), "std": to_unit(std, unit), "unit": unit, "prior_std": to_unit(before, unit)}
+    return {"words": spoken, **sizes, "seen": True}
 
 
 def _unknown_words(name: str) -> str:
@@ -116,41 +112,26 @@ def _unknown_words(name: str) -> str:
     return said("{unknown} of the set-up, {way}", unknown=unknown, way=way) if way else whole
 
 
-class _Sight(NamedTuple):
-    """The first number of each reading, with what the whole model leaves of it.
-
-    rows : (m, size); left : (m,) the number less what is expected of it; std : (m,) of its noise, m or rad
-    """
-
-    rows: Array
-    left: Array
-    std: Array
-
-    def shares(self, function: Term) -> Array:
-        """Return the variance that the prior of one error gives to each, (m,)."""
-        own = self.rows[:, function.columns]
-        shares: Array = np.sum((own @ function.covariance) * own, axis=1)
-        return shares
+def _shares(rows: Array, function: Term) -> Array:
+    """Return the variance that the prior of one error gives to each reading, (m,).  rows : (m, size)"""
+    own = rows[:, function.columns]
+    shares: Array = np.sum((own @ function.covariance) * own, axis=1)
+    return shares
 
 
-def _points(known: Estimation, function: Term, readings: Sequence[Reading], sight: _Sight) -> Iterator[CurvePoint]:
-    """Yield each reading as a curve sees it: less what the rest of the model says, per unit of the lever."""
+def _points(
+    known: Estimation, function: Term, readings: Sequence[Reading], rows: Array, left: Array
+) -> Iterator[tuple[float, float]]:
+    """Yield place and value of each reading that is believed: less what the rest of the model says, per lever."""
     setups = known.case.description.setups
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
-    whole = sum(sight.shares(each) for each in known.case.errors.curves)
+    whole = sum(_shares(rows, each) for each in known.case.errors.curves)
     unit, axis = value_unit(function), known.case.errors.axes[function.axis]
-    bear = np.flatnonzero(sight.shares(function) > _BEARS_ON * whole).tolist()
-    own = [index for index in bear if function.axis in moves[readings[index].setup]]
-    rows = function.spline.rows(np.array([readings[index].pose[function.axis] for index in own]))
-    for index, basis in zip(own, rows, strict=True):
+    for index in np.flatnonzero(_shares(rows, function) > _BEARS_ON * whole).tolist():
         reading = readings[index]
-        lever = float(sight.rows[index, function.columns] @ basis / (basis @ basis))
-        value = float(basis @ known.printed.belief.mean[function.columns]) + float(sight.left[index]) / lever
-        yield CurvePoint(
-            position=to_unit(reading.pose[function.axis], axis.unit),
-            value=to_unit(value, unit),
-            std=to_unit(float(sight.std[index]) / abs(lever), unit),
-            setup=reading.setup,
-            reading=reading.numbered(index),
-            rejected=index in known.left_out,
-        )
+        if function.axis not in moves[reading.setup] or index in known.left_out:
+            continue
+        basis = function.spline.rows(np.array([reading.pose[function.axis]]))[0]
+        lever = float(rows[index, function.columns] @ basis / (basis @ basis))
+        value = float(basis @ known.printed.belief.mean[function.columns]) + float(left[index]) / lever
+        yield to_unit(reading.pose[function.axis], axis.unit), to_unit(value, unit)

@@ -1,4 +1,4 @@
-"""What a finished campaign leaves in a folder: tables, `result.json`, `report.html`, `report.pdf`."""
+"""What a finished campaign leaves in a folder: tables, `result.json`, `report.pdf`."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.readers.homing import zero_by
 from axiscal.measurement.reading import Reading
+from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.result_document import EFFECT, READINGS, readings_csv, result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
-from axiscal.present.statement import NOT_KNOWN
 from axiscal.present.summarising import Extras, iso230_block, record_state, summarise
 from axiscal.present.summary import RecordState, Summary, TableOffer
 from axiscal.present.whose_language import named_language
@@ -102,7 +102,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     described, spoken = campaign.description, extras.spoken
     language = language_of_report(described.particulars, extras.language, spoken)
     with speaking("en"):
-        with stage("tables", 1, 3):
+        with stage("tables", 1, 2):
             made = {name: _made(estimation, name, extras.anyway) for name in (*described.controls, _ALWAYS)}
         files = [each for each in made.values() if isinstance(each, Export)]
         controls = {each.controller: each.control for each in files if each.controller in described.controls}
@@ -122,9 +122,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
                 write_files(introduced(each, *told), folder / "tables" / name)
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
         written(folder / "result.json", f"{document}\n".encode())
-        with stage("the report as a page", 2, 3):
-            write_report(summary, folder / "report.html", language)
-        with stage("the report on paper", 3, 3):
+        with stage("the report", 2, 2):
             write_report(summary, folder / "report.pdf", language)
         (folder / "data").mkdir()
         write_whole(folder / "data" / READINGS, readings_csv(summary))
@@ -138,14 +136,14 @@ def language_of_report(particulars: Particulars, wanted: str | None, spoken: str
 
 
 def write_report(summary: Summary, path: Path, language: str | None = None) -> None:
-    """Write the report, as PDF or as a page, by the name of its file; raises OSError.
+    """Write the report as PDF; raises OSError.
 
     language : that somebody wants it in
     """
     with speaking(language_of_report(summary.particulars, language)):
-        from axiscal.present.rendering import pdf, render  # pictures, which only a report needs
+        from axiscal.present.rendering import pdf  # pictures, which only a report needs
 
-        content = pdf(summary) if path.suffix.lower() == ".pdf" else render(summary).encode()
+        content = pdf(summary)
     write_whole(path, content)
 
 

@@ -1,6 +1,6 @@
 """The picture that a report begins with: the machine's errors as bent axes, found beside left, enlarged on one scale.
 
-    picture = found_and_left(volume, 1110)
+    picture = found_and_left_drawing(volume, 1110)
 
 Thin lines are machines that the readings still allow: without them what is left would look like a perfect box.
 """
@@ -9,28 +9,23 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from axiscal.language.spoken import said
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import EYE, Arrow, Fit, Part, Solid, Stroke, Viewport, drawn, page, points_of
+from axiscal.present.drawing.scene import EYE, Arrow, Fit, Part, Stroke, Viewport, drawn, points_of
 from axiscal.present.drawing.strokes import rounded_down, rounded_up, short_number, text, wrapped
 from axiscal.present.drawing.svg_picture import Drawing
-from axiscal.present.machine_drawing.machine_scene import machine_parts
-from axiscal.present.machine_drawing.standing_machine import StandingMachine
+from axiscal.present.schematic import DrawnMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, sides_of
 
 _FLAT = 0.05
 """Of the longest side: a shorter one is the height of something flat."""
 _SHARE = 0.1
 """Of the shortest side, that the largest deviation has."""
-_GHOST = 0.22
-"""Opacity of the machine behind its errors; a matter of taste."""
-_WHOLE = 0.75
-"""Of their size that errors keep in a picture of the whole machine: where they would lose more its ends are cut off."""
 _LINE, _SIDE = 20.0, 12.0
 """Pixels of a line of words, and between the picture and its edge."""
 _BESIDE = 700.0
@@ -39,41 +34,29 @@ _BAR = 60.0
 """Pixels of the bar that shows the scale, at most."""
 
 
-def found_and_left(volume: BentVolume, width: float) -> str:
-    """Return the picture as an SVG element of a page.  width : pixels"""
-    whole = found_and_left_drawing(volume, width)
-    return page(whole.width, whole.height, whole.body, said("The error of the volume"))
-
-
-def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", left: str = "") -> Drawing:
-    """Return the picture for a width, pixels.  found, left : figures under the titles, such as 27 µm"""
+def found_and_left_drawing(volume: BentVolume, width: float) -> Drawing:
+    """Return the picture for a width, pixels."""
     home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
-    times, room = magnification(volume), StandingMachine(volume.machine, home)
-    panels = [(said("found"), found, volume.found, "beam")]
+    times, room = magnification(volume), DrawnMachine(volume.machine, home)
+    panels = [(said("found"), volume.found, "beam")]
     if volume.left is not None:
         title = said("left with the tables for {controller}", controller=volume.controller)
-        panels.append((title, left, volume.left, "read"))
+        panels.append((title, volume.left, "read"))
     beside = width >= _BESIDE
     across = width / len(panels) if beside else width
     high = round(across * (0.72 if len(panels) > 1 or not beside else 0.5))
     moved = [volume.tcp + times * (each + one) for each in _of_all(volume) for one in (*volume.allowed, 0.0)]
     arrows = points_of(list(_triad(volume, room)))
     around = np.vstack([*(_in_room(room, each).reshape(-1, 3) for each in moved), arrows])  # of both: one scale
-    heads = [
-        [*wrapped(title, across - 2 * _SIDE, "title"), *([words] if words else [])] for title, words, _, _ in panels
-    ]
-    solids = (part for part in machine_parts(room) if isinstance(part, Solid))
-    ghost = [replace(solid, opacity=_GHOST * solid.opacity) for solid in solids]
-    whole, panel = np.vstack([around, points_of(ghost)]), Viewport(0, 0, across - 2 * _SIDE, high)
-    if Fit.into(whole, panel).scale > _WHOLE * Fit.into(around, panel).scale:
-        around = whole
+    heads = [wrapped(title, across - 2 * _SIDE, "title") for title, _, _ in panels]
+    panel = Viewport(0, 0, across - 2 * _SIDE, high)
     body, head = "", _LINE * max(map(len, heads)) + 10
-    for n, (_, words, values, colour) in enumerate(panels):
+    for n, (_, values, colour) in enumerate(panels):
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
         for line, each in enumerate(heads[n]):
-            body += text(x + _SIDE, y + 18 + _LINE * line, each, "soft" if each == words else "title")
+            body += text(x + _SIDE, y + 18 + _LINE * line, each, "title")
         frame = replace(panel, left=x + _SIDE, top=y + head)
-        shown = [*ghost, *_bent(volume, room, values, times, colour), *_triad(volume, room)]
+        shown = [*_bent(volume, room, values, times, colour), *_triad(volume, room)]
         body += drawn(shown, frame, around)
     scale, top = Fit.into(around, panel).scale, (high + head) * (1 if beside else len(panels))
     parts = [said("errors × {times}", times=f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}")]
@@ -81,10 +64,9 @@ def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", le
         parts.append(said("part aligned"))
     parts += [said("dashed: without errors"), said("thin: {count} machines that fit", count=MACHINES)]
     lines = wrapped(" · ".join(parts), width - 2 * _SIDE)
-    bar, length = _scale_bar(scale * times, top + 8)
-    body += bar + "".join(text(_SIDE + (length if n == 0 else 0), top + 17 + _LINE * n, each, "soft")
-                          for n, each in enumerate(_beside_bar(lines, width, length)))  # fmt: skip
-    return Drawing(width, top + 12 + _LINE * len(_beside_bar(lines, width, length)), body)
+    body += _scale_bar(scale * times, top + 8)
+    body += "".join(text(_SIDE, top + 37 + _LINE * n, each, "soft") for n, each in enumerate(lines))
+    return Drawing(width, top + 32 + _LINE * len(lines), body)
 
 
 def magnification(volume: BentVolume) -> float:
@@ -104,11 +86,11 @@ def _of_all(volume: BentVolume) -> list[Array]:
     return [volume.found] if volume.left is None else [volume.found, volume.left]
 
 
-def _in_room(room: StandingMachine, grid: Array) -> Array:
+def _in_room(room: DrawnMachine, grid: Array) -> Array:
     return room.on_table(grid.reshape(-1, 3), turned=False).reshape(grid.shape)
 
 
-def _bent(volume: BentVolume, room: StandingMachine, values: Array, times: float, colour: str) -> Iterator[Part]:
+def _bent(volume: BentVolume, room: DrawnMachine, values: Array, times: float, colour: str) -> Iterator[Part]:
     """Yield the volume as drawn, machines that the readings allow, and the bent one over them."""
     nominal = _in_room(room, volume.tcp)
     yield from (Stroke(each, "soft", 1.0, "4 4", 0.9) for each in _lines(nominal, nominal, edges=True))
@@ -145,7 +127,7 @@ def _behind(grid: Array, way: int) -> int:
     return 0 if near <= far else grid.shape[way] - 1
 
 
-def _triad(volume: BentVolume, room: StandingMachine) -> Iterator[Arrow]:
+def _triad(volume: BentVolume, room: DrawnMachine) -> Iterator[Arrow]:
     """Yield x, y and z of the workpiece beside the front corner on the left."""
     size = max(sides_of(volume.tcp), default=1.0)
     low = volume.tcp.reshape(-1, 3).min(axis=0)
@@ -155,21 +137,10 @@ def _triad(volume: BentVolume, room: StandingMachine) -> Iterator[Arrow]:
         yield Arrow(np.array([ends[0], end]) + away, name)
 
 
-def _beside_bar(lines: Sequence[str], width: float, length: float) -> list[str]:
-    """Return lines of which the first is shorter by the bar."""
-    first, *_ = wrapped(lines[0], width - 2 * _SIDE - length) if lines else [""]
-    rest = " ".join(lines)[len(first) :].strip()
-    return [first, *(wrapped(rest, width - 2 * _SIDE) if rest else [])]
-
-
-def _scale_bar(per_metre: float, y: float) -> tuple[str, float]:
-    """Return a bar of a round length with that length, and how far right both reach, pixels.
-
-    per_metre : pixels for a metre of deviation
-    """
+def _scale_bar(per_metre: float, y: float) -> str:
+    """Return a bar of a round length with that length.  per_metre : pixels for a metre of deviation"""
     size = rounded_down(_BAR / per_metre * 1e6)
     pixels = size * 1e-6 * per_metre
     d = f"M{short_number(_SIDE)} {short_number(y)}v8h{short_number(pixels)}v-8"
-    words = f"{size:g} µm"
     bar = f'<path d="{d}" fill="none" stroke="var(--ink)" stroke-width="1.6"/>'
-    return bar + text(_SIDE + pixels + 8, y + 9, words), pixels + 30 + 8.5 * len(words)
+    return bar + text(_SIDE + pixels + 8, y + 9, f"{size:g} µm")

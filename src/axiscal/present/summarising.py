@@ -24,6 +24,7 @@ from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription, Equipment
 from axiscal.description.type_b import Distribution
+from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.functionals.functional import seen_by, stand_of
@@ -44,23 +45,18 @@ from axiscal.measurement.reading import (
     value_columns,
 )
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.present.curves import constants, curves
+from axiscal.present.conditions import conditions, counted_along
+from axiscal.present.curves import constants, errors
 from axiscal.present.findings import findings, observability
+from axiscal.present.schematic import read_schematics
 from axiscal.present.sentences import cause_words
-from axiscal.present.statement import conditions, counted_along
 from axiscal.present.summary import (
-    WORTH,
-    BudgetRow,
     Finding,
-    HistoryRow,
-    Iso230,
     RecordState,
-    SetupUse,
     Summary,
     TableOffer,
-    Uncertainty,
+    Written,
 )
 from axiscal.present.volume_error import bent_volume, planes, volume_error
 from axiscal.tables.offer import Export
@@ -75,7 +71,7 @@ _SAME = 1e-6
 
 def iso230_blocks(
     description: CampaignDescription, readings: Sequence[Reading], doubted: Collection[int] = ()
-) -> list[Iso230]:
+) -> list[Written]:
     """Return the figures of each axis whose readings in one set-up are a test after ISO 230-2.
 
     doubted : readings, counted from 0, that were not believed: their runs are left out
@@ -88,7 +84,7 @@ def iso230_blocks(
         test = _test(description, setup, kept)
         if test is not None:
             axis = description.machine.axes[setup.moves[0]]
-            blocks.append(replace(iso230_block(axis.name, evaluate(test, setup.noise)), left_out=wrong))
+            blocks.append(iso230_block(axis.name, evaluate(test, setup.noise), wrong))
     return blocks
 
 
@@ -129,15 +125,11 @@ def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], sid
     return whole if whole.shape[1] >= _FEWEST_RUNS else None
 
 
-def iso230_block(axis: str, found: Positioning) -> Iso230:
-    """Return the block of one axis."""
-    unit = found.unit
-    return Iso230(
-        axis=axis,
-        value_unit=unit,
-        figures={name: to_unit(value, unit) for name, value in found.figures.items()},
-        uncertainties={name: to_unit(value, unit) for name, value in found.uncertainty.items()},
-    )
+def iso230_block(axis: str, found: Positioning, left_out: Sequence[int] = ()) -> Written:
+    """Return the figures of one axis.  left_out : readings that were not believed; the test is without their runs"""
+    kinds = {"figures": found.figures, "U": found.uncertainty}  # U : expanded (k = 2)
+    shown = {kind: {name: to_unit(x, found.unit) for name, x in each.items()} for kind, each in kinds.items()}
+    return {"axis": axis, "unit": found.unit, **shown, "left_out": [*left_out]}
 
 
 _WORDS = WORDS["sources"]
@@ -146,7 +138,7 @@ _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangul
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Extras:
-    """What a campaign itself does not know: tables that were written, a known truth, a finished standard test.
+    """What a campaign itself does not know: tables that were written, a finished standard test.
 
     warnings : about what was given, besides those of the estimate
     anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
@@ -156,8 +148,7 @@ class Extras:
     """
 
     tables: Sequence[TableOffer] = ()
-    truth: VirtualMachine | None = None
-    iso230: Sequence[Iso230] = ()
+    iso230: Sequence[Written] = ()
     warnings: Sequence[Finding] = ()
     anyway: bool = False
     checked: TablesChecked | None = None
@@ -185,14 +176,13 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     linear, found, stated = linearity(estimation), expanded_uncertainty(estimation), estimation.stated
     space, worst, x, y, z = (to_unit(each, "um") for each in (found.space, found.worst, *found.axes))
     factor, (sources, smaller) = found.factor(estimation.accuracy.rms), budget_rows(estimation)
-    target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
+    target = description.target
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted, over = [Finding("accepted", None, change) for change in changes], campaign.state.finished is not None
     names = [setup.name for setup in description.setups]
     times = [reading.time for reading in campaign.state.readings if reading.time is not None]
     last = datetime.fromisoformat(campaign.begun) + timedelta(seconds=max(times, default=0.0))
     return Summary(
-        title=said("Calibration of {machine}", machine=description.machine.name),
         machine=description.machine.name,
         chain=description.machine.chain,
         radii=[axis.name for axis in description.machine.axes if axis.diameters],
@@ -201,17 +191,24 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         setups=[_setup_use(setup, campaign) for setup in description.setups],
         stopped_because=because_text(campaign.state.finished or "not finished"),
         readings=len(campaign.state.readings),
-        minutes=rows[-1].minutes,
-        rms_um=rows[-1].rms_um,
-        worst_um=rows[-1].worst_um,
+        minutes=rows[-1]["minutes"],
+        rms_um=rows[-1]["rms_um"],
+        worst_um=rows[-1]["worst_um"],
         unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
         history=rows,
-        expanded=Uncertainty(space, (x, y, z), worst, factor, conditions(stated), counted_along(stated)),
+        expanded={
+            "U_um": space,
+            "U_worst_um": worst,
+            "U_level": LEVEL,
+            "k": factor,
+            "U_axis_um": {"x": x, "y": y, "z": z},
+            "U_holds_for": conditions(stated),
+            "U_along": counted_along(stated),
+        },
         answer=answer.model_copy(update={"checked": extras.checked}),
-        curves=[curve for curve in drawn if not curve.name.endswith("_reversal")],
-        reversals=[curve for curve in drawn if curve.name.endswith("_reversal")],
+        errors=errors(estimation, campaign.state.readings),
         constants=constants(estimation),
-        planes=planes(estimation),
+        plane_errors=planes(estimation),
         observability=observability(case),
         questions=[
             *questions(description.machine),
@@ -231,12 +228,13 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         checks=estimation.checks,
         agreement_words=agreement_words(estimation) if estimation.readings else "",
         mistakes=[
-            (each.mistake, each.odds, [names[k] for k in each.setups], mistake_words(each, estimation))
+            {"mistake": each.mistake, "odds": each.odds, "setups": [names[k] for k in each.setups], "text": words}
             for each in estimation.agreement.explained
+            for words in [mistake_words(each, estimation)]
         ],
-        controller=controller,
-        volume=volume_error(estimation, control) if campaign.state.readings else None,
+        volume=volume_error(estimation, controller, control) if campaign.state.readings else None,
         bent=bent_volume(estimation, controller, control) if campaign.state.readings else None,
+        schematics=read_schematics(description, [reading.place for reading in campaign.state.readings]),
         budget=sources,
         smaller_um=smaller,
         particulars=description.particulars,
@@ -263,7 +261,7 @@ def record_state(campaign: Campaign) -> RecordState:
     return RecordState(campaign.path.name, campaign.state.last, campaign.state.name, evidence_words(campaign))
 
 
-def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
+def _history(campaign: Campaign, estimation: Estimation) -> list[Written]:
     """Return how well the machine was known after each reading, and how much each surprised, or was not believed."""
     doubts = {doubt.reading: doubt for doubt in estimation.outliers}
     first, *moments = path(estimation)
@@ -273,41 +271,41 @@ def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
         if index in doubts:
             away = float(doubts[index].surprise)
             reason = said("{away:.1f} standard deviations from what the other readings say", away=away)
-            row = replace(row, reason=reason, surprise=math.copysign(away, row.innovation or 0.0))
+            row |= {"rejected": True, "reason": reason, "surprise": math.copysign(away, row["innovation"])}
         rows.append(row)
     return rows
 
 
-def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> HistoryRow:
+def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Written:
+    """Return a reading, None of the prior, and the accuracy after it."""
     rms, worst = (to_unit(each, "um") for each in (moment.accuracy.rms, moment.accuracy.worst))
-    minutes, last = to_unit(moment.seconds, "min"), moment.innovations
-    if reading is None or last is None:
-        return HistoryRow(number, None, None, None, None, None, rms, worst, minutes)
-    description = case.description
-    setup, axes = description.setup(reading.setup), description.machine.axes
-    unit, *others = units_of(setup)
-    return HistoryRow(
-        reading=number,
-        setup=reading.setup,
-        position=shown_pose(axes, reading.pose),
-        value_um=to_unit(reading.value, unit),
-        innovation=to_unit(float(last.value[0]), unit),
-        surprise=float(last.value[0] / last.std[0]),
-        rms_um=rms,
-        worst_um=worst,
-        minutes=minutes,
-        unit=unit,
-        approach=approach_text(axes, reading.approach),
-        others=tuple(to_unit(each, own) for each, own in zip(reading.others, others, strict=True)),
-        columns=value_columns(setup),
-        std=None if reading.std is None else to_unit(reading.std, unit),
-        time=reading.time,
-        check=reading.check,
-        by=by_text(reading),
-    )
+    known = {"rms_um": rms, "worst_um": worst, "minutes": to_unit(moment.seconds, "min"), "rejected": False}
+    blank = dict.fromkeys(("setup", "position", "value", "unit", "innovation", "surprise", "std", "time"))
+    row = {"reading": number, **blank, "approach": "", "by": "", "others": (), "units": (), "columns": (), **known}
+    if reading is None or (last := moment.innovations) is None:
+        return row
+    setup, axes = case.description.setup(reading.setup), case.description.machine.axes
+    units = units_of(setup)
+    value, *others = (to_unit(x, own) for x, own in zip((reading.value, *reading.others), units, strict=True))
+    return row | {
+        "setup": reading.setup,
+        "position": shown_pose(axes, reading.pose),
+        "value": value,
+        "unit": units[0],
+        "others": others,
+        "units": [column.rpartition("_")[2] for column in value_columns(setup)],
+        "innovation": to_unit(float(last.value[0]), units[0]),
+        "surprise": float(last.value[0] / last.std[0]),
+        "approach": approach_text(axes, reading.approach),
+        "by": by_text(reading),
+        "columns": value_columns(setup),
+        "std": None if reading.std is None else to_unit(reading.std, units[0]),
+        "time": reading.time,
+        "check": reading.check,
+    }
 
 
-def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
+def _setup_use(setup: Setup, campaign: Campaign) -> Written:
     axes = campaign.description.machine.axes
     count = sum(reading.setup == setup.name for reading in campaign.state.readings)
     moves = [axes[k].name for k in setup.moves]
@@ -317,9 +315,10 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     named = values_of(setup) > 1 or setup.written
     along = " ".join(model_of(setup).names_of(setup)) if named else direction_text(setup)
     along = along if setup.length is None else said("the bar")
-    own = setup.name, said(setup.title), along, moves, noise, count
+    own = {"name": setup.name, "instrument": said(setup.title), "along": along, "moves": moves, "noise": noise}
     grown = said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6)) if setup.growth else ""
-    return SetupUse(*own, of.serial, of.certificate, grown)
+    told = {"serial": of.serial, "certificate": of.certificate, "temperature": grown}
+    return {**own, "readings": count, **{name: text for name, text in told.items() if text}}
 
 
 def not_gaussian(found: Linearity) -> Iterator[Finding]:
@@ -333,17 +332,22 @@ def not_gaussian(found: Linearity) -> Iterator[Finding]:
     yield Finding("not-gaussian", None, said(text, reading=found.reading, times=float(found.largest)))
 
 
-def budget_rows(known: Estimation) -> tuple[list[BudgetRow], float]:
+WORTH = 5e-4
+"""Shares of the square below have no row of their own: they would show as nought."""
+
+
+def budget_rows(known: Estimation) -> tuple[list[Written], float]:
     """Return the sources of the standard uncertainty, the largest first, and the RMS of those without a row, um."""
     shares = budget(known)
     whole = sum(share.rms**2 for share in shares) or 1.0
+    counted = [share for share in shares if share.rms**2 >= WORTH * whole]
+    smaller = math.sqrt(sum(share.rms**2 for share in shares if share.rms**2 < WORTH * whole))
     rows = []
-    for share in shares:  # of type A (GUM 4.2), or of type B with its distribution
-        evaluated = ("A", "") if share.cause is None else ("B", _DISTRIBUTIONS[share.cause.row.distribution])
-        rows.append(BudgetRow(_words(share), to_unit(share.rms, "um"), share.rms**2 / whole, *evaluated))
-    counted = [row for row in rows if row.share >= WORTH]
-    smaller = math.sqrt(sum(row.rms_um**2 for row in rows if row.share < WORTH))
-    return [counted[k] for k in ranked(np.array([row.share for row in counted]), ALIKE)], smaller
+    for share in (counted[k] for k in ranked(np.array([share.rms**2 / whole for share in counted]), ALIKE)):
+        row = {"rms_um": to_unit(share.rms, "um"), "share": share.rms**2 / whole, "source": _words(share)}
+        spread = "" if share.cause is None else said(_DISTRIBUTIONS[share.cause.row.distribution])
+        rows.append({**row, "kind": "B" if share.cause else "A", "distribution": spread})  # GUM 4.2, 4.3
+    return rows, to_unit(smaller, "um")
 
 
 def _words(share: BudgetShare) -> str:

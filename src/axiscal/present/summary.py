@@ -8,129 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from axiscal.answers.answer import ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, Checks
-from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
+from axiscal.present.schematic import Schematic
+from axiscal.present.volume_error import BentVolume
 
-_NOUGHT = 1e-6
-"""um: rounding."""
-Position = Mapping[str, float]
-"""Axis name to coordinate, mm or deg."""
-
-
-@dataclass(frozen=True, slots=True)
-class SetupUse:
-    """A set-up, and how many readings were taken in it; `direction`, `noise` are text such as "x" and "0.3 um"."""
-
-    name: str
-    instrument: str
-    direction: str
-    moves: Sequence[str]
-    noise: str
-    readings: int
-    serial: str = ""
-    certificate: str = ""
-    temperature: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class HistoryRow:
-    """One reading and the accuracy after it; reading 0 is the prior and has no position, value or innovation.
-
-    unit : of `value_um` and `innovation`: "um" except for angle readings
-    surprise : innovation in standard deviations; of one that was not believed, by what all others say
-    others : the further numbers of a reading that has several, such as a sphere's along y and z
-    reason : why it was not believed, "" where it was
-    columns : of its values in a file of readings; std : of the reading's own, in `unit`; time : by the clock, s
-    check : its place was drawn at random; by : who took it, as `by_text` says it
-    """
-
-    reading: int
-    setup: str | None
-    position: Position | None
-    value_um: float | None
-    innovation: float | None
-    surprise: float | None
-    rms_um: float
-    worst_um: float
-    minutes: float
-    unit: str = "um"
-    approach: str = ""
-    others: tuple[float, ...] = ()
-    reason: str = ""
-    columns: Sequence[str] = ("value_um",)
-    std: float | None = None
-    time: float | None = None
-    check: bool = False
-    by: str = ""
-
-    @property
-    def rejected(self) -> bool:
-        """Whether it was not believed."""
-        return self.reason != "" and self.value_um is not None
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """All numbers of the reading, each in its unit of `units`; none of the prior."""
-        return () if self.value_um is None else (self.value_um, *self.others)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """The unit of each number, which its column ends with."""
-        return tuple(column.rpartition("_")[2] for column in self.columns)
-
-
-@dataclass(frozen=True, slots=True)
-class CurvePoint:
-    """A reading as one curve sees it: its value minus what the rest of the model says, and the std of that."""
-
-    position: float
-    value: float
-    std: float
-    setup: str
-    reading: int
-    rejected: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class CurveSummary:
-    """One error function over its axis; all sequences have the length of `position`.
-
-    std : whole standard deviation, unmodelled rest and unseen part included
-    std_seen : what the readings leave over, without the part that no allowed reading can see
-    prior_std : without readings, at the sizes as learnt
-    truth : positions and values, where the truth is known
-    from_readings : share of the variance at the sizes as learnt that the readings have taken away, 0 to 1
-    """
-
-    name: str
-    axis: str
-    caption: str
-    position: Sequence[float]
-    mean: Sequence[float]
-    std: Sequence[float]
-    std_seen: Sequence[float]
-    prior_std: Sequence[float]
-    position_unit: str
-    value_unit: str
-    truth: tuple[Sequence[float], Sequence[float]] | None = None
-    points: Sequence[CurvePoint] = ()
-    from_readings: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class ConstantSummary:
-    """A location error, a constant reversal or a set-up's unknown; `seen`: an allowed reading bears on it."""
-
-    name: str
-    words: str
-    mean: float
-    std: float
-    prior_std: float
-    unit: str
-    seen: bool = True
+Written = dict[str, Any]
+"""A part of `result.json` as it stands there, its figures not rounded yet (docs/result.schema.json)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,39 +45,6 @@ class TableOffer:
 
 
 @dataclass(frozen=True, slots=True)
-class Iso230:
-    """ISO 230-2 figures of one axis: A, E, R, B, M by name.
-
-    uncertainties : expanded (k = 2), for the figures whose uncertainty is known
-    left_out : readings that were not believed; the test is without their runs
-    """
-
-    axis: str
-    value_unit: str
-    figures: Mapping[str, float]
-    uncertainties: Mapping[str, float] = field(default_factory=dict)
-    left_out: Sequence[int] = ()
-
-
-WORTH = 5e-4
-"""Shares of the square below have no row of their own: they would show as nought."""
-
-
-@dataclass(frozen=True, slots=True)
-class BudgetRow:
-    """One source of the uncertainty in words, its standard uncertainty over the volume, um, and share of the square.
-
-    kind : "A" or "B" (GUM 4.2, 4.3); distribution : of what no reading shows, "" of others
-    """
-
-    words: str
-    rms_um: float
-    share: float
-    kind: str = "A"
-    distribution: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class RecordState:
     """What all figures come from: a record's file, the number of its last event, the hash up to there.
 
@@ -204,57 +58,34 @@ class RecordState:
 
 
 @dataclass(frozen=True, slots=True)
-class Uncertainty:
-    """Expanded uncertainties of the tool point over the volume, 95 %, um.
-
-    space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
-    factor : k, `space` over the standard uncertainty; conditions : what it was evaluated for, in words
-    along : the directions whose distance `space` and `worst` are, such as "z" of a bed; all of them where it is "xyz"
-    """
-
-    space: float
-    axes: tuple[float, float, float]
-    worst: float
-    factor: float
-    conditions: str = ""
-    along: str = "xyz"
-
-    @property
-    def ways(self) -> list[tuple[str, float]]:
-        """Directions along which a described error moves the tool, each with its uncertainty."""
-        return [(way, size) for way, size in zip("xyz", self.axes, strict=True) if size > _NOUGHT]
-
-
-@dataclass(frozen=True, slots=True)
 class Summary:
     """Everything the report shows.
 
+    expanded : expanded uncertainties over the volume, 95 %, and what they hold for
+    history : each reading and the accuracy after it, the prior first, with what the file of readings has beside
     answer : what is said first; without what tables leave until they are made
     agreement_words : whether the readings agree, in a sentence, "" before the first
-    controller : whose tables make what pictures and `volume` show as left
-    radii : the axes whose displays show diameters; smaller_um : of the sources whose shares are below `WORTH`
-    mistakes : what explains readings that contradict, the likeliest first: its kind, odds, set-ups, and in words
+    radii : the axes whose displays show diameters; smaller_um : of the sources that are too small for a row
+    mistakes : what explains readings that contradict, the likeliest first
     """
 
-    title: str
     machine: str
     chain: str
     campaign_file: str
     date: str
-    setups: Sequence[SetupUse]
+    setups: Sequence[Written]
     stopped_because: str
     readings: int
     minutes: float
     rms_um: float
     worst_um: float
     unseen_rms_um: float
-    history: Sequence[HistoryRow]
-    expanded: Uncertainty
+    history: Sequence[Written]
+    expanded: Written
     answer: ResultAnswer
-    curves: Sequence[CurveSummary] = ()
-    reversals: Sequence[CurveSummary] = ()
-    constants: Sequence[ConstantSummary] = ()
-    planes: Sequence[PlaneSummary] = ()
+    errors: Mapping[str, Written] = field(default_factory=dict)
+    constants: Mapping[str, Written] = field(default_factory=dict)
+    plane_errors: Mapping[str, Written] = field(default_factory=dict)
     observability: Sequence[str] = ()
     questions: Sequence[str] = ()
     warnings: Sequence[Finding] = ()
@@ -263,25 +94,20 @@ class Summary:
     target_worst_um: float | None = None
     target_u_um: float | None = None
     target_reached: bool | None = None
-    iso230: Sequence[Iso230] = ()
+    iso230: Sequence[Written] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     record: RecordState | None = None
     agreement: Agreement = NOTHING_READ
     checks: Checks = field(default_factory=Checks)
     agreement_words: str = ""
-    mistakes: Sequence[tuple[str, float, Sequence[str], str]] = ()
-    controller: str = ""
-    volume: VolumeError | None = None
+    mistakes: Sequence[Written] = ()
+    volume: Written | None = None
     bent: BentVolume | None = None
-    budget: Sequence[BudgetRow] = ()
+    schematics: Sequence[Schematic] = ()
+    budget: Sequence[Written] = ()
     smaller_um: float = 0.0
     particulars: Particulars = NOTHING_SAID
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     nonlinearity: float | None = None
     radii: Sequence[str] = ()
-
-    @property
-    def rejected(self) -> Sequence[HistoryRow]:
-        """The readings that were not believed."""
-        return [row for row in self.history if row.rejected]

@@ -1,12 +1,13 @@
 """The error of the volume: what the tool does at places spread over it, as found, as left, and how well it is known.
 
-One error of two axes as plain data in display units, beside the rest of a summary.
+One error of two axes as plain data in display units.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -27,36 +28,15 @@ _POSITIONS = 31
 """Points of a drawn map along each axis."""
 
 
-@dataclass(frozen=True, slots=True)
-class PlaneSummary:
-    """One error of two axes over both; maps have a row for each position of the first axis.
+def planes(estimation: Estimation) -> dict[str, dict[str, Any]]:
+    """Return every error that is a function of two positions, as `result.json` has it, by name.
 
-    mean, std, prior_std : of what the axes do together alone, rest included; sign : +1 or -1, how the tool shows it
-    whole_mean, whole_std : with the curves that each axis has alone in the same direction, signs as the tool moves,
-        and their mean over the plane taken off
+    Maps have a row for each position of the first axis; sign : +1 or -1, how the tool shows the error
     """
-
-    name: str
-    axes: tuple[str, str]
-    caption: str
-    position: tuple[Sequence[float], Sequence[float]]
-    position_unit: tuple[str, str]
-    value_unit: str
-    mean: Sequence[Sequence[float]]
-    std: Sequence[Sequence[float]]
-    prior_std: Sequence[Sequence[float]]
-    whole_mean: Sequence[Sequence[float]]
-    whole_std: Sequence[Sequence[float]]
-    from_readings: float = 0.0
-    sign: float = 1.0
+    return {plane.name: _plane(estimation, plane) for plane in estimation.case.errors.planes}
 
 
-def planes(estimation: Estimation) -> list[PlaneSummary]:
-    """Return every error that is a function of two positions."""
-    return [_plane(estimation, plane) for plane in estimation.case.errors.planes]
-
-
-def _plane(estimation: Estimation, plane: Term) -> PlaneSummary:
+def _plane(estimation: Estimation, plane: Term) -> dict[str, Any]:
     errors, belief = estimation.case.errors, estimation.printed.belief
     axes = tuple(errors.axes[index] for index in plane.axes)
     at = tuple(np.linspace(*axis.travel, _POSITIONS) for axis in axes)
@@ -74,21 +54,20 @@ def _plane(estimation: Estimation, plane: Term) -> PlaneSummary:
     known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.without_readings))
     mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
     first, second = axes
-    return PlaneSummary(
-        name=plane.name,
-        axes=(first.name, second.name),
-        caption=words(plane.name),
-        position=(to_unit(at[0], first.unit).tolist(), to_unit(at[1], second.unit).tolist()),
-        position_unit=(first.unit, second.unit),
-        value_unit=unit,
-        mean=_map(sign * (own @ mean), unit),
-        std=_map(known, unit),
-        prior_std=_map(without, unit),
-        whole_mean=_map(whole @ mean, unit),
-        whole_std=_map(_std(whole, belief.factor[: errors.size], rests), unit),
-        sign=sign,
-        from_readings=float(np.clip(1.0 - np.sum(known**2) / np.sum(without**2), 0.0, 1.0)),
-    )
+    return {
+        "axes": [first.name, second.name],
+        "words": words(plane.name),
+        "position": [to_unit(at[0], first.unit).tolist(), to_unit(at[1], second.unit).tolist()],
+        "mean": _map(sign * (own @ mean), unit),
+        "std": _map(known, unit),
+        "position_unit": [first.unit, second.unit],
+        "value_unit": unit,
+        "prior_std": _map(without, unit),
+        "whole_mean": _map(whole @ mean, unit),
+        "whole_std": _map(_std(whole, belief.factor[: errors.size], rests), unit),
+        "from_readings": float(np.clip(1.0 - np.sum(known**2) / np.sum(without**2), 0.0, 1.0)),
+        "sign": int(sign),
+    }
 
 
 def _rows_of_plane(errors: Machine, terms: Sequence[Term], poses: Array) -> Array:
@@ -119,44 +98,27 @@ _SMOOTH = {1: (33,), 2: (13, 9), 3: (9, 7, 7)}
 _COUNTS = {1: (11,), 2: (7, 7), 3: (5, 5, 3)}
 """Places along the axes that move, the longest first: enough to see a shape; a matter of taste."""
 
-Triple = tuple[float, float, float]
 
+def volume_error(estimation: Estimation, controller: str = "", control: Control | None = None) -> dict[str, Any]:
+    """Return the error of the volume as `result.json` has it; both sides from which an axis may come count alike.
 
-@dataclass(frozen=True, slots=True)
-class VolumeError:
-    """Deviations of the tool point from the workpiece at places, one shift of all of them taken off.
-
-    axes : that move from place to place; parked : where the others stand, in words, "" where none does
-    tcp_mm : nominal places in the workpiece frame; found_um : as estimated; half_um : ± of it, 95 %, along x, y, z
-    left_um : with tables, as estimated; empty where there are none
-    """
-
-    axes: Sequence[str]
-    parked: str
-    tcp_mm: Sequence[Triple]
-    found_um: Sequence[Triple]
-    half_um: Sequence[Triple]
-    left_um: Sequence[Triple] = ()
-
-
-def volume_error(estimation: Estimation, control: Control | None = None) -> VolumeError:
-    """Return the error of the volume; both sides from which an axis may come count alike.
-
-    control : what tables do, None where there are none
+    One shift of all places is taken off. control : what the tables of `controller` do, None where there are none
     """
     estimate = estimation.estimate()
     moving, poses, _ = places_over(estimate, _COUNTS)
     found = _shifted(_either_way(estimate.deviation, poses))
-    left = () if control is None else _triples(_shifted(_left(estimate, control, poses)))
+    left = () if control is None else to_unit(_shifted(_left(estimate, control, poses)), "um").tolist()
     axes = estimate.machine.axes
     at = {axis.name: said_quantity(float(poses[0, k]), axis.unit, 4) for k, axis in enumerate(axes) if k not in moving}
     parked = listed(", ", [put("{axis} {at}", axis=name, at=at[name]) for name in sorted(at)])
-    places = _triples(estimate.machine.frames(poses).tcp, "mm")
+    places = to_unit(estimate.machine.frames(poses).tcp, "mm").tolist()
     names = [axes[k].name for k in moving]
     spread = _shifted(_either_way(estimate.model.rows_at, poses)) @ estimate.factor
     rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
     half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
-    return VolumeError(names, parked, places, _triples(found), _triples(half), left)
+    sizes = {"tcp_mm": places, "left_um": left}
+    sizes |= {"found_um": to_unit(found, "um").tolist(), "half_um": to_unit(half, "um").tolist()}
+    return {"axes": names, "parked": parked, **sizes, "controller": controller}
 
 
 def places_over(estimate: Estimate, counts: Mapping[int, Sequence[int]]) -> tuple[list[int], Array, tuple[int, ...]]:
@@ -192,10 +154,6 @@ def _shifted(mean: Array) -> Array:
     """Return deviations, or their rows, less one shift of all places, (m, ...)."""
     shifted: Array = mean - mean.mean(axis=0)
     return shifted
-
-
-def _triples(metres: Array, unit: str = "um") -> list[Triple]:
-    return [(x, y, z) for x, y, z in to_unit(metres, unit).tolist()]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

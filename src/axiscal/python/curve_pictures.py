@@ -10,7 +10,7 @@ import numpy as np
 
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import said
-from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, line_trace, picture
+from axiscal.present.drawing.plot import Plot
 from axiscal.present.sentences import unit_text
 from axiscal.units import to_unit
 from axiscal_core import refusals
@@ -20,8 +20,7 @@ from axiscal_core.normal import Normal
 from axiscal_core.refusals import Array, one
 from axiscal_core.terms import Term
 
-_LINE, _FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
-_WIDE, _NARROW, _HEIGHT = 640, 360, 260
+_WIDE, _NARROW = 640, 360
 """Pixels; a matter of taste."""
 _SHOWN = 201
 """Points of a drawn line: more than a page has pixels for its bends."""
@@ -29,18 +28,14 @@ _SHOWN = 201
 
 @dataclass(frozen=True, slots=True)
 class NotebookPicture:
-    """A picture that a notebook shows.
+    """A picture that a notebook shows.  plots : side by side"""
 
-    figures : side by side, each a dict of `data` and `layout` as plotly's schema names them
-    """
-
-    figures: tuple[Figure, ...] = field(repr=False)
+    plots: tuple[Plot, ...] = field(repr=False)
 
     @property
     def svg(self) -> tuple[str, ...]:
-        """Each figure as the text of an SVG file."""
-        width = _WIDE if len(self.figures) == 1 else _NARROW
-        return tuple(alone(picture(figure, width, figure["name"])) for figure in self.figures)
+        """Each plot as the text of an SVG file."""
+        return tuple(plot.svg(_WIDE if len(self.plots) == 1 else _NARROW) for plot in self.plots)
 
     def _repr_html_(self) -> str:
         return "".join(self.svg)
@@ -65,15 +60,13 @@ class DrawnCurve(NamedTuple):
         """In which its values are shown."""
         return "urad" if self.of == "rad" else "um"
 
-    def figure(self) -> Figure:
+    def plot(self) -> Plot:
         """Return the curve with its band, as it is drawn."""
         turns = self.along == "rad"
         shown, text = ("deg", said("position, °")) if turns else ("mm", said("position, mm"))
-        x, middle = to_unit(self.at, shown).tolist(), to_unit(self.mean, self.unit).tolist()
-        half = (BAND * to_unit(self.std, self.unit)).tolist()
-        axes = axis_style(text), axis_style(f"{self.name}, {unit_text(self.unit)}")
-        data = [band(x, middle, half, _FILL), line_trace(x, middle, _LINE, 1.5)]
-        return {"name": self.name, "data": data, "layout": layout(*axes, _HEIGHT)}
+        x, unit = to_unit(self.at, shown).tolist(), self.unit
+        middle, half = (to_unit(each, unit).tolist() for each in (self.mean, BAND * self.std))
+        return Plot(self.name, text, f"{self.name}, {unit_text(unit)}", x, middle, half)
 
 
 def drawn(machine: Machine, term: Term, known: Normal) -> DrawnCurve:
@@ -89,7 +82,7 @@ def plot(known: Known) -> NotebookPicture:
     one("plot", "known", known, Known, "what `case.estimate` returns")
     machine, normal = known.case.machine, known.normal
     curves = (drawn(machine, term, normal) for term in machine.curves if term.spline.size > 1)
-    return NotebookPicture(tuple(curve.figure() for curve in curves))
+    return NotebookPicture(tuple(curve.plot() for curve in curves))
 
 
 def to_xarray(known: Known) -> Any:

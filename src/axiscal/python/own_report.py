@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from axiscal import __version__
+from axiscal.answers.row_words import said_row
 from axiscal.document.durable import write_whole
-from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.language.spoken import LANGUAGES, WORDS, joined, said, speaking
-from axiscal.present.drawing.svg_picture import paper_svg
-from axiscal.present.rendering import PANEL, kept_in, printed, template
-from axiscal.present.sentences import as_read, figure, heading_in, position_text, quantity, values_text, with_band
+from axiscal.language.spoken import LANGUAGES, WORDS, joined, put, said, speaking
+from axiscal.present.rendering import printed
+from axiscal.present.sentences import spelt
 from axiscal.present.whose_language import named_language
-from axiscal.python.curve_pictures import DrawnCurve, drawn
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 from axiscal_core import refusals
 from axiscal_core.errors import Offset
 from axiscal_core.known import Known
@@ -32,6 +29,8 @@ from axiscal_core.units import like
 
 UNITS = {"m": "um", "rad": "urad"}
 """In which a deviation is shown."""
+_POSITIONS = 101
+"""Points of a drawn curve; a matter of taste."""
 _LARGER, _FAR_LARGER = 1.5, 6.0
 """From the first on a size is called larger than stated, for a dozen readings say little of less; then a mistake."""
 
@@ -52,11 +51,7 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
     out = Path(folder)
     out.mkdir(parents=True, exist_ok=True)
     with speaking(named_language(language) or "en"):
-        day = datetime.now(UTC).date()
-        filled = partial(
-            _filled, known, known.readings, {"title": title, "day": day, "version": f"axiscal {__version__}"}
-        )
-        write_whole(out / "report.pdf", printed(day, filled))
+        write_whole(out / "report.pdf", printed(_document(known, known.readings, title), {}))
     lines = io.StringIO()
     table = known.table()
     csv.writer(lines, lineterminator="\n").writerows([[*table], *zip(*table.values(), strict=True)])
@@ -64,19 +59,22 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
     return out / "report.pdf"
 
 
-def _filled(known: Known, readings: Readings, told: dict[str, Any], folder: Path) -> str:
-    """Return the report as typst sets it; its pictures are written into a folder."""
-    kept, normal, machine = kept_in(folder), known.normal, known.case.machine
-    curves = [drawn(machine, term, normal) for term in machine.curves if term.spline.size > 1]
-    values = {
-        "figures": _figures(known),
-        "sentences": [*_sentences(known)],
-        "curves": [(each.name, kept(paper_svg(each.figure(), PANEL))) for each in curves],
-        "found": [[said("error"), said("estimate, ± 95 %"), said("before, 95 %")], *_found(known)],
-        "instruments": _instruments(known),
-        "readings": _rows(known, readings),
+def _document(known: Known, readings: Readings, title: str) -> dict[str, Any]:
+    """Return what is known as the result document has it, as far as a machine that was made in Python has it."""
+    drawn = [term for term in known.case.machine.curves if term.spline.size > 1]
+    words = {"first": [said(WORDS["verdicts"]["measured"])], "rows": _figures(known), "sentences": [*_sentences(known)]}
+    return {
+        "machine": title,
+        "identity": {"begun": datetime.now(UTC).date().isoformat()},
+        "agreement": {"contradict": False, "text": ""},
+        "answer": {"verdict": "measured"},
+        "words": words,
+        "setups": [*_instruments(known)],
+        "errors": {term.name: _error(known, term) for term in drawn},
+        "constants": dict(_constants(known, drawn)),
+        "history": [*_history(known, readings)],
+        "versions": {"axiscal": __version__},
     }
-    return template("own_report.typ").render(told | values)
 
 
 def _figures(known: Known) -> list[list[str]]:
@@ -84,8 +82,8 @@ def _figures(known: Known) -> list[list[str]]:
     root = known.case.volume.root
     before = float(np.sqrt(known.case.volume.value(known.case.prior.covariance)))
     sizes = [float(np.linalg.norm(root @ known.mean)), known.U, known.rms, before]
-    heads = [said("found"), said("U (95 %)"), said("RMS"), said("RMS before")]
-    return [heads, [quantity(to_unit(size, "um"), "um") for size in sizes]]
+    heads = ["", said("found"), said("U (95 %)"), said("RMS"), said("RMS before")]
+    return [heads, [said_row("volume"), *(spelt(said_quantity(size, "um")) for size in sizes)]]
 
 
 def _sentences(known: Known) -> Iterator[str]:
@@ -100,10 +98,38 @@ def _sentences(known: Known) -> Iterator[str]:
         yield said("What no reading shows counts in U: {causes}.", causes=joined(known.case.causes))
     if large := [(name, size) for name, size in known.sizes.items() if size > _LARGER]:
         kinds = [(name.split(" ", 1), size) for name, size in large]
-        shown = [f"{owner} ({said(WORDS['sizes'][kind])}) × {figure(size, 2)}" for (kind, owner), size in kinds]
+        shown = [
+            f"{owner} ({said(WORDS['sizes'][kind])}) × {put('{size:.2g}', size=size)}" for (kind, owner), size in kinds
+        ]
         yield said("Readings show sizes larger than stated: {sizes}.", sizes=joined(shown))
     if max(known.sizes.values(), default=0.0) > _FAR_LARGER:
         yield said("Sizes that much larger contradict what is stated: look at the unit of the readings first.")
+
+
+def _error(known: Known, term: Term) -> dict[str, Any]:
+    """Return an error over its axis."""
+    machine = known.case.machine
+    axis, columns, unit = machine.axes[term.axis], term.columns, UNITS[_unit(term)]
+    at, position_unit = (
+        np.linspace(term.spline.knots[0], term.spline.knots[-1], _POSITIONS),
+        "deg" if axis.rotary else "mm",
+    )
+    rows = term.spline.rows(at)
+    spreads = (rows @ each.covariance[columns, columns] @ rows.T for each in (known.normal, known.case.prior))
+    now, before = (to_unit(np.sqrt(np.diagonal(each) + term.rest**2), unit) for each in spreads)
+    return {
+        "axis": axis.name,
+        "words": "",
+        "position": to_unit(at, position_unit).tolist(),
+        "mean": to_unit(rows @ known.mean[columns], unit).tolist(),
+        "std": now.tolist(),
+        "std_seen": now.tolist(),
+        "prior_std": before.tolist(),
+        "from_readings": 1.0 - float(np.sum(now**2) / np.sum(before**2)),
+        "position_unit": position_unit,
+        "value_unit": unit,
+        "read": {"position": [], "value": []},
+    }
 
 
 def _unit(term: object) -> str:
@@ -116,68 +142,57 @@ def _unit(term: object) -> str:
     return ""
 
 
-def _found(known: Known) -> Iterator[list[str]]:
-    """Give each unknown with its 95 %, now and before; of a curve that is drawn its range, and both on average."""
-    machine, both = known.case.machine, (known.normal, known.case.prior)
-    now, before = (each.std for each in both)
+def _constants(known: Known, drawn: Sequence[Term]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Give each unknown that is on no curve with its standard deviation, now and before."""
+    machine, now, before, names = (
+        known.case.machine,
+        known.normal.std,
+        known.case.prior.std,
+        dict(enumerate(known.names)),
+    )
+    units = dict[int, str]()
     for term in machine.parts:
-        unit, columns = _unit(term), term.columns
-        if (count := columns.stop - columns.start) > 1 and isinstance(term, Term) and not term.error.sides:
-            yield _range(*(drawn(machine, term, each) for each in both))
-            continue
-        for i in range(columns.start, columns.stop):
-            name = term.name if count == 1 else known.names[i]
-            yield _line(name, known.mean[i], now[i], before[i], unit)
+        columns = term.columns
+        if term not in drawn:
+            units |= dict.fromkeys(range(columns.start, columns.stop), _unit(term))
+            names |= {columns.start: term.name} if columns.stop - columns.start == 1 else {}
     own = ((each, name) for each in known.case.instruments for name in each.own)
     for i, (each, name) in enumerate(own, machine.size):
+        of = like(type(each).unknowns.get(name))
         if before[i] > 0:
-            of = like(type(each).unknowns.get(name))
-            yield _line(known.names[i], known.mean[i], now[i], before[i], of[0] if len(of) == 1 else "")
+            units[i] = of[0] if len(of) == 1 else ""
+    for i, unit in units.items():
+        shown = UNITS.get(unit, "")
+        sizes = (to_unit(float(size), shown) if shown else float(size) for size in (known.mean[i], now[i], before[i]))
+        yield names[i], {"words": "", "unit": shown} | dict(zip(("mean", "std", "prior_std"), sizes, strict=True))
 
 
-def _range(now: DrawnCurve, before: DrawnCurve) -> list[str]:
-    """Return the row of a curve: from where to where it goes, ± 95 % on average along the axis, now and before."""
-    values = to_unit(now.mean, now.unit)
-    low, high = (quantity(float(end), now.unit) for end in (values.min(), values.max()))
-    half, prior = (BAND * to_unit(float(np.sqrt(np.mean(each.std**2))), now.unit) for each in (now, before))
-    found = said("{low} to {high}", low=low, high=high)
-    return [now.name, f"{found} ± {figure(half)}", f"± {quantity(prior, now.unit)}"]
-
-
-def _line(name: str, mean: float, now: float, before: float, unit: str) -> list[str]:
-    """Return a row: estimate ± 95 %, and ± 95 % before."""
-    shown = UNITS.get(unit, "")
-    value, half, prior = (to_unit(each, shown) if shown else each for each in (mean, BAND * now, BAND * before))
-    return [name, with_band(value, half, shown), f"± {quantity(prior, shown) if shown else figure(prior)}"]
-
-
-def _instruments(known: Known) -> list[list[str]]:
-    """Return what was mounted, what it moves and how finely it reads."""
-    rows = [[said("set-up"), said("instrument"), said("moves"), said("noise")]]
+def _instruments(known: Known) -> Iterator[dict[str, Any]]:
+    """Give what was mounted, what it moves and how finely it reads."""
     for each in known.case.instruments:
         noise = [
-            f"{name} {quantity(to_unit(sigma, UNITS[unit]), UNITS[unit])}"
+            f"{name} {spelt(said_quantity(sigma, UNITS[unit]))}"
             for name, sigma, unit in zip(each.names, each.sigma.tolist(), each.units, strict=True)
         ]
-        rows.append([each.name, type(each).__name__, " ".join(each.moves), ", ".join(noise)])
-    return rows
+        mounted = {"name": each.name, "instrument": type(each).__name__, "along": "", "moves": [*each.moves]}
+        yield {**mounted, "noise": ", ".join(noise)}
 
 
-def _rows(known: Known, readings: Readings) -> list[list[str]]:
-    """Return where was read, what it was, and how far that is from what the others expect."""
+def _history(known: Known, readings: Readings) -> Iterator[dict[str, Any]]:
+    """Give where was read, what it was, and how far that is from what the others expect."""
     case, places = known.case, readings.places
     of, axes = case.numbers(readings).place, case.machine.axes
     shown_by = case.values(readings, "report")
-    shown = ["deg" if axis.rotary else "mm" for axis in axes]
-    rows = [[said("no."), said("set-up"), heading_in(shown), said("approach"), said("value"), said("surprise")]]
     for i, (name, pose) in enumerate(zip(places.instruments, places.poses, strict=True)):
-        instrument = case.instruments[case.setups.index(name)]
-        at = {axis.name: to_unit(x, unit) for axis, x, unit in zip(axes, pose.tolist(), shown, strict=True)}
-        came = (f"{a.name}{'+' if side > 0 else '−'}" for a, side in zip(axes, places.sides[i], strict=True) if side)
-        units = [UNITS[unit] for unit in instrument.units]
-        pairs = zip(shown_by[of == i].tolist(), units, strict=True)
-        values = values_text([to_unit(value, unit) for value, unit in pairs], *units)
-        surprise = as_read(known.z[i]) if i in known.z else ""
-        number = f"{i + 1}{' ×' if i in known.bad else ''}"
-        rows.append([number, name, position_text(at), " ".join(came), values, surprise])
-    return rows
+        units = [UNITS[unit] for unit in case.instruments[case.setups.index(name)].units]
+        value, *others = (to_unit(x, unit) for x, unit in zip(shown_by[of == i].tolist(), units, strict=True))
+        came = (f"{a.name}{'+' if side > 0 else '-'}" for a, side in zip(axes, places.sides[i], strict=True) if side)
+        at = {a.name: to_unit(x, "deg" if a.rotary else "mm") for a, x in zip(axes, pose.tolist(), strict=True)}
+        where = {
+            "reading": i + 1,
+            "setup": name,
+            "position": at,
+            "approach": " ".join(came),
+            "rejected": i in known.bad,
+        }
+        yield {**where, "value": value, "others": others, "units": units, "surprise": known.z.get(i)}

@@ -20,8 +20,8 @@ from axiscal.exceptions import AxiscalError, OvertakenError, RecordError
 from axiscal.language.spoken import said, spoken_now
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import Question, asked_text, measured, stands
-from axiscal.present.machine_drawing.setup_picture import frame_seen, setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
+from axiscal.present.schematic import frame_seen, setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.record.signing import step_now
@@ -156,7 +156,7 @@ class Desk:
         description, state = self.campaign.description, self.campaign.state
         taken = [reading.place for reading in state.readings]
         setup = description.setup(asked.place.setup)
-        return setup_picture(setup_scene(description, setup, taken, asked.place, state.coming), width)
+        return setup_picture(setup_schematic(description, setup, taken, asked.place, state.coming), width)
 
     def set_anew(self, answer: progress.Answer | None) -> str:
         """Keep that a zero was set anew before the next reading, or the answer to what the page asks."""
@@ -220,7 +220,7 @@ class Desk:
         self._version += 1
         question, ended, trouble = self._asked()
         campaign, state, results, answer = self.campaign, self.campaign.state, self.results, self._answer
-        written = state.finished is not None and (results / "report.html").is_file()
+        written = state.finished is not None and (results / "report.pdf").is_file()
         overtaken = ended is not None and self._answers != self._stands  # it would contradict what ended it
         return StateShape(
             version=self._version,

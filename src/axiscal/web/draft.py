@@ -33,9 +33,9 @@ from axiscal.measurement.reading import Place
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.helping import rows_shown
 from axiscal.planning.next_readings import next_places
-from axiscal.present.machine_drawing.setup_picture import machine_scene, setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer, minutes_curve
 from axiscal.present.plan_words import open_questions, planned_figures
+from axiscal.present.schematic import machine_schematic, setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.store import record_errors
 from axiscal.units import parse_quantity, to_unit, within
@@ -156,9 +156,9 @@ def picture(here: Path, query: shapes.MachineQuery) -> str:
     """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none."""
     begun = first_files.of_builtin(query.machine) if query.machine else _beginning(here, kept(here), {})
     if not query.instrument:
-        return setup_picture(machine_scene(machine_from_text(begun.text), lengths=not query.small), query.width)
+        return setup_picture(machine_schematic(machine_from_text(begun.text), lengths=not query.small), query.width)
     campaign = _with(begun, query.instrument)
-    return setup_picture(setup_scene(campaign, campaign.setups[0], ()), query.width)
+    return setup_picture(setup_schematic(campaign, campaign.setups[0], ()), query.width)
 
 
 def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:

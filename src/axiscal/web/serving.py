@@ -64,7 +64,7 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
         openapi_url=f"{ROOT}/openapi.json",
         lifespan=watching,
     )
-    for file in ("report.html", "report.pdf", "tables.zip", "setup.svg", "volume.svg", "machine.svg"):
+    for file in ("report.pdf", "tables.zip", "setup.svg", "volume.svg", "machine.svg"):
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "planned", "rows"):
         app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
@@ -144,10 +144,6 @@ class _Api:
     async def volume_svg(self, query: Annotated[shapes.PictureQuery, Query()]) -> Response:
         """The error of the volume, found and left, as wide as the page has room."""
         return _picture(await self._counter.ask(lambda desk: after_end.volume_picture(desk, query.width)))
-
-    async def report_html(self) -> Response:
-        """The report, which allows its own scripts by their hashes and asks for nothing."""
-        return self._result("report.html", {"Content-Security-Policy": "frame-ancestors 'none'"})
 
     async def report_pdf(self) -> Response:
         """The report to sign."""

@@ -53,7 +53,7 @@ def run_demo(case: Case, out: Path, watch: Callable[[Milestone], None]) -> Summa
     with Campaign.create(out / "campaign.axiscal", case.description) as campaign:
         campaign.run(SimulatedSource(truth, SEED), watch)
         estimation = campaign.estimate(ended=True)
-        extras = Extras(truth=truth, checked=checked(campaign, truth))
+        extras = Extras(checked=checked(campaign, truth))
         return deliver(campaign, estimation, out, extras)
 
 

@@ -1,14 +1,9 @@
-"""A scene of solids, lines, arrows and words in metres, drawn as SVG from the front, the right and above.
-
-Solids are boxes and cylinders; of two it is told which hides the other.
-"""
+"""A scene of lines, arrows and words in metres, drawn as SVG from the front, the right and above."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import combinations
-from typing import NamedTuple, Self
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,112 +14,11 @@ from axiscal.present.drawing.strokes import (
     Label,
     Point,
     corners_way,
-    covered,
     placed,
     short_number,
-    text_safe,
     text_width,
     window,
 )
-
-_STRIPS = 40
-"""Strips of the side of a cylinder; a matter of taste."""
-_TOUCHING = 1e-9
-"""m: solids that touch are beside each other."""
-
-
-class Face(NamedTuple):
-    """points : (n, 3) m, in order; normal : (3,) unit vector outwards; edged : whether its outline is drawn"""
-
-    points: Array
-    normal: Array
-    edged: bool
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Solid:
-    """A convex solid.
-
-    faces : all of them; paint : name of its colour; opacity : from 0 to 1
-    """
-
-    faces: tuple[Face, ...]
-    paint: str
-    opacity: float = 1.0
-
-    @property
-    def points(self) -> Array:
-        """All corners, (n, 3) m."""
-        return np.vstack([face.points for face in self.faces])
-
-    def moved(self, motion: Array) -> Solid:
-        """Return the solid moved by a rigid motion, (4, 4)."""
-        turn, shift = motion[:3, :3], motion[:3, 3]
-        faces = (Face(face.points @ turn.T + shift, turn @ face.normal, face.edged) for face in self.faces)
-        return replace(self, faces=tuple(faces))
-
-
-def box(low: Sequence[float] | Array, high: Sequence[float] | Array, paint: str, opacity: float = 1.0) -> Solid:
-    """Return a box between two opposite corners, m."""
-    ends = np.sort(np.array([low, high], dtype=float), axis=0)
-    faces = []
-    for k in range(3):
-        u, v = (k + 1) % 3, (k + 2) % 3
-        for side in (0, 1):
-            points = np.empty((4, 3))
-            points[:, k] = ends[side, k]
-            points[:, u], points[:, v] = ends[[0, 1, 1, 0], u], ends[[0, 0, 1, 1], v]
-            faces.append(Face(points, (2 * side - 1) * np.eye(3)[k], True))
-    return Solid(tuple(faces), paint, opacity)
-
-
-def cylinder(start: Sequence[float] | Array, end: Sequence[float] | Array, radius: float, paint: str) -> Solid:
-    """Return a cylinder from the centre of one end to that of the other, m; its side in flat strips."""
-    low, high = np.array(start, dtype=float), np.array(end, dtype=float)
-    along = (high - low) / np.linalg.norm(high - low)
-    u = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
-    u /= np.linalg.norm(u)
-    angles = np.linspace(0, 2 * np.pi, _STRIPS + 1)
-    outward = np.outer(np.cos(angles), u) + np.outer(np.sin(angles), np.cross(along, u))
-    ring = radius * outward
-    sides = [
-        Face(np.array([low + a, low + b, high + b, high + a]), (m + n) / np.linalg.norm(m + n), False)
-        for a, b, m, n in zip(ring, ring[1:], outward, outward[1:], strict=False)
-    ]
-    ends = (Face(low + ring[:-1], -along, True), Face(high + ring[:-1], along, True))
-    return Solid((*sides, *ends), paint)
-
-
-def far_to_near(solids: Sequence[Solid], eye: Array) -> list[Solid]:
-    """Return solids so that none hides one that comes after it.  eye : (3,) unit vector towards who looks
-
-    Of two solids with a plane between them the one beyond it is farther. The one whose middle is farther comes first if
-    three hide each other in a ring, or two enter each other.
-    """
-    points = [solid.points for solid in solids]
-    normals = [np.array([face.normal for face in solid.faces if face.edged]) for solid in solids]
-    later = set[tuple[int, int]]()  # of each pair that hides, the nearer one first
-    for i, j in combinations(range(len(solids)), 2):
-        nearer = _nearer(points[i], points[j], np.vstack([normals[i], normals[j]]), eye)
-        later |= {(i, j)} if nearer > 0 else {(j, i)} if nearer < 0 else set()
-    left, done = sorted(range(len(solids)), key=lambda k: float(points[k].mean(axis=0) @ eye)), list[Solid]()
-    while left:
-        first = next((k for k in left if not any((k, j) in later for j in left)), left[0])
-        done.append(solids[first])
-        left.remove(first)
-    return done
-
-
-def _nearer(first: Array, second: Array, directions: Array, eye: Array) -> int:
-    """Return +1 where the first of two point clouds is nearer by a plane between them, −1 the second, 0 for neither."""
-    facing = directions @ eye
-    kept = np.abs(facing) > _TOUCHING
-    towards = directions[kept] * np.sign(facing[kept])[:, None]
-    one, other = first @ towards.T, second @ towards.T
-    if np.any(one.min(axis=0) >= other.max(axis=0) - _TOUCHING):
-        return 1
-    return -1 if np.any(other.min(axis=0) >= one.max(axis=0) - _TOUCHING) else 0
-
 
 _TURN, _LIFT = np.radians(33.0), np.radians(27.0)
 """How far who looks stands to the right of the front, and above the floor, rad; a matter of taste."""
@@ -134,29 +28,21 @@ UP: Array = np.array([-np.sin(_TURN) * np.sin(_LIFT), np.cos(_TURN) * np.sin(_LI
 """Unit vector of the scene that runs up in the picture."""
 EYE: Array = np.cross(RIGHT, UP)
 """Unit vector towards who looks."""
-_DARK = {(0, 1): 0.16, (0, -1): 0.1, (1, 1): 0.12, (1, -1): 0.07, (2, 1): 0.0, (2, -1): 0.22}
-"""Share of black on faces that look along a direction, and against it; a matter of taste."""
 _HEAD, _HALF_HEAD = 11.0, 4.5
 """Pixels of the head of an arrow; a matter of taste."""
-_SHARES = (0.0, -0.5, 0.5, -1.0, 1.0, -1.5, 1.5)
-"""Of its length by which an arrow moves out of the way of another, the first that does."""
 _MARGIN = 14.0
 """Pixels around what is drawn, for the names of arrows."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _OverSolids:
-    """What lies over all solids.  points : (n, 3) m, or (3,) of what has one place"""
+class _Part:
+    """What is drawn.  points : (n, 3) m, or (3,) of what has one place"""
 
     points: Array
 
-    def moved(self, motion: Array) -> Self:
-        """Return the same moved by a rigid motion, (4, 4)."""
-        return replace(self, points=self.points @ motion[:3, :3].T + motion[:3, 3])
-
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Stroke(_OverSolids):
+class Stroke(_Part):
     """A line.  width : pixels; filled : colour of what it encloses, "" for none"""
 
     colour: str
@@ -167,7 +53,7 @@ class Stroke(_OverSolids):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class RoundMark(_OverSolids):
+class RoundMark(_Part):
     """A ball.  points : its centre, (3,) m; radius : m; least : radius in pixels below which it does not shrink"""
 
     radius: float
@@ -176,7 +62,7 @@ class RoundMark(_OverSolids):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Arrow(_OverSolids):
+class Arrow(_Part):
     """A way with a head at its end and a name there.  points : straight where there are two"""
 
     name: str
@@ -184,13 +70,13 @@ class Arrow(_OverSolids):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Caption(_OverSolids):
+class Caption(_Part):
     """Words beside a place, (3,) m."""
 
     words: str
 
 
-Part = Solid | Stroke | RoundMark | Arrow | Caption
+Part = Stroke | RoundMark | Arrow | Caption
 Mark = Stroke | RoundMark | Arrow
 
 
@@ -242,28 +128,12 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
     within : points that fill the frame, (n, 3) m, in place of those of the parts; several scenes get one scale by it
     """
     fitted = Fit.into(points_of(parts) if within is None else within, frame)
-    parts = list(_apart(parts, fitted))
-    solids = far_to_near([part for part in parts if isinstance(part, Solid)], EYE)
-    marks = [part for part in parts if isinstance(part, (Stroke, RoundMark, Arrow))]
+    marks = [part for part in parts if not isinstance(part, Caption)]
     labels = [_label(part, fitted) for part in parts if isinstance(part, (Arrow, Caption))]
     over = [_around(part, fitted) for part in marks if isinstance(part, (Arrow, RoundMark))]
     shown = placed(labels, (frame.left, frame.top, frame.left + frame.width, frame.top + frame.height), over)
-    inside = "".join([*(_solid(each, fitted) for each in solids), *(_mark(each, fitted) for each in marks)])
-    cut = window(frame.left, frame.top, frame.width, frame.height, inside)
+    cut = window(frame.left, frame.top, frame.width, frame.height, "".join(_mark(each, fitted) for each in marks))
     return cut + "".join(label.svg() for label in shown)
-
-
-def _solid(solid: Solid, fitted: Fit) -> str:
-    """Return the faces that are seen, and their shades over all of them: strips of a round side leave no seams."""
-    facing = [(corners_way(fitted.pixels(face.points)) + "z", face) for face in solid.faces if face.normal @ EYE > 1e-9]
-    inside, shades = "", ""
-    for d, face in facing:
-        edge = "edge" if face.edged else solid.paint
-        colours = f'fill="var(--{solid.paint})" stroke="var(--{edge})"'
-        inside += f'<path d="{d}" {colours} stroke-width=".9" stroke-linejoin="round"/>'
-        dark = sum(float(part) ** 2 * _DARK[k, 1 if part > 0 else -1] for k, part in enumerate(face.normal))
-        shades += f'<path d="{d}" fill="#000000" fill-opacity="{dark:.3f}"/>' if dark > 5e-3 else ""
-    return inside + shades if solid.opacity == 1 else f'<g opacity="{solid.opacity:g}">{inside}{shades}</g>'
 
 
 def _mark(mark: Mark, fitted: Fit) -> str:
@@ -295,23 +165,10 @@ def _arrow(at: Array, colour: str) -> str:
     return f'{line}<path d="{head}" fill="{colour}"/>'
 
 
-def _apart(parts: Sequence[Part], fitted: Fit) -> Iterator[Part]:
-    """Yield the parts, straight arrows moved along themselves where they would lie over another one."""
-    taken = list[Bounds]()
-    for part in parts:
-        if isinstance(part, Arrow) and len(part.points) == 2:
-            way = part.points[1] - part.points[0]
-            tried = [replace(part, points=part.points + share * way) for share in _SHARES]
-            free = (each for each in tried if not covered(_around(each, fitted), taken))
-            part = next(free, part)
-            taken.append(_around(part, fitted))
-        yield part
-
-
 def _around(part: Arrow | RoundMark, fitted: Fit) -> Bounds:
     """Return the bounds of a ball, or of the last piece of an arrow, pixels."""
     at = fitted.pixels(part.points)[-2:]
-    reach = 0.0 if isinstance(part, Arrow) else max(part.radius * fitted.scale, part.least)
+    reach = _HALF_HEAD if isinstance(part, Arrow) else max(part.radius * fitted.scale, part.least)
     (left, top), (right, bottom) = at.min(axis=0) - reach, at.max(axis=0) + reach
     return float(left), float(top), float(right), float(bottom)
 
@@ -328,9 +185,3 @@ def _label(part: Arrow | Caption, fitted: Fit) -> Label:
 
 def _point(at: Array) -> Point:
     return float(at[0]), float(at[1])
-
-
-def page(width: float, height: float, body: str, label: str) -> str:
-    """Return an SVG element of a page; its colours are variables of the page.  label : for people who hear it"""
-    size = f'viewBox="0 0 {width:g} {height:g}" width="{width:g}" height="{height:g}"'
-    return f'<svg class="picture scene" {size} role="img" aria-label="{text_safe(label)}">{body}</svg>'

@@ -1,32 +1,24 @@
-"""Elements of SVG as text: lines through points with as few of them as the eye needs, marks, words, colours, maps.
+"""Elements of SVG as text: lines, words, colours.
 
 Labels know how wide they are, and stand so that none lies over another.
 """
 
 from __future__ import annotations
 
-import base64
 import itertools
 import math
 import re
-import struct
-import zlib
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from html import escape
 from importlib import resources
 
-import numpy as np
-
-from axiscal.numerics import Array
-
 Point = tuple[float, float]
 
-_STRAIGHT = 0.12
-"""Pixels by which a point that is left out may lie off the line: nobody sees it."""
 _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Signs that no XML document may hold (XML 1.0, 2.2)."""
-DASHES = {"dot": "1.5,3", "dash": "6,4", "solid": ""}
 
 
 def text_safe(text: str) -> str:
@@ -53,67 +45,6 @@ def short_number(value: float) -> str:
     """Return a number of pixels to a tenth."""
     text = f"{value:.1f}"
     return ("0" if text == "-0.0" else text).removesuffix(".0")
-
-
-def way(points: Sequence[Point], closed: bool = False) -> str:
-    """Return the `d` of a line through points, in steps from one to the next."""
-    kept = simplified(points)
-    if not kept:
-        return ""
-    at = (round(kept[0][0], 1), round(kept[0][1], 1))
-    parts = [f"M{short_number(at[0])} {short_number(at[1])}"]
-    for x, y in kept[1:]:
-        to = (round(x, 1), round(y, 1))
-        across, down = short_number(to[0] - at[0]), short_number(to[1] - at[1])
-        parts.append(f"l{across}{down if down.startswith('-') else ' ' + down}")
-        at = to
-    return "".join(parts) + ("z" if closed else "")
-
-
-def simplified(points: Sequence[Point]) -> list[Point]:
-    """Return points without those that lie on the line between the ones that are kept (Douglas and Peucker)."""
-    if len(points) < 3:
-        return list(points)
-    keep, open_spans = {0, len(points) - 1}, [(0, len(points) - 1)]
-    while open_spans:
-        first, last = open_spans.pop()
-        off = _distances(points[first + 1 : last], points[first], points[last])
-        farthest = max(off, default=0.0)
-        if farthest > _STRAIGHT:
-            far = last - 1 - off[::-1].index(farthest)
-            keep.add(far)
-            open_spans += [(first, far), (far, last)]
-    return [points[index] for index in sorted(keep)]
-
-
-def _distances(points: Sequence[Point], start: Point, end: Point) -> list[float]:
-    """Return how far points lie from the line from a start to an end, pixels; from both where these are one."""
-    x, y = start
-    across, down = end[0] - x, end[1] - y
-    length = math.hypot(across, down)
-    if length == 0:
-        return [math.hypot(each[0] - x, each[1] - y) for each in points]
-    return [abs(across * (each[1] - y) - down * (each[0] - x)) / length for each in points]
-
-
-def line(d: str, colour: str, width: float, dash: str = "") -> str:
-    """Return a line that keeps its width whatever its group is stretched by."""
-    dashed = DASHES.get(dash, dash.replace("px", ""))
-    more = f' stroke-dasharray="{dashed}"' if dashed else ""
-    return f'<path d="{d}" fill="none" stroke="{colour}" stroke-width="{width:g}"{more}/>' if d else ""
-
-
-def dots(points: Sequence[Point], colour: str, size: float) -> str:
-    """Return round dots as one line of no length with round ends: they stay round when their group is stretched."""
-    d = "".join(dict.fromkeys(f"M{short_number(x)} {short_number(y)}h0" for x, y in points))
-    return f'<path d="{d}" fill="none" stroke="{colour}" stroke-width="{size:g}" stroke-linecap="round"/>' if d else ""
-
-
-def mark(at: Point, size: float, colour: str, edge: str = "", width: float = 0) -> str:
-    """Return one round mark.  size : its diameter; edge, width : of its outline"""
-    outline = f' stroke="{edge}" stroke-width="{width:g}"' if width else ""
-    x, y, half = map(short_number, (*at, size / 2))
-    return f'<circle cx="{x}" cy="{y}" r="{half}" fill="{colour}"{outline}/>'
 
 
 def corners_way(corners: Iterable[Sequence[float]]) -> str:
@@ -246,65 +177,24 @@ def covered(bounds: Bounds, taken: Sequence[Bounds]) -> float:
     return covered
 
 
-ColourScale = Sequence[tuple[float, str]]
-"""(share from 0 to 1, "#rrggbb"), rising."""
-
-_FINER = 4
-"""Pixels of a map for each of its values along each side: the browser smooths the rest."""
-_VARIABLE = re.compile(r'(?<==")var\((--[a-z-]+)\)(?=")')
+_VARIABLE = re.compile(r'(?<==")var\(--([a-z-]+)\)(?=")')
 """As the value of an attribute; quotes in words are escaped, so that none of them is one."""
 
-_COLOUR = re.compile(r"(--[a-z-]+): ([^;]+);")
-"""As the style sheet of pages sets a variable."""
 
-
-def static_text(name: str) -> str:
-    """Return a text file of what pages carry inside themselves."""
-    return resources.files("axiscal.present").joinpath("static", name).read_text(encoding="utf-8")
-
-
-def page_colours() -> tuple[dict[str, str], dict[str, str]]:
-    """Return the variables of pages by their style sheet, as they are on paper, and on a dark screen."""
-    light, dark, *_, printed = (dict(_COLOUR.findall(part)) for part in static_text("report.css").split("@media"))
-    return light | printed, dark
+@cache
+def page_colours() -> tuple[Mapping[str, str], Mapping[str, str]]:
+    """Return the colours of pictures by name, as they are on paper, and on a dark screen."""
+    text = resources.files("axiscal.present.drawing").joinpath("colours.toml").read_text(encoding="utf-8")
+    colours = tomllib.loads(text)
+    return colours["light"], colours["dark"]
 
 
 def variables(svg: str, values: Mapping[str, str]) -> str:
     """Return values of the variables that a picture names, as CSS."""
-    return "".join(f"{name}:{value};" for name, value in values.items() if f"var({name})" in svg)
+    return "".join(f"--{name}:{value};" for name, value in values.items() if f"var(--{name})" in svg)
 
 
 def on_paper(svg: str) -> str:
     """Return a picture with the colours of paper instead of the page's variables."""
     paper, _ = page_colours()
     return _VARIABLE.sub(lambda found: paper[found[1]], svg)
-
-
-def map_image(rows: Sequence[Sequence[float]], scale: ColourScale, low: float, high: float, frame: Bounds) -> str:
-    """Return a map as an image in a frame, a PNG (ISO/IEC 15948), its first row below.  rows : (m, n)"""
-    finer = _stretched(_stretched(np.array(rows, dtype=float), 0), 1)[::-1]
-    shares = [share for share, _ in scale]
-    stops = np.array([[int(text[i : i + 2], 16) for i in (1, 3, 5)] for _, text in scale], dtype=float)
-    at = np.clip((finer - low) / ((high - low) or 1.0), 0.0, 1.0)
-    colours = np.stack([np.interp(at, shares, stops[:, k]) for k in range(3)], axis=-1)
-    lines = b"".join(b"\x00" + row.tobytes() for row in np.rint(colours).astype(np.uint8))
-    head = struct.pack(">IIBBBBB", colours.shape[1], colours.shape[0], 8, 2, 0, 0, 0)
-    chunks = b"IHDR" + head, b"IDAT" + zlib.compress(lines, 9), b"IEND"
-    framed = (struct.pack(">I", len(each) - 4) + each + struct.pack(">I", zlib.crc32(each)) for each in chunks)
-    image = b"\x89PNG\r\n\x1a\n" + b"".join(framed)
-    left, top, right, bottom = frame
-    x, y, width, height = map(short_number, (left, top, right - left, bottom - top))
-    address = f"data:image/png;base64,{base64.b64encode(image).decode('ascii')}"
-    size = f'width="{width}" height="{height}" preserveAspectRatio="none"'
-    return f'<image x="{x}" y="{y}" {size} href="{address}"/>'
-
-
-def _stretched(values: Array, axis: int) -> Array:
-    """Return values with lines between them along an axis."""
-    count = values.shape[axis]
-    at = np.linspace(0, count - 1, (count - 1) * _FINER + 1)
-    lower = np.minimum(at.astype(int), max(count - 2, 0))
-    share = np.expand_dims(at - lower, 1 - axis)
-    upper = np.minimum(lower + 1, count - 1)
-    mixed: Array = (1 - share) * np.take(values, lower, axis) + share * np.take(values, upper, axis)
-    return mixed

@@ -36,15 +36,6 @@ async function asked(path, body) {
   return ok ? answer : null;
 }
 
-// The window opens at the touch and gets its address later: Safari blocks one that opens after an answer.
-async function openReport(then) {
-  const report = window.open("about:blank");
-  if (report === null) { text("controls-fault", said("The browser opens no window: allow it for this page.")); return; }
-  report.opener = null;
-  report.addEventListener("load", () => then(report));
-  report.location.replace(await once("/report.html"));
-}
-
 // A refusal is a download that fails, and the page stays.
 async function save(path) {
   Object.assign(element("a", ""), { href: await once(path), download: "" }).click();
@@ -122,7 +113,5 @@ on("check-virtual", "click", () => {
   for (const [n, side] of ["found", "left"].entries()) fields(side).forEach((field, k) => { field.value = check.places[k].shows[n]; });
   keep();
 });
-on("open-report", "click", () => openReport(() => {}));
-on("print", "click", () => openReport((report) => report.print()));
 on("pdf", "click", () => save("/report.pdf"));
 on("download", "click", () => save(`/tables.zip?${new URLSearchParams({ control: control() })}`));

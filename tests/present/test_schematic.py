@@ -1,4 +1,4 @@
-"""Drawn machines: where their parts are, against a chain of matrices of the tests' own, for every machine there is."""
+"""Schematics of set-ups: where their parts are, against a chain of matrices of the tests' own, for every machine."""
 
 from __future__ import annotations
 
@@ -12,10 +12,8 @@ import pytest
 
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import EYE, RIGHT, UP, Arrow, RoundMark, Solid, box, cylinder, far_to_near
-from axiscal.present.machine_drawing.machine_scene import machine_parts
-from axiscal.present.machine_drawing.setup_picture import frame_seen, plan_picture, setup_scene
-from axiscal.present.machine_drawing.standing_machine import StandingMachine
+from axiscal.present.drawing.scene import RIGHT, UP, Arrow, RoundMark
+from axiscal.present.schematic import DrawnMachine, frame_seen, machine_schematic, plan_picture, setup_schematic
 from axiscal_core.machine import Machine
 from tests.generators.kinematics import shifted, tip, turned
 from tests.present.drawn_words import Box, boxes_of, held_inside
@@ -56,45 +54,42 @@ def _carried(machine: Machine, part: int, pose: Array) -> Array:
 
 @pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
 def test_the_tip_is_where_the_chain_puts_it(machine: Machine) -> None:
+    tools = [k for k, axis in enumerate(machine.axes) if not axis.workpiece_side]
     for pose in _poses(machine):
-        room = StandingMachine(machine, pose)
-        on_bed = (
-            room.upright @ (_carried(machine, room.spindle, pose) @ [0, 0, -machine.tool_length, 1])[:3]
-            if room.tool
-            else room.tip
-        )
-        there = (room.part_motion(room.spindle) @ np.append(room.tip, 1.0))[:3]
-        np.testing.assert_allclose(there, on_bed, atol=1e-12)
-        np.testing.assert_allclose(room.on_table(tip(machine, pose)[None])[0], there, atol=1e-12)
-        np.testing.assert_allclose(room.tip_now, there, atol=1e-12)
+        room = DrawnMachine(machine, pose)
+        np.testing.assert_allclose(room.on_table(tip(machine, pose)[None])[0], room.tip, atol=1e-12)
+        if tools:
+            held = _carried(machine, room.tool[-1], pose)
+            on_bed = room.upright @ (held @ [0, 0, -machine.tool_length, 1])[:3]
+            np.testing.assert_allclose(room.tip, on_bed, atol=1e-12)
+            np.testing.assert_allclose(room.stem, room.upright @ held[:3, 2], atol=1e-12)
+
+
+def _arrows(machine: Machine) -> dict[str, Arrow]:
+    parts = machine_schematic(machine, lengths=False).parts
+    return {part.name: part for part in parts if isinstance(part, Arrow)}
 
 
 @pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
 def test_an_axis_is_drawn_along_the_way_on_which_its_part_moves(machine: Machine) -> None:
-    for pose in _poses(machine)[2:4]:
-        room = StandingMachine(machine, pose)
-        arrows = {part.name: part for part in machine_parts(room) if isinstance(part, Arrow)}
-        primed = {axis.name + ("′" if axis.workpiece_side else "") for axis in machine.axes}
-        assert set(arrows) == primed
-        for k, axis in enumerate(machine.axes):
-            arrow = arrows[axis.name + ("′" if axis.workpiece_side else "")]
-            further = pose.copy()
-            further[k] += 1e-6
-            step = _carried(machine, k, further) @ np.linalg.inv(_carried(machine, k, pose))
-            if axis.rotary:
-                _turns_with(room, arrow, step)
-            else:
-                way = room.upright @ step[:3, 3] / 1e-6
-                drawn = arrow.points[-1] - arrow.points[0]
-                np.testing.assert_allclose(drawn / np.linalg.norm(drawn), way, atol=1e-5)
+    room, arrows = DrawnMachine(machine, [0.0] * len(machine.axes)), _arrows(machine)
+    assert set(arrows) == {axis.name + ("′" if axis.workpiece_side else "") for axis in machine.axes}
+    for k, axis in enumerate(machine.axes):
+        arrow, further = arrows[axis.name + ("′" if axis.workpiece_side else "")], room.home.copy()
+        further[k] += 1e-6
+        step = _carried(machine, k, further) @ np.linalg.inv(_carried(machine, k, room.home))
+        if axis.rotary:
+            _turns_with(room, arrow, step)
+        else:
+            way = room.upright @ step[:3, 3] / 1e-6
+            drawn = arrow.points[-1] - arrow.points[0]
+            np.testing.assert_allclose(drawn / np.linalg.norm(drawn), way, atol=1e-5)
 
 
 @pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
 def test_the_frame_beside_a_question_is_turned_as_the_picture_is(machine: Machine) -> None:
     pose = tuple(0.0 if axis.rotary else sum(axis.travel) / 2 for axis in machine.axes)
-    seen = np.array(frame_seen(machine, Place("any", pose, (0,) * len(pose))))
-    parts = machine_parts(StandingMachine(machine, np.array(pose)))
-    arrows = {part.name: part for part in parts if isinstance(part, Arrow)}
+    seen, arrows = np.array(frame_seen(machine, Place("any", pose, (0,) * len(pose)))), _arrows(machine)
     for axis in (axis for axis in machine.axes if not axis.rotary):
         arrow = arrows[axis.name + ("′" if axis.workpiece_side else "")]
         way = (arrow.points[-1] - arrow.points[0]) / np.linalg.norm(arrow.points[-1] - arrow.points[0])
@@ -102,7 +97,7 @@ def test_the_frame_beside_a_question_is_turned_as_the_picture_is(machine: Machin
         np.testing.assert_allclose([way @ RIGHT, -(way @ UP)], moved, atol=1e-9)
 
 
-def _turns_with(room: StandingMachine, arrow: Arrow, step: Array) -> None:
+def _turns_with(room: DrawnMachine, arrow: Arrow, step: Array) -> None:
     """An arc is about the line of its axis, and a point of it moves along it as the axis turns."""
     inside = room.upright.T @ arrow.points.T
     middle = inside.shape[1] // 2
@@ -115,39 +110,6 @@ def _turns_with(room: StandingMachine, arrow: Arrow, step: Array) -> None:
     np.testing.assert_allclose(heights, heights[0], atol=1e-9)
 
 
-@pytest.mark.long
-def test_a_solid_that_is_nearer_comes_later() -> None:
-    """Against rays: where two solids cover the same place of the picture, the one that the ray meets first is above."""
-    rng = np.random.default_rng(3)
-    for _ in range(4):
-        solids = []
-        for k in range(6):
-            low = np.array([2.0 * (k % 3), 2.0 * (k // 3), 0.0]) + rng.random(3)
-            far = low + rng.uniform(0.2, 0.9, 3)
-            solids.append(box(low, far, f"{k}") if k % 2 else cylinder(low, [*low[:2], far[2]], 0.2, f"{k}"))
-        order = {solid.paint: n for n, solid in enumerate(far_to_near(solids, EYE))}
-        for one, other in itertools.combinations(solids, 2):
-            for at in rng.uniform(-2, 6, (60, 2)):
-                depths = [_depth(solid, at) for solid in (one, other)]
-                if None not in depths and abs(depths[0] - depths[1]) > 1e-9:  # type: ignore[operator]
-                    assert (depths[0] > depths[1]) == (order[one.paint] > order[other.paint])  # type: ignore[operator]
-
-
-def _depth(solid: Solid, at: Array) -> float | None:
-    """Return how far towards who looks a ray meets a solid first, None where it passes by."""
-    best = None
-    for face in solid.faces:
-        if face.normal @ EYE > 1e-9:
-            start = at[0] * RIGHT + at[1] * UP
-            depth = float(face.normal @ (face.points[0] - start) / (face.normal @ EYE))
-            where = start + depth * EYE
-            edges = np.roll(face.points, -1, axis=0) - face.points
-            sides = np.cross(edges, where - face.points) @ face.normal
-            if np.all(sides >= -1e-12) or np.all(sides <= 1e-12):
-                best = depth if best is None else max(best, depth)
-    return best
-
-
 @pytest.fixture(scope="module")
 def campaigns(tmp_path_factory: pytest.TempPathFactory) -> list[Placed]:
     """Every campaign of the how-tos, the examples and the demos, with places of readings."""
@@ -158,11 +120,11 @@ def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[Place
     for _, campaign, places in campaigns:
         for setup in campaign.setups:
             own = [place for place in places if place.setup == setup.name]
-            scene = setup_scene(campaign, setup, places, own[0])
+            scene = setup_schematic(campaign, setup, places, own[0])
             dots = [part.points for part in scene.parts if isinstance(part, RoundMark) and part.colour == "read"]
             machine, pose = campaign.machine, np.array(own[0].pose)
-            room = StandingMachine(machine, pose)
-            held = _carried(machine, room.table, pose) if room.work else np.eye(4)
+            room = DrawnMachine(machine, pose)
+            held = _carried(machine, room.work[0], pose) if room.work else np.eye(4)
             for place in own:
                 there = room.upright @ (held @ np.append(tip(machine, np.array(place.pose)), 1.0))[:3]
                 assert min(np.linalg.norm(there - dot) for dot in dots) < 1e-9

@@ -1,1 +1,0 @@
-"""Machines drawn from their descriptions, with the instrument that stands on them."""

@@ -1,0 +1,387 @@
+"""The schematic of a set-up: axes, table, tool, instrument and what it reads along, and where readings are taken.
+
+Every machine is drawn from its chain and every instrument from its set-up, somebody's own as ours. The room has z up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from axiscal.description.campaign import CampaignDescription
+from axiscal.language.spoken import counted, listed, put, said
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.reading import Place
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.present.drawing.scene import (
+    EYE,
+    RIGHT,
+    Arrow,
+    Caption,
+    Part,
+    RoundMark,
+    Stroke,
+    Viewport,
+    drawn,
+    flat,
+)
+from axiscal.present.drawing.strokes import text, wrapped
+from axiscal.present.drawing.svg_picture import SCREENS, Drawing, picture_file
+from axiscal_core import rigid
+from axiscal_core.axes import Axis
+from axiscal_core.machine import Machine
+
+_LINE = 20.0
+"""Pixels from one line of text to the next."""
+_SIDE = 10.0
+"""Pixels between the picture and its edge."""
+_LYING: Array = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+"""Machine frame to room of a lathe: z to the right, x towards who stands there."""
+_LEAST = 1e-2
+"""m, that a picture is wide at least; a matter of taste."""
+_Z: Array = np.eye(3)[2]
+"""Upwards, of the room and of the workpiece."""
+_PAD, _ASIDE, _STEP, _TOOL, _ROUND, _WAY, _NEAR = 0.07, 0.28, 0.17, 0.3, 0.13, 0.2, 3.0
+"""Shares of the size: beyond the reach go the table and the axes, so long are arrows and the tool, so wide the arcs
+of axes that turn the tool, so far goes the arrow of what is read, and so near stands a
+station that is shown; a matter of taste.
+"""
+
+
+class DrawnMachine:
+    """A machine at a pose.  pose : (q,) m or rad
+
+    upright : the rotation from the machine frame to the room, (3, 3); home : linear axes amid their travels
+    work : the axes that carry the workpiece, from it to the bed; tool : those that carry the tool, from the bed
+    reach : low and high corner of the tool's reach in the workpiece frame with rotary axes at 0, (3,) m each
+    size : its largest side, or the tool, m
+    tip, stem : the tool point, and the unit vector from it into the tool, in the room
+    """
+
+    def __init__(self, machine: Machine, pose: ArrayLike) -> None:
+        self.machine, self.pose, axes = machine, np.asarray(pose, dtype=float), machine.axes
+        ways, turns = (
+            {int(np.argmax(np.abs(axis.direction))) for axis in axes if axis.rotary is rotary}
+            for rotary in (False, True)
+        )
+        # ISO 841 calls the direction of the main spindle Z; without a Y nothing reaches around a standing one.
+        self.upright = _LYING if ways == {0, 2} and turns <= {2} else np.eye(3)
+        self.home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
+        self.work, self.tool = (
+            [k for k, axis in enumerate(axes) if axis.workpiece_side is carries] for carries in (True, False)
+        )
+        ends = [(0.0, 0.0) if axis.rotary else axis.travel for axis in axes]
+        reached = machine.frames(np.array(np.meshgrid(*ends)).reshape(len(ends), -1).T).tcp
+        self.reach = reached.min(axis=0), reached.max(axis=0)
+        self.size = max(*(self.reach[1] - self.reach[0]).tolist(), machine.tool_length, _LEAST)
+        at = machine.frames(self.pose[None])
+        self.tip: Array = self.on_table(at.tcp)[0]
+        self.stem: Array = self.along(at.stem[0])
+
+    def on_table(self, points: Array | Sequence[Sequence[float]] | Sequence[float], turned: bool = True) -> Array:
+        """Return points of the workpiece frame, (n, 3) m, in the room.  turned : whether rotary axes stand as posed"""
+        pose = self.pose if turned else np.where([axis.rotary for axis in self.machine.axes], 0.0, self.pose)
+        held = self._carried(self.work[::-1], pose)
+        return (np.atleast_2d(points) @ held[:3, :3].T + held[:3, 3]) @ self.upright.T
+
+    def along(self, direction: Array | Sequence[float]) -> Array:
+        """Return a direction of the workpiece frame in the room, (3,)."""
+        foot, end = self.on_table(np.outer([0.0, 1.0], direction))
+        there: Array = end - foot
+        return there
+
+    def growing(self, axis: int) -> Array:
+        """Return how the part itself moves, or about which it turns, as a coordinate grows, in the room at home, (3,).
+
+        The workpiece side goes against its axis.
+        """
+        own = self.machine.axes[axis]
+        there: Array = own.sign * self.upright @ np.array(own.direction)
+        return there
+
+    def axis_point(self, axis: int) -> Array:
+        """Return a point on the line of a rotary axis at home, in the room, (3,) m."""
+        order = self.work[::-1] if axis in self.work else self.tool
+        held = self._carried(order[: order.index(axis)], self.home)
+        there: Array = self.upright @ (held @ np.append(self.machine.axes[axis].origin, 1.0))[:3]
+        return there
+
+    def named(self, axis: int) -> str:
+        """Return the name of an axis, primed where it carries the workpiece."""
+        own = self.machine.axes[axis]
+        return own.name + ("′" if own.workpiece_side else "")
+
+    def _carried(self, order: Sequence[int], pose: Array) -> Array:
+        """Return the motion of what the axes carry against the bed, (4, 4).  order : from the bed"""
+        motion = np.eye(4)
+        for k in order:
+            axis, step = self.machine.axes[k], np.eye(4)
+            direction, origin = np.array(axis.direction), np.array(axis.origin)
+            if axis.rotary:
+                step[:3, :3] = rigid.turned_about(direction, pose[[k]])[0]
+                step[:3, 3] = origin - step[:3, :3] @ origin
+            else:
+                step[:3, 3] = float(pose[k]) * direction
+            motion = motion @ (np.linalg.inv(step) if axis.workpiece_side else step)
+        return motion
+
+
+def _machine(room: DrawnMachine, moves: Sequence[int]) -> Iterator[Part]:
+    """Yield the table, the edges of what the tool reaches, the axes, and the tool.  moves : axes that are not faint"""
+    yield Stroke(room.on_table(_plate(room)), "edge", 1.2, filled="table")
+    box = room.on_table(_corners(*room.reach), turned=False)
+    yield from _edges(box, "part", "5 4")
+    corner, size, alike = box.min(axis=0) - _ASIDE * room.size * np.array([1.0, 1.0, 0.0]), room.size, dict[int, int]()
+    for k, axis in enumerate(room.machine.axes):
+        colour, way = "ink" if k in moves else "soft", room.growing(k)
+        if axis.rotary:
+            yield from _turning(room, k, box)
+            continue
+        beside = alike.setdefault(int(np.argmax(np.abs(way))), 0)
+        alike[int(np.argmax(np.abs(way)))] += 1
+        start = corner - beside * 0.1 * size * np.array([1.0, 1.0, 0.0])
+        yield Arrow(start + _STEP * size * np.outer([0.5, 1.5], way), room.named(k), colour)
+    yield Stroke(np.array([room.tip, room.tip + _TOOL * size * room.stem]), "stone", 5.0)
+
+
+def _turning(room: DrawnMachine, axis: int, box: Array) -> Iterator[Part]:
+    """Yield the line of a rotary axis and the arc in which its part turns as its coordinate grows, at home."""
+    way, point, works = room.growing(axis), room.axis_point(axis), axis in room.work
+    beside = (
+        room.on_table(_plate(room), turned=False).mean(axis=0) if works else room.tip + _TOOL * room.size * room.stem
+    )
+    centre = point + way * ((beside - point) @ way)
+    radius = max(0.4 * float(np.median(np.ptp(box, axis=0))), _ROUND * room.size) if works else _ROUND * room.size
+    u = EYE - (EYE @ way) * way
+    u /= np.linalg.norm(u)
+    turns = np.radians(np.linspace(-70.0, 70.0, 30))
+    yield Stroke(centre + 1.2 * radius * np.outer([-1.0, 1.0], way), "gold", 1.2, "8 3 2 3")
+    arc = centre + radius * (np.outer(np.cos(turns), u) + np.outer(np.sin(turns), np.cross(way, u)))
+    yield Arrow(arc, room.named(axis), "gold")
+
+
+def _plate(room: DrawnMachine) -> Array:
+    """Return the corners of the table in the workpiece frame, below what the tool reaches, (5, 3) m."""
+    low, high = room.reach
+    middle, pad = (low + high) / 2, _PAD * room.size
+    half = np.maximum((high - low) / 2, pad) + pad
+    ends = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * half[:2]
+    return np.column_stack([middle[:2] + ends, np.full(5, low[2] - pad / 2)])
+
+
+def _corners(low: Array, high: Array) -> Array:
+    """Return the corners of a box, (8, 3) m: the bits of their indices say at which end of x, y and z each lies."""
+    ends = np.array([[k & 1, (k >> 1) & 1, (k >> 2) & 1] for k in range(8)])
+    return low + ends * (high - low)
+
+
+def _edges(corners: Array, colour: str, dash: str) -> Iterator[Part]:
+    """Yield the edges of a box, those of its farthest corner fainter.  corners : (8, 3) m, as of `_corners`"""
+    back = int(np.argmin(corners @ EYE))
+    for i in range(8):
+        for j in (i | bit for bit in (1, 2, 4) if not i & bit):
+            if np.any(corners[i] != corners[j]):
+                yield Stroke(corners[[i, j]], colour, 1.2, dash, 0.4 if back in (i, j) else 0.95)
+
+
+def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
+    """Yield balls and stations on their posts, the ways from stations to the tool, and along what is read."""
+    foot, size = float(_plate(room)[0, 2]), room.size
+    balls = setup.artefact.points if setup.artefact else np.zeros((0, 3))
+    stations, (tip,) = np.array(setup.standing).reshape(-1, 3), room.machine.frames(room.pose[None]).tcp
+    near = np.linalg.norm(stations - tip, axis=1) <= _NEAR * size
+    for at in (*balls, *stations[near]):
+        yield Stroke(room.on_table([[*at[:2], foot], at]), "stone", 3.5)
+    if setup.artefact is not None:
+        radius = 0.5 * (setup.artefact.diameter or 0.05 * size)
+        for ball, place in zip(setup.artefact.balls, room.on_table(balls), strict=True):
+            yield RoundMark(place, radius, "gold", 5.0)
+            yield Caption(place + 1.2 * radius * _Z, ball.name)
+    for at, stands in zip(stations, near.tolist(), strict=True):
+        way = at - tip if stands else _WAY * size * (at - tip) / np.linalg.norm(at - tip)
+        yield Stroke(room.on_table([tip, tip + way]), "beam", 2.2)
+        if stands:
+            yield RoundMark(room.on_table(at)[0], 0.03 * size, "gold", 5.0)
+    if model_of(setup).directed:
+        yield Arrow(room.tip + _WAY * size * np.outer([-0.7, 1.0], room.along(setup.direction)), "+", "beam")
+    yield RoundMark(room.tip, 0.018 * size, "beam", 4.0)
+    yield Caption(room.tip, said(setup.title))
+
+
+def _readings(room: DrawnMachine, setup: Setup, places: Sequence[Place], colour: str, radius: float) -> Iterator[Part]:
+    """Yield a dot where each reading is taken, with a tail to the side its one linear axis comes from.
+
+    radius : of a dot, pixels
+    """
+    axis = room.machine.axes[setup.moves[0]] if len(setup.moves) == 1 else None
+    for place in places:
+        (at,) = room.on_table(room.machine.frames(np.array([place.pose])).tcp)
+        if axis is not None and not axis.rotary and place.approach and place.approach[setup.moves[0]]:
+            back = room.along(axis.direction) * float(place.approach[setup.moves[0]])
+            yield Stroke(np.array([at - 0.045 * room.size * back, at]), colour, 2.4)
+        yield RoundMark(at, 0.0, colour, radius)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Schematic:
+    """A set-up on its machine, ready to be drawn at any width.
+
+    parts : of the scene; title, legend : in words; note : what lines mean that all set-ups of a machine show
+    """
+
+    parts: Sequence[Part]
+    title: str
+    legend: str
+    note: str
+
+    def svg(self, width: float, height: float, left: float = 0.0, top: float = 0.0, titled: bool = True) -> str:
+        """Return the picture as SVG elements within a frame, pixels."""
+        heads = wrapped(self.title, width - 2 * _SIDE, "title") if titled else []
+        lines = wrapped(self.legend, width - 2 * _SIDE) if self.legend else []
+        over, beneath = _LINE * len(heads) + 4, _LINE * len(lines) + 6
+        frame = Viewport(left + _SIDE, top + over, width - 2 * _SIDE, height - over - beneath)
+        words = _lines(heads, left + _SIDE, top + 16, "title")
+        return drawn(self.parts, frame) + words + _lines(lines, left + _SIDE, top + height - beneath + 18, "soft")
+
+
+def _lines(lines: Sequence[str], left: float, top: float, kind: str) -> str:
+    return "".join(text(left, top + _LINE * n, line, kind) for n, line in enumerate(lines))
+
+
+def setup_schematic(
+    campaign: CampaignDescription,
+    setup: Setup,
+    places: Sequence[Place],
+    at: Place | None = None,
+    coming: Sequence[Place] = (),
+) -> Schematic:
+    """Return a set-up with the places where it is read.
+
+    places : of any set-up; coming : where readings are still to be taken
+    at : where the machine stands, None for one of the places
+    """
+    own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
+    shown = at or _best_seen(campaign, setup, own)
+    room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
+    size = 3.0 if len(own) + len(later) < 10 else 2.2
+    parts = [
+        *_machine(room, setup.moves),
+        *_outlines(campaign, room),
+        *_instrument(room, setup),
+        *_readings(room, setup, later, "soft", size),
+        *_readings(room, setup, own, "read", size),
+    ]
+    one_line = len(setup.moves) == 1 and not campaign.machine.axes[setup.moves[0]].rotary
+    tails = one_line and any(any(place.approach) for place in own)
+    read = put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else ""
+    legend = _dotted(read, said("grey: {count} to come", count=len(later)) if later else "")
+    note = _dotted(_reach_note(room), said("tail: the side it comes from") if tails else "")
+    return Schematic(parts, setup.name, legend, note)
+
+
+def _dotted(*parts: str) -> str:
+    return listed(" · ", [part for part in parts if part])
+
+
+def machine_schematic(machine: Machine, *, lengths: bool = True) -> Schematic:
+    """Return a machine at home.  lengths : whether its axes say how far they travel, in mm"""
+    axes = machine.axes
+    room = DrawnMachine(machine, [0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
+    named = {room.named(k): _travel(room.named(k), axis) for k, axis in enumerate(axes) if lengths and not axis.rotary}
+    parts = [
+        replace(part, name=named.get(part.name, part.name)) if isinstance(part, Arrow) else part
+        for part in _machine(room, range(len(axes)))
+    ]
+    return Schematic(parts, machine.name, "", _reach_note(room) if lengths else "")
+
+
+def _travel(name: str, axis: Axis) -> str:
+    """Return an axis with how far it travels, mm; where its display shows diameters, that too."""
+    text = f"{name} {1e3 * axis.length:.0f}"
+    return f"{text} (⌀ {2e3 * axis.length:.0f})" if axis.diameters else text
+
+
+def _reach_note(room: DrawnMachine) -> str:
+    spans = " × ".join(f"{1e3 * span:.0f}" for span in room.reach[1] - room.reach[0] if span > 1e-9)
+    return said("dashed: where the tool reaches, {size} mm", size=spans) if spans else ""
+
+
+def _best_seen(campaign: CampaignDescription, setup: Setup, places: Sequence[Place]) -> Place | None:
+    """Return the place that shows all best: rotary axes near 0, the tool to the right."""
+    turned = [k for k, axis in enumerate(campaign.machine.axes) if axis.rotary]
+    right = DrawnMachine(campaign.machine, setup.park).upright.T @ RIGHT
+
+    def merit(place: Place) -> tuple[float, float]:
+        off = sum(abs(float(np.sin(place.pose[k] / 2))) for k in turned)
+        return round(-off, 3), float(campaign.machine.frames(np.array([place.pose])).tcp[0] @ right)
+
+    return max(places, key=merit, default=None)
+
+
+def _outlines(campaign: CampaignDescription, room: DrawnMachine) -> Iterator[Part]:
+    """Yield the part that is to be machined, and what the tool has to keep out of."""
+    part = campaign.target.part
+    if part is not None and part.radius is not None:
+        turn = np.linspace(0, 2 * np.pi, 73)
+        ring = part.radius * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+        for level in part.spans[2]:
+            yield Stroke(room.on_table(ring + level * _Z), "part", 1.6)
+    elif part is not None:
+        yield from _edges(room.on_table(_corners(*np.array(part.spans).T)), "part", "")
+    for artefact in {setup.artefact.name: setup.artefact for setup in campaign.setups if setup.artefact}.values():
+        for kept_out in artefact.keep_out:
+            low, high = np.clip(np.array(kept_out), -1.0, 1.0).T
+            yield from _edges(room.on_table(_corners(low, high)), "beam", "2 4")
+
+
+def frame_seen(machine: Machine, place: Place) -> list[tuple[float, float]]:
+    """Return unit vectors along x, y, z of the workpiece as a picture of the machine has them, right and down."""
+    room = DrawnMachine(machine, place.pose)
+    return [(right, down) for right, down in flat(np.array([*map(room.along, np.eye(3))])).tolist()]
+
+
+def setup_picture(shown: Schematic, width: float) -> str:
+    """Return the text of an SVG file with one set-up, without its title, for a width in pixels."""
+    ratio = 0.66 if width > 500 else 0.95
+    whole = replace(shown, legend=_dotted(shown.legend, shown.note))
+    drawing = Drawing(width, round(ratio * width), whole.svg(width, round(ratio * width), titled=False))
+    return picture_file([drawing], shown.title)
+
+
+def plan_picture(
+    title: str, campaign: CampaignDescription, places: Sequence[Place], widths: Sequence[float] = SCREENS
+) -> str:
+    """Return the text of an SVG file: each set-up that is read, on the machine.
+
+    places : in any order; widths : of screens, pixels, the widest first
+    """
+    drawings = [beside_each_other(read_schematics(campaign, places), title, width) for width in widths]
+    return picture_file(drawings, title)
+
+
+def read_schematics(campaign: CampaignDescription, places: Sequence[Place]) -> list[Schematic]:
+    """Return each set-up that is read, in the order of the places."""
+    used = dict.fromkeys(place.setup for place in places)
+    return [setup_schematic(campaign, campaign.setup(name), places) for name in used]
+
+
+def beside_each_other(shown: Sequence[Schematic], title: str, width: float) -> Drawing:
+    """Return the pictures of set-ups beside and below each other, and once what the dashed lines are."""
+    columns = max(1, min(len(shown), 1 if width < 700 else 2 if width < 1100 else 3))
+    across = width / columns
+    alone = len(shown) == 1
+    high = round(across * (0.6 if across > 600 else 0.9))
+    note = shown[0].note if shown else ""
+    heads = wrapped(f"{title}: {shown[0].title}" if alone else title, width - 2 * _SIDE, "title")
+    feet = wrapped(_dotted(shown[0].legend, note) if alone else note, width - 2 * _SIDE)
+    top = _LINE * len(heads) + 12
+    foot = top + high * -(-len(shown) // columns)
+    body = _lines(heads, _SIDE, 20, "title")
+    for n, each in enumerate(shown):
+        one = replace(each, legend="") if alone else each
+        body += one.svg(across, high, across * (n % columns), top + high * (n // columns), titled=not alone)
+    return Drawing(width, foot + 10 + _LINE * len(feet), body + _lines(feet, _SIDE, foot + 18, "soft"))
