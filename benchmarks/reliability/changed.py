@@ -9,9 +9,9 @@ from pathlib import Path
 from unittest.mock import patch
 
 from axiscal.exceptions import RecordError
-from axiscal.record import log
+from axiscal.record import story
 from axiscal.record.events import Event, Stored
-from axiscal.record.line_form import MARK, MARKS, START
+from axiscal.record.lines import HEAD, SLOT, SLOTS
 from axiscal.record.store import Record
 from tests.reliability.record_faults import CREATED, NAME, events, recorded, values
 from tests.reliability.trial import Trial, scratch
@@ -42,17 +42,17 @@ def ends() -> Trial:
     with scratch() as top:
         content, _ = _record(top / NAME)
         cut, silent = top / "cut.axiscal", 0
-        for size in range(START, len(content)):
+        for size in range(HEAD, len(content) - 1):
             cut.write_bytes(content[:size])
             silent += "damaged" not in _said(cut)
-    return Trial("records cut off before their end", len(content) - START, silent)
+    return Trial("records cut off before their end", len(content) - 1 - HEAD, silent)
 
 
 def clock() -> Trial:
     """Set the clock back by a day between readings: order and numbers stay."""
     days = [f"2026-01-{day:02}T10:00:00.000+00:00" for day in (20, 19, 21, 18, 17, 30)]
     with scratch() as top:
-        with patch.object(log, "_now", side_effect=days), Record.create(top / NAME, CREATED) as record:
+        with patch.object(story, "now", side_effect=days), Record.create(top / NAME, CREATED) as record:
             for number in range(5):
                 record.append(recorded(float(number)))
         missed = values(top / NAME) != [0.0, 1.0, 2.0, 3.0, 4.0]
@@ -82,10 +82,10 @@ def _record(path: Path) -> tuple[bytes, tuple[Stored, ...]]:
 
 
 def _bits(size: int) -> Iterator[int]:
-    """Yield every bit of title, marks and lines, and of the rest, which is blank, some."""
-    for begin, end in ((0, 30), *((at, at + MARK) for at in MARKS), (START, size)):
+    """Yield every bit of both counts and of the lines, and of the rest, which is the same in every record, some."""
+    for begin, end in (*((at, at + SLOT) for at in SLOTS), (HEAD, size)):
         yield from range(8 * begin, 8 * end)
-    yield from range(0, 8 * START, 1009)
+    yield from range(0, 8 * HEAD, 1009)
 
 
 def _said(path: Path) -> str:

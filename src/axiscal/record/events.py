@@ -132,6 +132,13 @@ class Signed:
 
 
 @dataclass(frozen=True, slots=True)
+class Lost:
+    """An event of this number does not stand whole any more, or cannot be, and why; repair puts it there."""
+
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
 class Newer:
     """An entry that a newer version wrote: of an unknown kind, or with a field that this version does not know.
 
@@ -146,7 +153,9 @@ class Newer:
 
 Done = Recorded | Skipped | Accepted | Warmed | Finished
 """What can be taken back."""
-Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Newer
+_ASIDE = Noted, Bumped, Signed, Lost, Newer
+"""What may come after the end, and says nothing of what is known."""
+Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Lost | Newer
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,7 +288,7 @@ class Folding:
     """The state while events are added to it, in time proportional to their number; fields as of `State`.
 
     highest : number of a reading or a skip so far
-    `add` raises EventOrderError; what it was added to is then of no more use.
+    `add` raises EventOrderError, and then nothing has happened.
     """
 
     created: Created | None = None
@@ -315,10 +324,8 @@ class Folding:
         event = stored.event
         if isinstance(event, Created) is (self.created is not None):
             raise EventOrderError("the creation of the campaign is its first event, and no other one")
-        if self.finished is not None and not isinstance(event, Undone | Noted | Bumped | Signed | Newer):
+        if self.finished is not None and not isinstance(event, (Undone, *_ASIDE)):
             raise EventOrderError("it comes after the end of the campaign")
-        if not isinstance(event, Planned | Asked | Noted | Bumped | Signed | Newer):
-            self.continued = event.basis if isinstance(event, Continued) else None
         if isinstance(event, Created):
             self.created = event
         elif isinstance(event, Planned):
@@ -329,20 +336,24 @@ class Folding:
                 del self.plan[0]
         elif isinstance(event, Undone):
             self._take_back(event)
-        elif isinstance(event, Noted | Warmed):
+        elif isinstance(event, (Noted, Warmed)):
             after = self.readings[-1].number or len(self.readings) if self.readings else 0
             warm = event if isinstance(event, Warmed) else None
             self.notes.append(Note(event.text, stored.at, after, warm))
             self.undo += [Undoable(stored.number, warm, self.pending, self.highest)] if warm else []
-        elif isinstance(event, Mounted | Newer | Bumped):
+        elif isinstance(event, (Mounted, Newer, Bumped)):
             kept: Mapping[type, list[Any]] = {Mounted: self.mounted, Newer: self.newer, Bumped: self.bumps}
             kept[type(event)].append(event)
         elif isinstance(event, Accepted):
-            self.undo.append(Undoable(stored.number, event, self.pending, self.highest, tuple(self.readings)))
+            step = Undoable(stored.number, event, self.pending, self.highest, tuple(self.readings))
             self._accept(event)
-        elif not isinstance(event, Signed | Continued):
-            self.undo.append(Undoable(stored.number, event, self.pending, self.highest))
+            self.undo.append(step)
+        elif not isinstance(event, (Signed, Continued, Lost)):
+            step = Undoable(stored.number, event, self.pending, self.highest)
             self._take(event)
+            self.undo.append(step)
+        if not isinstance(event, (Planned, Asked, *_ASIDE)):
+            self.continued = event.basis if isinstance(event, Continued) else None
         self.last = stored.number
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
@@ -368,13 +379,13 @@ class Folding:
         """Put readings right; what is asked stays asked."""
         if event.mistake == "jump" and event.reading > self.highest + 1:
             raise EventOrderError(f"reading {event.reading} is not the next one")
+        if event.name and event.name in {each.name for each in self.mounted}:
+            raise EventOrderError(f"there is a set-up {event.name!r} already")
         try:
             self.readings = put_right(self.readings, event, self.created.machine_text if self.created else "")
         except ValueError as fault:
             raise EventOrderError(str(fault)) from None
         if event.name:
-            if event.name in {each.name for each in self.mounted}:
-                raise EventOrderError(f"there is a set-up {event.name!r} already")
             self.mounted.append(Mounted(event.setups[0], event.name, ""))
         self.renew = True
 
