@@ -24,8 +24,9 @@ from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit, r
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
 from axiscal.record.carried import carried_bumps
+from axiscal.record.door import restoring
 from axiscal.record.events import Asked, Created, Event, Mounted, Noted, Planned, Recorded, State, Warmed
-from axiscal.record.store import Record, restoring
+from axiscal.record.store import Record
 from axiscal.units import format_quantity, parse_quantity, within
 from axiscal_core.refusals import one
 

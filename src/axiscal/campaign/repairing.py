@@ -1,12 +1,18 @@
-"""A new record of what stands whole in damaged ones and in copies that went on apart. What is missing is named."""
+"""A new record of what stands whole in damaged ones and in copies that went on apart: the union of their lines.
+
+Each line says its campaign, its number and the line before, so that nothing is inferred. What is missing has a number
+and is named; two lines of one number are a branch, and a person says whether it counts.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 from axiscal.campaign.possible import Possible
 from axiscal.document.consent import asking
@@ -14,7 +20,7 @@ from axiscal.estimation.inheritance import created_description
 from axiscal.exceptions import CodeError, NewerError, RecordError
 from axiscal.language.spoken import counted, said
 from axiscal.record.accepted import Accepted
-from axiscal.record.earlier import UNPROVEN
+from axiscal.record.earlier import UNPROVEN, told_anew
 from axiscal.record.events import (
     Created,
     Event,
@@ -30,9 +36,8 @@ from axiscal.record.events import (
     Stored,
     Undone,
 )
-from axiscal.record.lines import EMPTY, EventText, Line, entry
+from axiscal.record.lines import EMPTY, HEAD, DamageError, EventText, KeptLine, counts, entry, whole_lines
 from axiscal.record.payload import PayloadError, decode, encode, hand_of
-from axiscal.record.repair import SeveralError, Union, united
 from axiscal.record.store import Record, content_of_lines, refuse_existing, said_hand
 from axiscal.record.story import rows_of, signed_by
 
@@ -74,8 +79,8 @@ def repaired(
     """
     refuse_existing(new)
     try:
-        found = united((path.read_bytes() for path in paths), campaign)
-    except SeveralError as several:
+        found = _united((path.read_bytes() for path in paths), campaign)
+    except _SeveralError as several:
         raise _not_one(several, paths[0]) from None
     trunk = dict(found.trunk)
     if beginning is not None and 1 not in trunk:
@@ -101,7 +106,7 @@ def repaired(
         return Repaired(record.state(), len(trunk), missing, tuple(left))
 
 
-def _not_one(several: SeveralError, path: Path) -> RecordError:
+def _not_one(several: _SeveralError, path: Path) -> RecordError:
     if not several.lines:
         remedy = "Name a record that `axiscal step start` or `axiscal step run` has made, or restore it from a copy"
         return RecordError("No entry of a record stands whole here", remedy, path)
@@ -110,13 +115,15 @@ def _not_one(several: SeveralError, path: Path) -> RecordError:
     return RecordError(what, "Name the one that you mean, such as --campaign {name}", path, listed=listed, name="1a2b")
 
 
-def _unproven_words(lines: Mapping[int, Line]) -> str:
+def _unproven_words(lines: Mapping[int, KeptLine]) -> str:
     form = said("a record of an earlier form does not say whose the lines behind a gap are")
     one, many = "{count} line from event {first} on", "{count} lines from event {first} on"
     return f"{form}: {counted(one, many, len(lines), first=min(lines))}"
 
 
-def _told(trunk: Mapping[int, Line], path: Path, left: list[str]) -> tuple[list[EventText], Folding, Possible | None]:
+def _told(
+    trunk: Mapping[int, KeptLine], path: Path, left: list[str]
+) -> tuple[list[EventText], Folding, Possible | None]:
     """Return the events of all numbers, those that are lost or cannot be as `Lost`; adds why to `left`."""
     taken_back = dict[int, str]()
     while True:
@@ -131,10 +138,10 @@ def _told(trunk: Mapping[int, Line], path: Path, left: list[str]) -> tuple[list[
 
 
 def _followed(
-    trunk: Mapping[int, Line], left: dict[int, str], path: Path
+    trunk: Mapping[int, KeptLine], left: dict[int, str], path: Path
 ) -> tuple[list[EventText], Folding, Possible | None]:
     folding, rows, possible, whole = Folding(), list[EventText](), None, True
-    for number in range(1, max(trunk) + 1):
+    for number in range(1, max(trunk, default=0) + 1):
         line = trunk.get(number)
         if line is not None and number not in left:
             row, event = line.row, _event(line.row)
@@ -164,7 +171,7 @@ def _followed(
     return rows, folding, possible
 
 
-def _first(trunk: Mapping[int, Line]) -> EventText:
+def _first(trunk: Mapping[int, KeptLine]) -> EventText:
     return next(iter(trunk.values())).row
 
 
@@ -196,7 +203,7 @@ def _possible(created: Event) -> Possible | None:
 
 
 def _taken_in(
-    found: Union, folding: Folding, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
+    found: _Union, folding: Folding, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
 ) -> list[EventText]:
     """Return the readings of branches that a person wants, to come last; adds the others to `left`."""
     taken = list[EventText]()
@@ -224,7 +231,7 @@ def _taken_in(
     return taken
 
 
-def _readings(branch: Sequence[Line]) -> Iterator[EventText]:
+def _readings(branch: Sequence[KeptLine]) -> Iterator[EventText]:
     """Yield the readings that a branch leaves standing, without numbers: others may have been given the same."""
     standing = list[EventText | None]()
     for line in branch:
@@ -239,7 +246,7 @@ def _readings(branch: Sequence[Line]) -> Iterator[EventText]:
     return filter(None, standing)
 
 
-def _chained(trunk: Mapping[int, Line], rows: Sequence[EventText]) -> list[Line]:
+def _chained(trunk: Mapping[int, KeptLine], rows: Sequence[EventText]) -> list[KeptLine]:
     """Return lines of all events: as they were written up to the first that is lost or changed, then in one entry."""
     whole = 0
     while whole + 1 in trunk and trunk[whole + 1].row == rows[whole] and trunk[whole + 1].follows(trunk.get(whole)):
@@ -251,7 +258,7 @@ def _chained(trunk: Mapping[int, Line], rows: Sequence[EventText]) -> list[Line]
     return [*kept, *entry(rows[whole:], campaign, "", whole, kept[-1].hash if kept else EMPTY)]
 
 
-def _missing_words(trunk: Mapping[int, Line], found: Union) -> Iterator[str]:
+def _missing_words(trunk: Mapping[int, KeptLine], found: _Union) -> Iterator[str]:
     for before, number in pairwise([0, *sorted(trunk), max(found.least, max(trunk)) + 1]):
         if number - before == 2:
             yield f"event {before + 1}"
@@ -259,3 +266,86 @@ def _missing_words(trunk: Mapping[int, Line], found: Union) -> Iterator[str]:
             yield f"events {before + 1} to {number - 1}"
     for name, count in found.others.items():
         yield f"{count} lines of another campaign, {name[:8]}"
+
+
+class _Union(NamedTuple):
+    """What stands whole.
+
+    trunk : lines by number, where two have one those of the longer way; branches : the others, run by run
+    others : how many lines are of other campaigns, by id; least : so many events there were at least
+    """
+
+    trunk: Mapping[int, KeptLine]
+    branches: Sequence[Sequence[KeptLine]]
+    others: Mapping[str, int]
+    least: int
+
+
+_NUMBERS = 10**7
+"""Events: no record has a tenth of them, and a number beyond is nobody's."""
+
+
+class _SeveralError(Exception):
+    """Lines of several campaigns, or of none, that a name fits.  lines : how many there are of each"""
+
+    def __init__(self, lines: Mapping[str, int]) -> None:
+        super().__init__(lines)
+        self.lines = lines
+
+
+def _united(contents: Iterable[bytes], campaign: str = "") -> _Union:
+    """Return the union of the lines of files.  campaign : the first digits of its id, where there are several
+
+    Raises _SeveralError.
+    """
+    found, least = dict[str, KeptLine](), 0
+    for content in contents:
+        whole = [line for line, _ in whole_lines(content)]
+        if not whole:
+            content = told_anew(content)
+            whole = [line for line, _ in whole_lines(content)]
+        with suppress(DamageError):
+            least = max([least, *(each for each in counts(content[:HEAD]) if each and each <= _NUMBERS)])
+        found |= {line.hash: line for line in whole if line.hash not in found and line.number <= _NUMBERS}
+    lines = Counter(line.campaign for line in found.values())
+    fitting = [each for each in lines if each.startswith(campaign)]
+    if len(fitting) != 1:
+        raise _SeveralError(lines)
+    mine = {digest: line for digest, line in found.items() if line.campaign == fitting[0]}
+    trunk, branches, taken = dict[int, KeptLine](), list[Sequence[KeptLine]](), set[int]()
+    for run in _runs(mine):
+        before = run[0].number - 1  # which is lost, where it is not there
+        stands = before in trunk and trunk[before] is mine.get(run[0].before)
+        free = next((n for n, line in enumerate(run) if line.number in taken), len(run))
+        kept = run[:free] if stands or before not in taken else []
+        trunk |= {line.number: line for line in kept}
+        taken |= {before, *(line.number for line in kept)} if kept else set()
+        branches += [run[len(kept) :]] if len(kept) < len(run) else []
+    last = max(trunk)
+    while trunk[last].last > max(last, least) and last > 1:  # an entry that nobody finished
+        del trunk[last]
+        last = max(trunk)
+    others = {each: count for each, count in lines.items() if each != fitting[0]}
+    return _Union(dict(sorted(trunk.items())), branches, others, least)
+
+
+def _runs(lines: Mapping[str, KeptLine]) -> list[list[KeptLine]]:
+    """Return lines that follow one another, longest first; where two follow one, the longer way goes on."""
+    after, starts = defaultdict[str, list[KeptLine]](list), list[KeptLine]()
+    for line in lines.values():
+        before = lines.get(line.before)
+        (starts if before is None or not line.follows(before) else after[line.before]).append(line)
+    entries = Counter((line.writer, line.first, line.last) for line in lines.values())
+    depth = dict[str, int]()  # in lines of entries that somebody finished
+    for line in sorted(lines.values(), key=lambda each: each.number, reverse=True):
+        whole = entries[line.writer, line.first, line.last] > line.last - line.first
+        depth[line.hash] = whole + max((depth.get(each.hash, 0) for each in after[line.hash]), default=0)
+    found = list[list[KeptLine]]()
+    while starts:
+        run = [starts.pop()]
+        while following := after[run[-1].hash]:
+            longest = max(following, key=lambda each: depth[each.hash])
+            starts += [each for each in following if each is not longest]
+            run.append(longest)
+        found.append(run)
+    return sorted(found, key=lambda run: depth[run[0].hash], reverse=True)

@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from axiscal.record.lines import EMPTY, HEAD, EventText, Line, chained, entry, head
+from axiscal.record.lines import EMPTY, HEAD, EventText, KeptLine, chained, entry, head
 
 _HEADS = {
     "7b5accdb80a4adc94a0a792ee6083d19e65549ece675b4221b0f7d9665466b0d",
@@ -50,7 +50,7 @@ def told_anew(content: bytes) -> bytes:
             run.append(old)
         else:
             runs.append([old])
-    campaign, number, found = 32 * "0", 0, list[Line]()
+    campaign, number, found = 32 * "0", 0, list[KeptLine]()
     for run in runs:
         first = run[0]
         begins = chained(EMPTY, first.row) == first.chain
@@ -65,8 +65,8 @@ def told_anew(content: bytes) -> bytes:
     return head(max(lasts, default=None)) + b"".join(line.written() for line in found)
 
 
-def _told(run: list[_Old], campaign: str, writer: str, number: int, before: str) -> list[Line]:
-    found, waiting = list[Line](), list[EventText]()
+def _told(run: list[_Old], campaign: str, writer: str, number: int, before: str) -> list[KeptLine]:
+    found, waiting = list[KeptLine](), list[EventText]()
     for old in run:
         waiting.append(old.row)
         if old.closes:

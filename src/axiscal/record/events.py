@@ -40,10 +40,7 @@ class Created:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The readings to come, in their order; they replace what was planned before.
-
-    basis : what the plan rests on besides the places of the readings before it, in words
-    """
+    """The readings to come, in the place of those before; basis : what they rest on besides places, in words."""
 
     places: tuple[Place, ...]
     basis: str = ""
@@ -142,8 +139,7 @@ class Lost:
 class Newer:
     """An entry that a newer version wrote: of an unknown kind, or with a field that this version does not know.
 
-    kind, text : as they stand in the record, the text in JSON
-    of_readings : the readings cannot be known without it
+    kind, text : as they stand in the record, in JSON; of_readings : the readings cannot be known without it
     """
 
     kind: str
@@ -153,8 +149,7 @@ class Newer:
 
 Done = Recorded | Skipped | Accepted | Warmed | Finished
 """What can be taken back."""
-_ASIDE = Noted, Bumped, Signed, Lost, Newer
-"""What may come after the end, and says nothing of what is known."""
+_ASIDE = Noted, Bumped, Signed, Lost, Newer  # what may come after the end, and says nothing of what is known
 Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Lost | Newer
 
 
@@ -197,10 +192,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Undoable:
-    """Something that can be taken back: the event, its number, and the question that was open before it.
-
-    highest : number of a reading or a skip before it; readings : before a mistake was accepted
-    """
+    """What can be taken back, and what was before it: question, highest number; readings before a mistake."""
 
     number: int
     event: Done
@@ -287,8 +279,7 @@ def fold(events: Iterable[Stored]) -> State:
 class Folding:
     """The state while events are added to it, in time proportional to their number; fields as of `State`.
 
-    highest : number of a reading or a skip so far
-    `add` raises EventOrderError, and then nothing has happened.
+    highest : number of a reading or a skip so far.  `add` raises EventOrderError, and then nothing has happened
     """
 
     created: Created | None = None
@@ -344,13 +335,10 @@ class Folding:
         elif isinstance(event, (Mounted, Newer, Bumped)):
             kept: Mapping[type, list[Any]] = {Mounted: self.mounted, Newer: self.newer, Bumped: self.bumps}
             kept[type(event)].append(event)
-        elif isinstance(event, Accepted):
-            step = Undoable(stored.number, event, self.pending, self.highest, tuple(self.readings))
-            self._accept(event)
-            self.undo.append(step)
         elif not isinstance(event, (Signed, Continued, Lost)):
-            step = Undoable(stored.number, event, self.pending, self.highest)
-            self._take(event)
+            before = tuple(self.readings) if isinstance(event, Accepted) else ()
+            step = Undoable(stored.number, event, self.pending, self.highest, before)
+            self._accept(event) if isinstance(event, Accepted) else self._take(event)
             self.undo.append(step)
         if not isinstance(event, (Planned, Asked, *_ASIDE)):
             self.continued = event.basis if isinstance(event, Continued) else None
@@ -385,8 +373,7 @@ class Folding:
             self.readings = put_right(self.readings, event, self.created.machine_text if self.created else "")
         except ValueError as fault:
             raise EventOrderError(str(fault)) from None
-        if event.name:
-            self.mounted.append(Mounted(event.setups[0], event.name, ""))
+        self.mounted += [Mounted(event.setups[0], event.name, "")] if event.name else []
         self.renew = True
 
     def _take_back(self, event: Undone) -> None:

@@ -16,14 +16,12 @@ import zlib
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-FORM = 4
-HEAD = 4096
-"""Bytes before the first line: a disk that tears a write tears it inside of one such block."""
-SECTOR = 512
-SLOT, SLOTS = 64, (0, SECTOR)
-"""Bytes of a count, and where the two stand: in a sector each, which a lost power may tear."""
-EMPTY = 64 * "0"
-"""What the first line and the chain of contents follow."""
+FORM, HEAD = 4, 4096
+"""This one; bytes before the first line: a disk that tears a write tears it inside of one such block."""
+SECTOR, SLOT = 512, 64
+SLOTS = (0, SECTOR)
+"""Where the two counts of so many bytes stand: in a sector each, which a lost power may tear."""
+EMPTY = 64 * "0"  # what the first line and the chain of contents follow
 _TRIED = 4
 """Beginnings behind one up to which it may reach: a note may hold what looks like one."""
 _COUNT = re.compile(rb"(axiscal record 4 of at least (\d{12}) events) ([0-9a-f]{8}) *\n")
@@ -55,7 +53,7 @@ class EventText(NamedTuple):
     payload: str
 
 
-class Line(NamedTuple):
+class KeptLine(NamedTuple):
     """A line that is as it was written; first, last : numbers of those of its entry."""
 
     hash: str
@@ -67,7 +65,7 @@ class Line(NamedTuple):
     writer: str
     row: EventText
 
-    def follows(self, before: Line | None) -> bool:
+    def follows(self, before: KeptLine | None) -> bool:
         """Return whether it is the next line behind another one, None for the first of all."""
         if before is None:
             return (self.number, self.before) == (1, EMPTY)
@@ -78,7 +76,7 @@ class Line(NamedTuple):
         return line_bytes(self)[1]
 
 
-def line_bytes(line: Line) -> tuple[str, bytes]:
+def line_bytes(line: KeptLine) -> tuple[str, bytes]:
     """Return the hash and the bytes of a line, whatever hash it has."""
     at, kind, payload = line.row
     text = (
@@ -89,29 +87,24 @@ def line_bytes(line: Line) -> tuple[str, bytes]:
     return digest, digest.encode() + b" " + text + b"\n"
 
 
-def entry(rows: Sequence[EventText], campaign: str, writer: str, number: int = 0, before: str = EMPTY) -> list[Line]:
+def entry(
+    rows: Sequence[EventText], campaign: str, writer: str, number: int = 0, before: str = EMPTY
+) -> list[KeptLine]:
     """Return the lines of one entry behind the line `number` with the hash `before`."""
-    found = list[Line]()
+    found = list[KeptLine]()
     for n, row in enumerate(rows, number + 1):
-        line = Line("", before, campaign, number + 1, number + len(rows), n, writer, row)
+        line = KeptLine("", before, campaign, number + 1, number + len(rows), n, writer, row)
         found.append(line._replace(hash=line_bytes(line)[0]))
         before = found[-1].hash
     return found
 
 
-class Place(NamedTuple):
-    """A whole line, and where it ends in the bytes that were looked through."""
-
-    line: Line
-    end: int
-
-
-def whole_lines(content: bytes) -> Iterator[Place]:
-    """Yield every line that is as it was written, wherever it stands and whatever ends it; linear in bytes."""
+def whole_lines(content: bytes) -> Iterator[tuple[KeptLine, int]]:
+    """Yield every line that is as it was written, wherever it stands, and where it ends; linear in bytes."""
     for piece in _PIECE.finditer(content):
         text = piece[0].rstrip(b" \t")
         if (line := _line(text)) is not None:
-            yield Place(line, piece.start() + len(text))
+            yield line, piece.start() + len(text)
             continue
         begins, done = [found.start() for found in _BEGINS.finditer(text)], 0
         ends = [*begins[1:], len(text)]
@@ -119,12 +112,12 @@ def whole_lines(content: bytes) -> Iterator[Place]:
             for stop in reversed(ends[n : n + _TRIED] if begin >= done else ()):
                 end = text.rfind(b"}", begin, stop) + 1
                 if (line := _line(text[begin:end])) is not None:
-                    yield Place(line, piece.start() + end)
+                    yield line, piece.start() + end
                     done = end
                     break
 
 
-def _line(text: bytes) -> Line | None:
+def _line(text: bytes) -> KeptLine | None:
     said = text[65:]
     if hashlib.sha256(said).hexdigest().encode() + b" " != text[:65]:
         return None
@@ -136,7 +129,7 @@ def _line(text: bytes) -> Line | None:
         return None
     before, campaign, first, last, number, at, writer, kind, payload = found.groups()
     numbers = int(first), int(last), int(number)
-    return Line(text[:64].decode(), before, campaign, *numbers, writer, EventText(at, kind, payload))
+    return KeptLine(text[:64].decode(), before, campaign, *numbers, writer, EventText(at, kind, payload))
 
 
 def chained(chain: str, row: EventText) -> str:

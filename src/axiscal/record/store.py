@@ -10,11 +10,9 @@ lines of one number are a branch, which is named until `repair` has asked what b
 from __future__ import annotations
 
 import contextlib
-import errno
 import gc
 import hashlib
 import os
-import re
 import uuid
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -23,7 +21,6 @@ from typing import Self
 
 from axiscal.document.durable import (
     Closing,
-    HeldError,
     alone,
     clear_drafts,
     draft_of,
@@ -34,18 +31,18 @@ from axiscal.document.durable import (
     write_whole,
     written,
 )
-from axiscal.exceptions import NewerError, OvertakenError, RecordError
+from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said
+from axiscal.record.door import ALL, BINARY, opened, record_errors, refuse_other_form, repairing
 from axiscal.record.earlier import is_earlier, told_anew
 from axiscal.record.events import Created, Event, Signed, State, Stored
 from axiscal.record.lines import (
     EMPTY,
-    FORM,
     HEAD,
     SLOTS,
     DamageError,
     EventText,
-    Line,
+    KeptLine,
     chained,
     count_bytes,
     counts,
@@ -59,11 +56,6 @@ from axiscal.record.story import SignedUntil, Story, now, rows_of, signable, sig
 
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
-_BINARY = getattr(os, "O_BINARY", 0)
-_ALL = 1 << 62
-"""Bytes: as many as there are."""
-_LINES = re.compile(rb'[0-9a-f]{64} (\{"a":"|\d{4}-)')
-"""What a line of any form begins with."""
 
 
 class Record(Closing):
@@ -74,7 +66,7 @@ class Record(Closing):
 
     def __init__(self, path: Path, *, write: bool = True) -> None:
         self.path, self._file, self._write = path, path.absolute(), write
-        self.lines, self._story, self._chain = list[Line](), Story(), EMPTY
+        self.lines, self._story, self._chain = list[KeptLine](), Story(), EMPTY
         self._end, self._seen, self._writer = HEAD, -1, uuid.uuid4().hex[:16]
 
     @classmethod
@@ -175,7 +167,7 @@ class Record(Closing):
         if self.lines[-1].hash != added[-1].hash:
             what = "Another computer has written at the same place, and the entry is not kept"
             raise RecordError(what, "Give the command again", self.path)
-        anew = os.open(self._file, os.O_RDWR | _BINARY)
+        anew = os.open(self._file, os.O_RDWR | BINARY)
         try:
             least = [-1 if each is None else each for each in counts(read_at(anew, 0, HEAD))]
             write_at(anew, SLOTS[least[0] > least[1]], count_bytes(self.last_read))
@@ -249,7 +241,7 @@ class Record(Closing):
     def _held(self) -> Iterator[int]:
         """Yield the file, opened to append, which nobody else writes to where the system has locks."""
         while True:
-            handle = os.open(self._file, os.O_RDWR | os.O_APPEND | _BINARY)
+            handle = os.open(self._file, os.O_RDWR | os.O_APPEND | BINARY)
             try:
                 with alone(handle, PATIENCE):
                     if os.path.samestat(os.fstat(handle), os.stat(self._file)):  # nobody has brought it meanwhile
@@ -261,7 +253,7 @@ class Record(Closing):
     def _bring(self) -> None:
         """Write a record of an earlier form anew in this one, and keep the old one beside it."""
         with self._held() as handle:
-            content = read_at(handle, 0, _ALL)
+            content = read_at(handle, 0, ALL)
             if is_earlier(content):
                 self._catch_up()
                 digest = hashlib.sha256(content).hexdigest()[:8]
@@ -274,7 +266,7 @@ class Record(Closing):
         known = [each for each in counts(block) if each is not None]
         if not known:
             raise DamageError("neither of the two counts of its events can be read")
-        waiting, start = list[Line](), self._end
+        waiting, start = list[KeptLine](), self._end
         for line, end in whole_lines(behind):
             if waiting and not (line.follows(waiting[-1]) and line.last == waiting[-1].last):
                 waiting = []  # an entry that nobody has finished
@@ -291,22 +283,22 @@ class Record(Closing):
 
     def _read(self) -> tuple[bytes, bytes]:
         """Return the head, and what stands behind the last line that was read."""
-        handle = _opened(self._file, self.path)
+        handle = opened(self._file, self.path)
         try:
             block, size = read_at(handle, 0, HEAD), os.fstat(handle).st_size
             if is_earlier(block):
                 if size == self._seen:
                     return head(0), b""
-                self._seen, content = size, told_anew(read_at(handle, 0, _ALL))
+                self._seen, content = size, told_anew(read_at(handle, 0, ALL))
                 return content[:HEAD], content[self._end :]
-            _refuse_other_form(block, handle, self.path)
+            refuse_other_form(block, handle, self.path)
             if size < self._end:
                 raise DamageError("an older copy has been written over it")
-            return block, read_at(handle, self._end, _ALL)
+            return block, read_at(handle, self._end, ALL)
         finally:
             os.close(handle)
 
-    def _refuse_unknown(self, line: Line) -> None:
+    def _refuse_unknown(self, line: KeptLine) -> None:
         """Raise DamageError, RecordError of a branch, for a line that does not follow and is not there already."""
         there = self.lines[line.number - 1] if line.number <= self.last_read else None
         if there.hash == line.hash if there is not None else line.first == self.last_read + 1:
@@ -318,7 +310,7 @@ class Record(Closing):
         one, other = said_hand(there.row), said_hand(line.row)
         raise RecordError(what, remedy, self.path, number=line.number - 1, one=one, other=other)
 
-    def _take(self, lines: Sequence[Line]) -> None:
+    def _take(self, lines: Sequence[KeptLine]) -> None:
         for line in lines:
             self._story.happened(line.number, line.row)
             self._chain = chained(self._chain, line.row)
@@ -337,7 +329,7 @@ def content_of(rows: Sequence[EventText], campaign: str = "") -> bytes:
     return content_of_lines(made)
 
 
-def content_of_lines(lines: Sequence[Line]) -> bytes:
+def content_of_lines(lines: Sequence[KeptLine]) -> bytes:
     """Return the file of a record that holds these lines."""
     return head(len(lines)) + b"".join(line.written() for line in lines)
 
@@ -388,71 +380,3 @@ def _publish(draft: Path, path: Path) -> None:
         refuse_existing(path)
         draft.rename(path)
     sync_folder(path.parent)
-
-
-def _opened(file: Path, path: Path) -> int:
-    """Return a file opened to be read; raises RecordError for what is none."""
-    if file.exists() and not file.is_file() and not file.is_dir():
-        raise RecordError("This is a pipe or a device", "Name a record, which is a file", path)
-    try:
-        return os.open(file, os.O_RDONLY | _BINARY)
-    except FileNotFoundError:
-        raise RecordError("There is no such record", "Start one with `axiscal step start CAMPAIGN`", path) from None
-    except OSError as error:
-        if file.is_dir():
-            inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
-            raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside) from None
-        remedy = "Name a file you may read"
-        raise RecordError("The record cannot be opened: {strerror}", remedy, path, strerror=error.strerror) from error
-
-
-def _refuse_other_form(block: bytes, handle: int, path: Path) -> None:
-    """Raise RecordError for a file that is no record, or of a form to come, DamageError for a head that was changed."""
-    try:
-        counts(block)
-    except DamageError:
-        form = re.match(rb"axiscal record (\d{1,9}) ", block)
-        if form is not None and int(form[1]) > FORM:
-            what = "This record was written by a newer axiscal (form {form}; this one knows {known})"
-            remedy = "Install the newer version to go on with it; nothing was changed"
-            raise NewerError(what, remedy, path, form=int(form[1]), known=FORM) from None
-        if form is not None or _LINES.search(read_at(handle, 0, _ALL)):
-            raise
-        if block[:16] == b"SQLite format 3\0" and block[68:72] == b"AXIS":
-            remedy = "Bring it into today's: python tools/bring_first_form.py RECORD NEW"
-            raise RecordError("This record is of the first form, an SQLite database", remedy, path) from None
-        remedy = "Name a record, a file *.axiscal; `axiscal step start CAMPAIGN` makes one"
-        raise RecordError("This file is not a campaign record", remedy, path) from None
-
-
-@contextlib.contextmanager
-def record_errors(path: Path) -> Iterator[None]:
-    """Turn what the file system or a foreign writer did into a RecordError."""
-    try:
-        yield
-    except DamageError as error:
-        raise RecordError("The record is damaged: {reason}", restoring(path), path, reason=error) from error
-    except HeldError:
-        remedy = "Close it or wait, then give the command again"
-        raise RecordError("Another program holds this record and is writing", remedy, path) from None
-    except OSError as error:
-        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
-            what = "The record cannot be written here"
-            remedy = "Put it in a folder that exists and that you may write to"
-        else:
-            what = "The disk did not take the entry ({reason})"
-            remedy = "Make room; everything acknowledged before is kept"
-        raise RecordError(what, remedy, path, reason=error.strerror or error) from error
-
-
-def restoring(path: Path) -> str:
-    """Return what to do about a damaged record."""
-    left = said("the file has been left as it was")
-    return said(
-        "Restore it from a copy, or save what stands whole: {command}; {left}", command=repairing(path), left=left
-    )
-
-
-def repairing(path: Path) -> str:
-    """Return the command that makes a new record of what stands whole."""
-    return f"axiscal data repair {path} {path.with_name(f'{path.stem}-repaired.axiscal')}"
