@@ -131,7 +131,7 @@ def _told(
         try:
             rows, folding, possible = _followed(trunk, why, path)
         except _TakenBackError as must:
-            taken_back[must.args[0]] = said("what follows shows that it was taken back")
+            taken_back[must.args[0]] = "what follows shows that it was taken back"
         else:
             left += [f"event {number} ({trunk[number].row.kind}): {each}" for number, each in sorted(why.items())]
             return rows, folding, possible
@@ -189,9 +189,9 @@ def _unfit(
     if isinstance(event, str):
         return event
     if isinstance(event, Accepted) and not whole:
-        return said("what it puts right may be missing; accept it anew")
+        return "what it puts right may be missing; accept it anew"
     if isinstance(event, Signed) and not (whole and signed_by(row, event, before)[1]):
-        return said("it answers for what is missing, or was changed; sign anew")
+        return "it answers for what is missing, or was changed; sign anew"
     return possible.fault(event) if possible is not None else ""
 
 
@@ -210,7 +210,7 @@ def _taken_in(
     for every in found.branches:
         branch = [line for line in every if line.last <= every[-1].number]
         if not branch:
-            left.append(said("event {number}: of an entry that nobody has finished", number=every[0].number))
+            left.append(f"event {every[0].number}: of an entry that nobody has finished")
             continue
         readings = [row for row in _readings(branch) if possible is None or not possible.fault(decode(*row[1:]))]
         number, by = branch[0].number - 1, said_hand(branch[0].row)
