@@ -45,6 +45,7 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         lambda: writers.at_once(8, 10_000 if long else 250),
         lambda: writers.on_a_share(5000 if long else 500),
         lambda: changed.many(100_000),
+        changed.large,
         bad_files.read_all,
         lambda: same_bytes.compared(long, pythons),
         *(partial(damages.tried, name, 420 if long else 100) for name in damages.DAMAGES),

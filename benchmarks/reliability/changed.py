@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import os
+import random
+import resource
 import time
 from collections.abc import Iterator
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from unittest.mock import patch
 
+from axiscal.campaign.repairing import repaired
 from axiscal.exceptions import RecordError
 from axiscal.record import story
 from axiscal.record.events import Event, Stored
 from axiscal.record.lines import HEAD, SLOT, SLOTS
 from axiscal.record.store import Record
+from tests.reliability.damages import first_record
 from tests.reliability.record_faults import CREATED, NAME, events, recorded, values
-from tests.reliability.trial import Trial, scratch
+from tests.reliability.trial import Say, Trial, forked, scratch
 
-SECONDS = 2.0
-"""Processor time in which a record opens."""
+SECONDS, MEGABYTES = 2.0, 200.0
+"""Processor time in which a record opens, and memory of the process."""
 
 
 def bits(every: int = 1) -> Trial:
@@ -72,6 +78,39 @@ def many(events: int) -> Trial:
         seconds = time.process_time() - begin
     detail = f"{seconds:.2f} s of processor time, at most {SECONDS:.0f}"
     return Trial(f"events of one record that is opened ({events:,})", events, missed + (seconds > SECONDS), detail)
+
+
+def large() -> Trial:
+    """Open and repair what has 10 MB and is no record, or is one with that behind it; each in a process of its own."""
+    with scratch() as top:
+        path, found = top / NAME, list[tuple[float, float]]()
+        for content in _large():
+            path.write_bytes(content)
+            (line,) = forked(partial(_opened_and_repaired, path)).lines()
+            seconds, megabytes = map(float, line.split())
+            found.append((seconds, megabytes))
+    over = sum(seconds > SECONDS or megabytes > MEGABYTES for seconds, megabytes in found)
+    longest, most = max(each[0] for each in found), max(each[1] for each in found)
+    detail = f"{longest:.1f} s of processor time at most, {most:.0f} MB; {SECONDS:.0f} s and {MEGABYTES:.0f} MB at most"
+    return Trial("files of 10 MB that are opened and repaired", len(found), over, detail)
+
+
+def _large() -> Iterator[bytes]:
+    size, whole = 10 << 20, first_record()
+    line = whole[HEAD : HEAD + 70]
+    for piece in (b"\0", b"{}", line, line + b"}", b"0123456789abcdef", b"x\n", random.Random(1).randbytes(1 << 16)):
+        filled = piece * (size // len(piece))
+        yield filled
+        yield whole + filled
+
+
+def _opened_and_repaired(path: Path, say: Say) -> None:
+    before = time.process_time()
+    for work in (Record.open, lambda path: repaired([path], path.with_suffix(".new"), lambda question: True)):
+        with suppress(RecordError):
+            work(path)
+    path.with_suffix(".new").unlink(missing_ok=True)
+    say(f"{time.process_time() - before} {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024}")
 
 
 def _record(path: Path) -> tuple[bytes, tuple[Stored, ...]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -102,30 +101,6 @@ def test_of_two_that_know_the_same_one_wins_and_the_other_gets_a_sentence(log: R
         assert other.append(recorded(3e-6), after=2) == 3
         assert one.append(recorded(4e-6)) == 4  # whoever does not say what he knows comes behind
         assert one.events() == other.events()
-
-
-def test_writers_that_fight_leave_no_gap_and_lose_nothing(log: Record) -> None:
-    won = list[float]()
-    writers = [threading.Thread(target=_fight, args=(log.path, n, won)) for n in range(4)]
-    for writer in writers:
-        writer.start()
-    for writer in writers:
-        writer.join()
-    values = [reading.value for reading in log.state().readings]
-    assert sorted(values) == sorted(won)
-    assert len(values) >= 12
-    assert log.name == chain(log.rows)
-
-
-def _fight(path: Path, writer: int, won: list[float]) -> None:
-    with Record.open(path) as log:
-        for n in range(12):
-            value = 1e-6 * (100 * writer + n)
-            try:
-                log.append(recorded(value), after=log.last())
-            except OvertakenError:
-                continue
-            won.append(value)
 
 
 def test_what_is_opened_to_be_read_is_not_written(log: Record) -> None:

@@ -39,20 +39,6 @@ def test_a_record_is_never_overwritten(record: Record) -> None:
     assert len(record.state().readings) == 1
 
 
-def test_creation_that_loses_a_race_leaves_the_winner(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    publish = store._publish
-
-    def late(draft: Path, target: Path) -> None:
-        path.write_bytes(b"winner")
-        publish(draft, target)
-
-    monkeypatch.setattr(store, "_publish", late)
-    with pytest.raises(RecordError):
-        Record.create(path, CREATED)
-    assert path.read_bytes() == b"winner"
-    assert list(path.parent.iterdir()) == [path]
-
-
 @pytest.mark.parametrize("content", [b"", b"S", b"machine = 'mill'\n", b"SQLite format 3\0" + b"\0" * 84])
 def test_a_file_that_is_no_record_is_refused(path: Path, content: bytes) -> None:
     path.write_bytes(content)

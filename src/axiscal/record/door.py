@@ -17,8 +17,8 @@ from axiscal.record.lines import FORM, DamageError, counts
 BINARY = getattr(os, "O_BINARY", 0)  # only Windows has it
 ALL = 1 << 62
 """Bytes: as many as there are."""
-_LINES = re.compile(rb'[0-9a-f]{64} (\{"a":"|\d{4}-)')
-"""What a line of any form begins with."""
+_LINES = re.compile(rb' \{"a":"[0-9a-f]{64}"| \d{4}-\d\d-\d\dT')
+"""What a line of any form has behind its hash."""
 
 
 def opened(file: Path, path: Path) -> int:

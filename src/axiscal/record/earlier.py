@@ -20,7 +20,9 @@ _HEADS = {
 }
 """SHA-256 of the first block of form 2 and of form 3: what it says is the same in every record."""
 _MARK = re.compile(rb"(mark \d{1,18} (\d{1,18}) \d{1,18} [0-9a-f]{64} )([0-9a-f]{8}) *\n")
-_LINE = re.compile(rb"([0-9a-f]{64}) (\S+) (\S+) (.*) ([.,])([0-9a-f]{8})[ \t]*")
+_LINE = re.compile(
+    rb"(?<![^\r\n\0])([0-9a-f]{64}) ([^\s\0]+) ([^\s\0]+) ([^\r\n\0]*) ([.,])([0-9a-f]{8})(?=[ \t]*(?:[\r\n\0]|\Z))"
+)
 UNPROVEN = "0"
 """Who wrote a line of which nothing shows that it is of this record."""
 _NEAR = 100
@@ -78,9 +80,8 @@ def _told(run: list[_Old], campaign: str, writer: str, number: int, before: str)
 
 def _whole(content: bytes) -> Iterator[_Old]:
     seen = set[bytes]()
-    for piece in re.finditer(rb"[^\r\n\0]+", content):
-        found = _LINE.fullmatch(piece[0])
-        if found is None or b"%08x" % zlib.crc32(piece[0][: found.start(6)]) != found[6] or found[1] in seen:
+    for found in _LINE.finditer(content):
+        if b"%08x" % zlib.crc32(content[found.start() : found.start(6)]) != found[6] or found[1] in seen:
             continue
         try:
             chain, at, kind, payload = (part.decode() for part in found.groups()[:4])

@@ -150,6 +150,7 @@ class Newer:
 Done = Recorded | Skipped | Accepted | Warmed | Finished
 """What can be taken back."""
 _ASIDE = Noted, Bumped, Signed, Lost, Newer  # what may come after the end, and says nothing of what is known
+_SILENT = Planned, Asked, *_ASIDE
 Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Lost | Newer
 
 
@@ -340,7 +341,7 @@ class Folding:
             step = Undoable(stored.number, event, self.pending, self.highest, before)
             self._accept(event) if isinstance(event, Accepted) else self._take(event)
             self.undo.append(step)
-        if not isinstance(event, (Planned, Asked, *_ASIDE)):
+        if not isinstance(event, _SILENT):
             self.continued = event.basis if isinstance(event, Continued) else None
         self.last = stored.number
 

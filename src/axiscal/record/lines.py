@@ -14,19 +14,17 @@ import hashlib
 import re
 import zlib
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 FORM, HEAD = 4, 4096
 """This one; bytes before the first line: a disk that tears a write tears it inside of one such block."""
-SECTOR, SLOT = 512, 64
+SECTOR, SLOT = 512, 64  # bytes of the smallest that a lost power may tear, and of a count
 SLOTS = (0, SECTOR)
-"""Where the two counts of so many bytes stand: in a sector each, which a lost power may tear."""
+"""Where the two counts stand: in a sector each."""
 EMPTY = 64 * "0"  # what the first line and the chain of contents follow
-_TRIED = 4
-"""Beginnings behind one up to which it may reach: a note may hold what looks like one."""
 _COUNT = re.compile(rb"(axiscal record 4 of at least (\d{12}) events) ([0-9a-f]{8}) *\n")
-_BEGINS = re.compile(rb'[0-9a-f]{64} \{"a":"')
-_PIECE = re.compile(rb"[^\r\n\0]+")
+_BEGINS, _END = re.compile(rb' \{"a":"'), re.compile(rb"[\r\n\0]")
 _TEXT = re.compile(
     r'\{"a":"([0-9a-f]{64})","b":"([0-9a-f]{32})","e":\[([0-9]{1,18}),([0-9]{1,18})\],"n":([0-9]{1,18}),"t":"([^"\\]*)",'
     r'"w":"([0-9a-f]*)","k":"([^"\\]*)","p":(.*)\}'
@@ -69,7 +67,7 @@ class KeptLine(NamedTuple):
         """Return whether it is the next line behind another one, None for the first of all."""
         if before is None:
             return (self.number, self.before) == (1, EMPTY)
-        return (before.number + 1, before.hash, before.campaign) == (self.number, self.before, self.campaign)
+        return self.before == before.hash and self.number == before.number + 1 and self.campaign == before.campaign
 
     def written(self) -> bytes:
         """Return it as it stands in the file."""
@@ -101,25 +99,27 @@ def entry(
 
 def whole_lines(content: bytes) -> Iterator[tuple[KeptLine, int]]:
     """Yield every line that is as it was written, wherever it stands, and where it ends; linear in bytes."""
-    for piece in _PIECE.finditer(content):
-        text = piece[0].rstrip(b" \t")
-        if (line := _line(text)) is not None:
-            yield line, piece.start() + len(text)
+    begins = [found.start() - 64 for found in _BEGINS.finditer(content, 64)]
+    done, stop = 0, 0
+    for begin, following in pairwise([*begins, len(content)]):
+        if begin < done:
             continue
-        begins, done = [found.start() for found in _BEGINS.finditer(text)], 0
-        ends = [*begins[1:], len(text)]
-        for n, begin in enumerate(begins):
-            for stop in reversed(ends[n : n + _TRIED] if begin >= done else ()):
-                end = text.rfind(b"}", begin, stop) + 1
-                if (line := _line(text[begin:end])) is not None:
-                    yield line, piece.start() + end
-                    done = end
-                    break
+        ends = [min(following, stop)]
+        if begin >= stop:  # a line of its own, whatever stands in it
+            stop = found.start() if (found := _END.search(content, begin)) else len(content)
+            ends = [stop, following] if following < stop else [stop]
+        for last in ends:
+            end = content.rfind(b"}", begin, last) + 1
+            if (line := _line(content[begin:end])) is not None:
+                yield line, end
+                done = end
+                break
 
 
 def _line(text: bytes) -> KeptLine | None:
     said = text[65:]
-    if hashlib.sha256(said).hexdigest().encode() + b" " != text[:65]:
+    digest = hashlib.sha256(said).hexdigest()
+    if text[:65] != digest.encode() + b" ":
         return None
     try:
         found = _TEXT.fullmatch(said.decode())
@@ -128,8 +128,8 @@ def _line(text: bytes) -> KeptLine | None:
     if found is None:
         return None
     before, campaign, first, last, number, at, writer, kind, payload = found.groups()
-    numbers = int(first), int(last), int(number)
-    return KeptLine(text[:64].decode(), before, campaign, *numbers, writer, EventText(at, kind, payload))
+    row = EventText(at, kind, payload)
+    return KeptLine(digest, before, campaign, int(first), int(last), int(number), writer, row)
 
 
 def chained(chain: str, row: EventText) -> str:

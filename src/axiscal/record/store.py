@@ -266,20 +266,23 @@ class Record(Closing):
         known = [each for each in counts(block) if each is not None]
         if not known:
             raise DamageError("neither of the two counts of its events can be read")
-        waiting, start = list[KeptLine](), self._end
+        waiting, start, before = list[KeptLine](), self._end, self._newest()
         for line, end in whole_lines(behind):
-            if waiting and not (line.follows(waiting[-1]) and line.last == waiting[-1].last):
-                waiting = []  # an entry that nobody has finished
-            last = (waiting or self.lines)[-1:]
-            if line.follows(last[0] if last else None):
-                waiting.append(line)
-            else:
+            if waiting and not (line.last == waiting[0].last and line.follows(before)):
+                waiting, before = [], self._newest()  # an entry that nobody has finished
+            if not line.follows(before):
                 self._refuse_unknown(line)
-            if waiting and line.number == line.last:
+                continue
+            waiting.append(line)
+            before = line
+            if line.number == line.last:
                 self._take(waiting)
                 waiting, self._end = [], start + end
         if self.last_read < max(1, *known):
             raise DamageError(f"it ends at event {self.last_read} and should end at event {max(1, *known)}")
+
+    def _newest(self) -> KeptLine | None:
+        return self.lines[-1] if self.lines else None
 
     def _read(self) -> tuple[bytes, bytes]:
         """Return the head, and what stands behind the last line that was read."""

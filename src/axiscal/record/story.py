@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 from collections.abc import Sequence
 from datetime import UTC, datetime
@@ -128,10 +127,12 @@ class Story:
 
 def _refuse_timeless(stored: Stored) -> None:
     """Raise DamageError for an event without the time at which it was written."""
-    with contextlib.suppress(ValueError):
-        if datetime.fromisoformat(stored.at).tzinfo is not None:
-            return
-    raise DamageError(f"event {stored.number}: {stored.at[:40]!r} is no time")
+    try:
+        timeless = datetime.fromisoformat(stored.at).tzinfo is None
+    except ValueError:
+        timeless = True
+    if timeless:
+        raise DamageError(f"event {stored.number}: {stored.at[:40]!r} is no time")
 
 
 def rows_of(events: Sequence[Event]) -> list[EventText]:
