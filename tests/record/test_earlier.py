@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -88,10 +89,10 @@ def test_what_stands_behind_a_gap_is_asked_for_and_what_stands_before_is_not(pat
         Record.open(path)
     every = values_in(STORY)
     for taken, count in ((True, len(every) - 1), (False, 8)):
-        new, asked = path.with_name(f"{taken}.axiscal"), list[str]()
-        found = repaired([path], new, lambda question, taken=taken, asked=asked: asked.append(question) or taken)
+        asked = Mock(return_value=taken)
+        found = repaired([path], path.with_name(f"{taken}.axiscal"), asked)
         assert [reading.value for reading in found.state.readings] == [*every[:8], *every[9:]][:count]
-        assert (len(asked), found.missing[0]) == (1, "event 19" if taken else "events 19 to 61")
+        assert (asked.call_count, found.missing[0]) == (1, "event 19" if taken else "events 19 to 61")
 
 
 def test_lines_of_another_campaign_in_it_are_never_taken_unasked(path: Path) -> None:

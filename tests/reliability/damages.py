@@ -162,14 +162,39 @@ DAMAGES: dict[str, Damage] = {
 }
 
 
-def tried(name: str, count: int, seed: int = 0) -> Trial:
-    """Damage a record so many times: what stands whole comes back, and nothing of another campaign.
+class Outcome(NamedTuple):
+    """What damages of a kind came to, in readings: those that stood whole, those that came back, those that are wrong.
 
-    A reading that was taken back may stand where the line that says so does not.
+    again : that had been taken back and stand, as the line that says so does not; opened : records as they were
     """
-    chance, of = random.Random(f"{name} {seed}"), originals()
+
+    whole: int = 0
+    back: int = 0
+    wrong: int = 0
+    again: int = 0
+    opened: int = 0
+
+
+def every(count: int) -> Trial:
+    """Damage a record so many times in each way."""
+    found = {name: outcome(name, count) for name in DAMAGES}
+    whole, back, wrong, again, opened = map(sum, zip(*found.values(), strict=True))
+    bad = [name for name, each in found.items() if each.wrong or each.back < each.whole]
+    detail = f"{back:,} of {whole:,} whole readings come back, {wrong} wrong; {again} taken back stand; {opened} open"
+    what = f"records damaged in {len(DAMAGES)} ways"
+    return Trial(what, count * len(found), wrong + whole - back, "; ".join([detail, *bad]))
+
+
+def tried(name: str, count: int, seed: int = 0) -> Trial:
+    """Damage a record so many times in one way."""
+    found = outcome(name, count, seed)
+    return Trial(f"records damaged: {name}", count, found.wrong + found.whole - found.back, str(found))
+
+
+def outcome(name: str, count: int, seed: int = 0) -> Outcome:
+    """Return what came of it: all that stands whole is to come back, and nothing of another campaign."""
+    chance, of, total = random.Random(f"{name} {seed}"), originals(), Outcome()
     ever = {each["p"]["value"] for each in _said([*of.own, *of.branch]) if each["k"] == "recorded"}
-    whole, back, wrong, again, opened = 0, 0, 0, 0, 0
     with scratch() as top:
         path = top / "mill.axiscal"
         for number in range(count):
@@ -177,11 +202,11 @@ def tried(name: str, count: int, seed: int = 0) -> Trial:
             path.write_bytes(content)
             standing, gone = _standing(of, content)
             found, kept = _opened(path), _repaired(path, top / f"{number}.axiscal")
-            opened += found is not None
-            wrong += (found is not None and not found >= standing) + len(kept - ever) + len(kept & gone)
-            whole, back, again = whole + len(standing), back + len(standing & kept), again + len(kept - standing)
-    detail = f"{opened} open as they are; {back:,} of {whole:,} whole readings come back; {again} taken back stand"
-    return Trial(f"records damaged: {name}", count, wrong + whole - back, detail)
+            silent = found is not None and not found >= standing
+            wrong = silent + len(kept - ever) + len(kept & gone)
+            one = Outcome(len(standing), len(standing & kept), wrong, len(kept - standing), found is not None)
+            total = Outcome(*map(sum, zip(total, one, strict=True)))
+    return total
 
 
 def _said(lines: Sequence[bytes]) -> list[dict[str, Any]]:
