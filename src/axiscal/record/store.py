@@ -136,7 +136,8 @@ class Record(Closing):
         if not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
         with record_errors(self.path):
-            self._bring()
+            if self._seen >= 0:
+                self._bring()
             with self._held() as handle:
                 self._catch_up()
                 if after is not None and self.last_read != after:
@@ -259,6 +260,7 @@ class Record(Closing):
                 digest = hashlib.sha256(content).hexdigest()[:8]
                 write_whole(self._file.with_name(f"{self.path.name}.{digest}.before"), content)
                 write_whole(self._file, told_anew(content))
+        self._seen = -1  # bytes of a record of an earlier form
 
     def _catch_up(self) -> None:
         """Take over what has been written since the last look, as the file has it when it is opened anew."""
