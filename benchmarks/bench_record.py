@@ -29,7 +29,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(dir=".") as name:
         folder = Path(name)
         print(f"milliseconds for one reading, on the disk when it returns (median of {COUNT}; the slowest of 100)")
-        _show("record, two waits for the disk", _own(folder / "own.axiscal"))
+        _show("record, one wait for the disk", _own(folder / "own.axiscal"))
         for mode, after in (("WAL", ""), ("WAL", "PRAGMA wal_checkpoint(TRUNCATE)"), ("DELETE", ""), ("TRUNCATE", "")):
             what = f"SQLite {mode}{', then a checkpoint' if after else ''}"
             _show(what, _sqlite(folder / f"{mode}{len(after)}.db", mode, after))

@@ -20,9 +20,9 @@ from urllib.parse import quote
 
 from axiscal.exceptions import AxiscalError
 from axiscal.record.events import Stored
-from axiscal.record.line_form import EventText
+from axiscal.record.lines import EventText
 from axiscal.record.payload import PayloadError, decode, encode
-from axiscal.record.store import Record
+from axiscal.record.store import Record, content_of
 
 _LOGS = ("-wal", "-shm", "-journal")
 
@@ -41,7 +41,7 @@ def bring(old: Path, new: Path) -> int:
     for log in _logs(old):
         if log.exists() and events[: len(alone := _events_alone(old))] != alone:
             raise BroughtError(f"{log.name} beside it is of another state of it and takes entries back; move it away")
-    Record.made(new, [EventText(each.at, *encode(each.event)) for each in events]).close()
+    Record.made(new, content_of([EventText(each.at, *encode(each.event)) for each in events])).close()
     return len(events)
 
 

@@ -2,10 +2,9 @@
 
     python tools/check_record.py RECORD --key PUBLIC [--key PUBLIC] [--head CHAIN] [--manifest DIR/manifest.json]
 
-It reads bytes, sums, the chain over all events, the two marks of the end, and every signature. PUBLIC is the public key
-of a person who may sign, in hex, or a file with a key and a name in each line; CHAIN is the end that somebody else has
-seen, such as the store at a sync: it shows whether the record was set back since. Needs Python 3.11 and the package
-cryptography.
+It reads bytes, hashes, the chain over all events, how many there are at least, and every signature. PUBLIC is a public
+key in hex, or a file with a key and a name in each line; CHAIN is the end that somebody has seen: it shows whether the
+record was set back since. Needs Python 3.11 and the package cryptography.
 Exit status: 0 if all of it is signed by these keys and as it was written, else 1, and each fault in a line.
 """
 
@@ -26,27 +25,32 @@ from typing import Any, NamedTuple
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
 
-BLOCK, START, MARK = 4096, 3 * 4096, 160
+BLOCK = 4096
 HEADS = {
-    "7b5accdb80a4adc94a0a792ee6083d19e65549ece675b4221b0f7d9665466b0d",
-    "b20106745e56ca5cf5a47cfa3970f37a6ac2fe6cbf4853adb497f1fdea4b3ecf",
+    "7b5accdb80a4adc94a0a792ee6083d19e65549ece675b4221b0f7d9665466b0d": 3 * BLOCK,
+    "b20106745e56ca5cf5a47cfa3970f37a6ac2fe6cbf4853adb497f1fdea4b3ecf": 3 * BLOCK,
+    "61e6d6ae8f73d591804c309dbeff503931e53eac7b64f94f0a884ccf71b26765": BLOCK,
 }
-"""SHA-256 of the first block: what it says of itself is the same in every record of form 2, and of form 3."""
-LINE = re.compile(rb"([0-9a-f]{64}) (\S+) (\S+) (.*) ([.,])([0-9a-f]{8})", re.DOTALL)
+"""Where the lines of form 2, 3 and 4 begin, by SHA-256 of the first block, of form 4 without its counts."""
+COUNT = re.compile(rb"(axiscal record 4 of at least (\d{12}) events) ([0-9a-f]{8}) {6}(?=\n)")
+MARK = re.compile(rb"(mark \d+ (\d+) \d+ [0-9a-f]{64} )([0-9a-f]{8})")
+OLD = re.compile(rb"([0-9a-f]{64}) (\S+) (\S+) (.*) [.,]([0-9a-f]{8})")
+LINE = re.compile(
+    rb'([0-9a-f]{64}) \{"a":"([0-9a-f]{64})","b":"([0-9a-f]{32})","e":\[\d+,\d+\],"n":(\d+),"t":"([^"]*)",'
+    rb'"w":"[0-9a-f]*","k":"([^"]*)","p":(.*)\}'
+)
 BY = ("person", "computer", "key")
 MOST = 20
 """Faults that are printed."""
 
 
 class Entry(NamedTuple):
-    """An event: chain, time of writing, kind, what happened; whether it closes a transaction; where its line ends."""
+    """An event: the chain of contents behind it, time of writing, kind, what happened."""
 
     chain: str
     at: str
     kind: str
     what: Mapping[str, Any]
-    closes: bool
-    end: int
 
 
 @dataclass
@@ -58,17 +62,26 @@ class Found:
     entries: list[Entry] = field(default_factory=list)
 
 
-def checked(content: bytes, keys: Sequence[str], heads: Sequence[str] = ()) -> Found:
-    """Return what is found in the bytes of a record.  keys : public ones, hex;  heads : chains that it must hold"""
+def checked(content: bytes, keys: Sequence[str], seen: Sequence[str] = ()) -> Found:
+    """Return what is found in the bytes of a record.  keys : public ones, hex;  seen : chains that it must hold"""
     found = Found()
-    if hashlib.sha256(content[:BLOCK]).hexdigest() not in HEADS:
-        found.faults.append("its head is not that of a record of form 2 or 3")
-    found.faults += _read(content[START:], found.entries)
-    found.faults += _of_marks(content, found.entries)
+    counts = [count for at in (0, 512) if (count := COUNT.match(content, at))]
+    heads = (hashlib.sha256(content[begin:BLOCK]).hexdigest() for begin in (0, 1024))
+    start = max(HEADS.get(each, 0) for each in heads)
+    if not start:
+        found.faults.append("its head is not that of a record of form 2, 3 or 4")
+    old = start != BLOCK and not counts
+    found.faults += _read(content[start or BLOCK :], found.entries, old)
+    counts = counts or [mark for at in (BLOCK, 2 * BLOCK) if (mark := MARK.match(content, at))]
+    least = [int(count[2]) for count in counts if b"%08x" % zlib.crc32(count[1]) == count[3]]
+    if not least or max(least) > len(found.entries):
+        found.faults.append(
+            f"its counts do not say that it ends at event {len(found.entries)}: it was cut off or changed"
+        )
     if not found.entries:
         return found
     found.faults += _of_signatures(found, keys)
-    for head in heads:
+    for head in seen:
         if head not in {entry.chain for entry in found.entries}:
             found.faults.append(f"it does not hold {head[:16]}: it was set back, or changed, since that was seen")
     hands = Counter((entry.what.get("person"), entry.what.get("computer")) for entry in found.entries)
@@ -77,46 +90,38 @@ def checked(content: bytes, keys: Sequence[str], heads: Sequence[str] = ()) -> F
     return found
 
 
-def _read(content: bytes, entries: list[Entry]) -> Iterator[str]:
-    """Add the events of lines to a list; yield faults of sums and chain."""
-    chain, end = 64 * "0", START
-    for number, line in enumerate(content.split(b"\n")[:-1], 1):
-        end += len(line) + 1
-        parts = LINE.fullmatch(line)
-        if parts is None or zlib.crc32(line[:-8]) != int(parts[6], 16):
+def _written(line: bytes, number: int, before: str) -> tuple[str, str, str, str] | None:
+    """Return "" where a line follows the hash `before`, its time, kind and text; None where its hash is not its own."""
+    found = LINE.fullmatch(line)
+    if found is None or hashlib.sha256(line[65:]).hexdigest().encode() != found[1]:
+        return None
+    _, behind, _, counted, at, kind, text = (part.decode() for part in found.groups())
+    return "" if (behind, int(counted)) == (before, number) else "another", at, kind, text
+
+
+def _read(content: bytes, entries: list[Entry], old: bool) -> Iterator[str]:
+    """Add the events of lines to a list; yield faults of hashes, sums and chain."""
+    chain, before = 64 * "0", 64 * "0"
+    for line in content.split(b"\n")[:-1]:
+        number, parts = len(entries) + 1, OLD.fullmatch(line)
+        if old and (parts is None or zlib.crc32(line[:-8]) != int(parts[5], 16)):
             yield f"the line of event {number} is not as it was written: its sum is another"
         try:
-            if parts is None:
-                raise ValueError("no line")
-            written, at, kind, text, closing = (part.decode() for part in parts.groups()[:5])
+            found = tuple(part.decode() for part in parts.groups()[:4]) if parts else _written(line, number, before)
+            if found is None and not old:
+                continue  # nobody has finished writing it
+            named, at, kind, text = found or ("", "", "", "")
             what = json.loads(text)
             if not isinstance(what, dict):
                 raise ValueError("no object")
         except (ValueError, RecursionError):
             yield f"event {number} cannot be read; what follows is not looked at"
             return
-        chain = hashlib.sha256(f"{chain} {kind} {text}".encode()).hexdigest()
-        if chain != written:
+        chain, before = hashlib.sha256(f"{chain} {kind} {text}".encode()).hexdigest(), line[:64].decode()
+        if named not in ("", chain):
             yield f"event {number} does not follow from the events before it: its chain is another"
-            chain = written
-        entries.append(Entry(chain, at, kind, what, closing == ".", end))
-    if content and not content.endswith(b"\n"):
-        yield f"bytes from {end} on are no whole line"
-
-
-def _of_marks(content: bytes, entries: Sequence[Entry]) -> Iterator[str]:
-    """Yield faults of the two marks: the newer is of the end, the older of the transaction before."""
-    last, before, turn = b"", b"", 0
-    for number, entry in enumerate(entries, 1):
-        if entry.closes:
-            turn += 1
-            text = f"mark {turn} {number} {entry.end} {entry.chain} ".encode()
-            last, before = (text + b"%08x" % zlib.crc32(text)).ljust(MARK - 1) + b"\n", last
-    if entries and not entries[-1].closes:
-        yield f"event {len(entries)} is not the end of a transaction"
-    blocks = [content[BLOCK : 2 * BLOCK], content[2 * BLOCK : START]]
-    if sorted(blocks) != sorted(mark.ljust(BLOCK - 1) + b"\n" for mark in (before, last)):
-        yield f"the two marks do not say that it ends at event {len(entries)}: it was cut off, added to, or changed"
+            chain = named if old else chain
+        entries.append(Entry(chain, at, kind, what))
 
 
 def _of_signatures(found: Found, keys: Sequence[str]) -> Iterator[str]:

@@ -23,7 +23,7 @@ from benchmarks.reliability import (
     stuck_instruments,
 )
 from benchmarks.reliability.kept import Kept
-from tests.reliability import record_faults, salvaged, set_faults, writers
+from tests.reliability import damages, record_faults, set_faults, writers
 from tests.reliability.trial import DISK, Trial
 
 
@@ -45,9 +45,10 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         lambda: writers.at_once(8, 10_000 if long else 250),
         lambda: writers.on_a_share(5000 if long else 500),
         lambda: changed.many(100_000),
+        changed.large,
         bad_files.read_all,
         lambda: same_bytes.compared(long, pythons),
-        *(partial(salvaged.tried, name, 670 if long else 150) for name in salvaged.DAMAGES),
+        lambda: damages.every(420 if long else 100),
         lambda: forged.tried(10_000),
         lambda: stuck_instruments.named(125),
         bounds.token,

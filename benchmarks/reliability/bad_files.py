@@ -27,7 +27,7 @@ from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import read_truth
 from axiscal.record.events import Created, Event, Recorded
-from axiscal.record.line_form import EventText
+from axiscal.record.lines import EventText
 from axiscal.record.payload import encode
 from axiscal.record.store import content_of
 from axiscal.tables.exporter import ExportOptions
@@ -81,8 +81,7 @@ def _record() -> bytes:
     created = Created(MACHINE, CAMPAIGN, "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
     readings = [Recorded(Reading("probe", (0.1 * n, 0.1, 0.0), (1, 0, 0), 1e-6 * n)) for n in (1, 2)]
     happened: list[Event] = [created, *readings]
-    rows = [EventText("2026-01-01T00:00:00.000+00:00", *encode(event), event is happened[-1]) for event in happened]
-    return content_of(rows)[0]
+    return content_of([EventText("2026-01-01T00:00:00.000+00:00", *encode(event)) for event in happened])
 
 
 def _kinds() -> Iterator[Kind]:

@@ -9,16 +9,17 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
+from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 from unittest.mock import patch
 
-from axiscal.record import log
+from axiscal.record import store, story
 from axiscal.record.events import Noted
-from axiscal.record.line_form import EventText
+from axiscal.record.lines import EMPTY, EventText, chained
 from axiscal.record.signing import KEY, PERSON, make_key
 from axiscal.record.store import Record, content_of
-from tests.reliability.record_faults import CREATED, NAME, chained_texts, recorded
+from tests.reliability.record_faults import CREATED, NAME, recorded
 from tests.reliability.trial import Trial, scratch
 from tools.check_record import checked
 
@@ -45,9 +46,10 @@ def person(name: str, key: Path) -> Iterator[None]:
 def signed_record(path: Path) -> Record:
     """Return a new record of three days and two people, signed each day, open to be written."""
     for day in range(DAYS):
-        times = [f"2026-03-0{day + 1}T12:00:{second:02}.000+00:00" for second in range(60)]
+        times = iter([f"2026-03-0{day + 1}T12:00:{second:02}.000+00:00" for second in range(60)])
         someone = person(("Anna", "Otto")[day % 2], path.with_name(f"{day % 2}.pem"))
-        with someone, patch.object(log, "_now", side_effect=times):
+        later = patch.multiple(store, now=times.__next__), patch.object(story, "now", times.__next__)
+        with someone, later[0], later[1]:
             record = Record.create(path, CREATED) if day == 0 else Record.open(path)
             for number in range(READINGS):
                 record.append(recorded(1e-6 * (number + READINGS * day)))
@@ -62,11 +64,16 @@ def signed_record(path: Path) -> Record:
 def original() -> Original:
     """Return the record that is changed, which has no fault itself."""
     with scratch() as top, signed_record(top / NAME) as record:
-        texts = record.texts()
-        signed = [text for text in texts if text.row.kind == "signed"]
-        keys = tuple({json.loads(text.row.payload)["key"] for text in signed})
-        assert not checked((top / NAME).read_bytes(), keys, [texts[-1].chain]).faults
-    return Original(tuple(text.row for text in texts), keys, tuple(text.chain for text in signed))
+        rows, chains = record.rows, _chains(record.rows)
+        keys = tuple({json.loads(row.payload)["key"] for row in rows if row.kind == "signed"})
+        assert not checked((top / NAME).read_bytes(), keys, [chains[-1]]).faults
+    heads = (chain for row, chain in zip(rows, chains, strict=True) if row.kind == "signed")
+    return Original(tuple(rows), keys, tuple(heads))
+
+
+def _chains(rows: Sequence[EventText]) -> list[str]:
+    """Return the chain of contents behind each event."""
+    return list(accumulate(rows, chained, initial=EMPTY))[1:]
 
 
 def _other(value: object, drawn: random.Random) -> object:
@@ -128,14 +135,13 @@ def edited(count: int, ways: Sequence[Callable[[list[EventText], int, random.Ran
         rows = list(first.rows)
         place = drawn.randrange(len(rows))
         ways[number % len(ways)](rows, place, drawn)
-        rows[-1] = rows[-1]._replace(closes=True)
         here = (
             next(
                 (n for n, (one, other) in enumerate(zip(rows, first.rows, strict=False)) if one != other), len(rows) - 1
             )
             + 1
         )
-        faults = checked(content_of(rows)[0], first.keys, [first.heads[-1]]).faults
+        faults = checked(content_of(rows), first.keys, [first.heads[-1]]).faults
         yield any(_names(fault, here) for fault in faults if "set back" not in fault)
 
 
@@ -147,10 +153,10 @@ def _names(fault: str, number: int) -> bool:
 def set_back() -> Iterator[bool]:
     """Yield for each earlier state whether the last known end names it; alone only what ends signed has no fault."""
     first = original()
-    for number, text in enumerate(chained_texts(first.rows)[:-1], 1):
-        cut = content_of(log.in_one(first.rows[:number]))[0]
+    for number, chain in enumerate(_chains(first.rows)[:-1], 1):
+        cut = content_of(first.rows[:number])
         named = any("set back" in fault for fault in checked(cut, first.keys, [first.heads[-1]]).faults)
-        yield named and bool(checked(cut, first.keys).faults) == (text.chain not in first.heads)
+        yield named and bool(checked(cut, first.keys).faults) == (chain not in first.heads)
 
 
 def tried(edits: int) -> Trial:

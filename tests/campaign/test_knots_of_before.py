@@ -13,7 +13,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.inheritance import inherited
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.record.copies import carried_text
+from axiscal.record.carried import carried_text
 from axiscal.record.events import Created
 from axiscal.record.payload import decode, encode
 from axiscal.record.store import Record

@@ -17,7 +17,7 @@ from axiscal.exceptions import DescriptionError, ReadingError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import STEEL
 from axiscal.present.guide.progress import due, last_step, open_temperature
-from axiscal.record.copies import carried_text
+from axiscal.record.carried import carried_text
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
 WARM = 5.0

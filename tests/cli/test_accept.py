@@ -23,7 +23,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.summarising import Extras, summarise
 from axiscal.record.accepted import Accepted
-from axiscal.record.copies import carried_text
+from axiscal.record.carried import carried_text
 from tests.commands import Command
 from tests.generators.texts import campaign_text, machine_text, setup_text
 

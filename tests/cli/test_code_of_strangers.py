@@ -17,7 +17,7 @@ from tests.commands import Command
 from tests.measurement.test_written_instruments import GRID, HEAD
 
 SAYING = f"{GRID}\nfrom pathlib import Path\n\nwith Path('RAN').open('a') as file:\n    file.write('ran')\n"
-NEVER = (("step", "status"), ("step", "status", "--json"), ("data", "copy"), ("data", "salvage"))
+NEVER = (("step", "status"), ("step", "status", "--json"), ("data", "copy"), ("data", "repair"))
 
 
 @pytest.fixture
@@ -58,7 +58,7 @@ def test_what_only_looks_never_runs_it(strange: Path, command: Command, monkeypa
     for said in ("", hashlib.sha256(strange.with_name("own.py").read_bytes()).hexdigest()):
         monkeypatch.setenv(consent.RUN, said)
         for words in NEVER:
-            new = [f"new{len(said)}.axiscal"] if "salvage" in words else []
+            new = [f"new{len(said)}.axiscal"] if "repair" in words else []
             assert "reading" in command(*words, "mill.axiscal", *new).printed, words
             assert not strange.exists(), words
 

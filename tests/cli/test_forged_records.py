@@ -14,7 +14,7 @@ from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record.signing import KEY, PERSON
 from tests.commands import Command
-from tests.generators.plain_records import CAMPAIGN, MACHINE, START, lines_in, write_record
+from tests.generators.plain_records import CAMPAIGN, HEAD, MACHINE, lines_in, write_record
 
 VALUES = 0.3, 0.6, 2.0, 3.4, 3.7, 5.4, 5.8, 6.9, 8.6, 8.7, 10.4, 10.8
 """um: an even slope and half a um of noise."""
@@ -24,6 +24,7 @@ GIVEN = {
     "REASON": ["blocked"],
     "CAUSE": [],
     "TO": ["copy.axiscal"],
+    "OTHER": ["forged.axiscal"],
     "NEW": ["new.axiscal"],
     "POSES.csv": ["poses.csv"],
 }
@@ -48,7 +49,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) ->
     lines = lines_in(content)
     forged = [line._replace(said=line.said.replace('"value":2e-06', '"value":9e-06')) for line in lines]
     assert sum(one != other for one, other in zip(lines, forged, strict=True)) == 1
-    write_record(tmp_path / "forged.axiscal", content[: START // 3], forged)
+    write_record(tmp_path / "forged.axiscal", content[:HEAD], forged)
     (tmp_path / "poses.csv").write_text("X_mm\n20\n")
     return tmp_path
 
@@ -77,9 +78,10 @@ def test_every_command_that_takes_a_record_refuses_a_forged_one_or_says_it(folde
         made = {path.name for path in folder.iterdir()} - before
         if words in ("status", "step status"):
             assert "changed since it was signed at event" in found.said
-        elif words == "data salvage":
+        elif words in ("data repair", "data merge"):
             assert re.search(r"Left out: event \d+ \(signed\)", found.said)
             assert b"signed): it answers" in (folder / "new.axiscal").read_bytes()
+            (folder / "new.axiscal").unlink()
         else:
             assert "The record was changed since Anna signed it at event" in found.refusal, words
             assert not made, words
@@ -87,10 +89,8 @@ def test_every_command_that_takes_a_record_refuses_a_forged_one_or_says_it(folde
     assert command("step", "status", "signed.axiscal", "--json").document["signed"].startswith("signed by Anna")
 
 
-def test_a_forged_record_is_no_prior_and_no_beginning(folder: Path, command: Command) -> None:
+def test_a_forged_record_is_no_prior(folder: Path, command: Command) -> None:
     (folder / "next.toml").write_text(f'prior = "forged.axiscal"\n{CAMPAIGN}')
     assert "was changed since Anna signed it" in command("plan", "next.toml").refusal
-    salvage = "data", "salvage", "signed.axiscal", "anew.axiscal", "--beginning", "forged.axiscal"
-    assert "was changed since Anna signed it" in command(*salvage).refusal
     with pytest.raises(RecordError, match="was changed since Anna signed it"):
         Campaign.open(folder / "forged.axiscal")

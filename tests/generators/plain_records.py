@@ -1,7 +1,8 @@
-"""Records as a reader of their first page would write them: chains, sums and marks by hashlib and zlib alone."""
+"""Records as a reader of their first page would write them: hashes, chains and sums by hashlib and zlib alone."""
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import json
 import random
@@ -13,7 +14,8 @@ from typing import NamedTuple
 
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
-START = 3 * 4096
+HEAD, OLD_START, NONE = 4096, 3 * 4096, 64 * "0"
+_EARLIER = Path(__file__).parents[1] / "record" / "earlier" / "halved-lengths.axiscal.gz"
 MACHINE = machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"})
 CAMPAIGN = campaign_text(
     "machine.toml",
@@ -33,8 +35,35 @@ class PlainLine(NamedTuple):
 
 def lines_in(content: bytes) -> list[PlainLine]:
     """Return what the lines of a whole record say."""
-    parts = (line.decode().split(" ", 3) for line in content[START:].split(b"\n")[:-1])
-    return [PlainLine(at, kind, rest[: rest.rindex(" ")]) for _, at, kind, rest in parts]
+    said = (json.loads(line[65:]) for line in content[HEAD:].split(b"\n")[:-1])
+    return [PlainLine(each["t"], each["k"], dumped(each["p"])) for each in said]
+
+
+def dumped(said: object) -> str:
+    """Return JSON as a record has it."""
+    return json.dumps(said, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+
+
+def written_lines(
+    lines: Sequence[PlainLine], campaign: str, behind: Sequence[bytes] = (), writer: str = "ab"
+) -> list[bytes]:
+    """Return lines as a record has them, each an entry, behind others."""
+    found = list(behind)
+    for number, (at, kind, said) in enumerate(lines, len(behind) + 1):
+        before = found[-1][:64].decode() if found else NONE
+        text = (
+            f'{{"a":"{before}","b":"{campaign}","e":[{number},{number}],"n":{number},"t":"{at}","w":"{writer}","k":"{kind}",'
+            f'"p":{said}}}'
+        ).encode()
+        found.append(hashlib.sha256(text).hexdigest().encode() + b" " + text + b"\n")
+    return found[len(behind) :]
+
+
+def front(first_page: bytes, least: int) -> bytes:
+    """Return the head of a record with at least so many events.  first_page : of any"""
+    text = b"axiscal record 4 of at least %012d events" % least
+    count = (text + b" %08x" % zlib.crc32(text)).ljust(63) + b"\n"
+    return 2 * count.ljust(512) + first_page[1024:HEAD]
 
 
 def summed(text: str) -> bytes:
@@ -42,26 +71,21 @@ def summed(text: str) -> bytes:
     return text.encode() + b"%08x" % zlib.crc32(text.encode())
 
 
-def written_lines(lines: Sequence[PlainLine]) -> list[bytes]:
-    """Return lines as a record has them, each chained to the one before."""
-    chain, found = 64 * "0", list[bytes]()
+def old_record(lines: Sequence[PlainLine]) -> bytes:
+    """Return a record of form 3 that says this, each line an entry."""
+    chain, found = NONE, list[bytes]()
     for at, kind, said in lines:
         chain = hashlib.sha256(f"{chain} {kind} {said}".encode()).hexdigest()
         found.append(summed(f"{chain} {at} {kind} {said} .") + b"\n")
-    return found
-
-
-def front(first_page: bytes, lines: Sequence[bytes]) -> bytes:
-    """Return the head and the marks of a record that has these lines."""
-    end = START + sum(map(len, lines))
-    mark = summed(f"mark {len(lines)} {len(lines)} {end} {lines[-1][:64].decode()} ")
-    return first_page + (mark.ljust(159) + b"\n").ljust(4095) + b"\n" + b"\n".rjust(4096)
+    end = OLD_START + sum(map(len, found))
+    mark = summed(f"mark {len(found)} {len(found)} {end} {chain} ")
+    first = gzip.decompress(_EARLIER.read_bytes())[:HEAD]
+    return first + (mark.ljust(159) + b"\n").ljust(4095) + b"\n" + b"\n".rjust(4096) + b"".join(found)
 
 
 def write_record(path: Path, first_page: bytes, lines: Sequence[PlainLine]) -> None:
     """Write a record that says this."""
-    chained = written_lines(lines)
-    path.write_bytes(front(first_page, chained) + b"".join(chained))
+    path.write_bytes(front(first_page, len(lines)) + b"".join(written_lines(lines, 32 * "c")))
 
 
 def values_in(lines: Sequence[PlainLine]) -> list[float]:

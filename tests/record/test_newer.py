@@ -9,11 +9,11 @@ import pytest
 from axiscal.cli.app import run
 from axiscal.exceptions import NewerError
 from axiscal.record.events import Newer, Noted
-from axiscal.record.line_form import EventText
+from axiscal.record.lines import EventText
 from axiscal.record.store import Record
 from tests.commands import Command
 from tests.generators.begun import begun
-from tests.reliability.salvaged import CAMPAIGN, MACHINE
+from tests.generators.plain_records import CAMPAIGN, MACHINE
 
 AT = "2028-03-01T08:00:00.000+00:00"
 CALIBRATED = EventText(AT, "calibrated", '{"certificate":"K-17","due":"2029-03-01","instrument":"laser"}')
@@ -50,8 +50,7 @@ def written(path: Path, row: EventText) -> tuple[str, str]:
 
 
 def last(path: Path) -> tuple[str, str]:
-    with Record.open(path, write=False) as record:
-        row = record.texts()[-1].row
+    row = Record.open(path, write=False).rows[-1]
     return row.kind, row.payload
 
 

@@ -14,18 +14,16 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
-from axiscal.record import log
-from axiscal.record.copies import write_copy
+from axiscal.record import story
 from axiscal.record.events import Noted
-from axiscal.record.line_form import BLOCK, EventText, head
-from axiscal.record.log import signed_until
+from axiscal.record.lines import HEAD, EventText, head
 from axiscal.record.payload import decode, hand_of
 from axiscal.record.signing import KEY, PERSON, key_file
-from axiscal.record.store import Record
+from axiscal.record.store import Record, write_copy
 from tests.commands import Command
 from tests.generators.begun import begun
+from tests.generators.plain_records import CAMPAIGN, MACHINE
 from tests.golden.surfaces import of_paper
-from tests.reliability.salvaged import CAMPAIGN, MACHINE
 from tools.check_record import checked, main
 
 TOOL = Path(__file__).parents[2] / "tools" / "check_record.py"
@@ -50,8 +48,7 @@ def key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def public(path: Path) -> str:
-    with Record.open(path, write=False) as record:
-        found = signed_until(record)
+    found = Record.open(path, write=False).signed()
     assert found is not None
     return found.by.key
 
@@ -60,9 +57,9 @@ def test_each_entry_says_who_wrote_it(path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setenv(PERSON, 'Anna "Å" Berg')
     with Record.open(path) as record:
         record.append(Noted("warm"))
-        row = record.texts()[-1].row
+        row = record.rows[-1]
         hand = hand_of(row.payload)
-        assert all(hand_of(text.row.payload) for text in record.texts())
+        assert all(hand_of(each.payload) for each in record.rows)
     assert hand is not None
     assert hand.person == 'Anna "Å" Berg'
     assert decode(row.kind, row.payload) == Noted("warm")
@@ -121,20 +118,20 @@ def test_the_check_needs_nothing_of_ours() -> None:
     roots = {str(name).partition(".")[0] for name in imported}
     assert roots <= {*sys.stdlib_module_names, "cryptography"}
     assert len(TOOL.read_text().splitlines()) <= 200
-    assert checked(head(), []).faults[0].startswith("the two marks")  # the head itself is known
-    assert checked(head()[:-1].ljust(BLOCK), []).faults[0].startswith("its head")
+    assert checked(head(1), []).faults[0].startswith("its counts")  # the head itself is known
+    assert checked(head(1)[:-1].ljust(HEAD), []).faults[0].startswith("its head")
 
 
 def test_only_a_person_who_says_so_signs(
     path: Path, key: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     assert run(["sign", str(path)]) == 0
-    monkeypatch.setattr(log, "_now", lambda: "2100-01-02T08:00:00.000+00:00")
+    monkeypatch.setattr(story, "now", lambda: "2100-01-02T08:00:00.000+00:00")
     with Record.open(path) as record:
         record.append(Noted("next day"))
     assert run(["finish", str(path), "--out", str(path.parent / "out")]) == 0
     with Record.open(path, write=False) as record:
-        assert [text.row.kind for text in record.texts()].count("signed") == 1
+        assert [row.kind for row in record.rows].count("signed") == 1
 
 
 def test_two_people_sign_and_nobody_twice(path: Path, key: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -144,13 +141,13 @@ def test_two_people_sign_and_nobody_twice(path: Path, key: Path, monkeypatch: py
     monkeypatch.setenv(KEY, str(key.with_name("otto.pem")))
     assert run(["sign", str(path)]) == 0
     with Record.open(path) as record:
-        assert [text.row.kind for text in record.texts()[-3:]] == ["continued", "signed", "signed"]
+        assert [row.kind for row in record.rows[-3:]] == ["continued", "signed", "signed"]
         otto = public(path)
         assert not checked(path.read_bytes(), [anna, otto]).faults
         assert "of a key that was not given" in checked(path.read_bytes(), [otto]).faults[0]
         newer = EventText("2028-03-01T08:00:00.000+00:00", "signed", '{"key":"","signature":"","seal":""}')
         record.extend([newer])
-        found = signed_until(record)
+        found = record.signed()
     assert found is not None
     assert found.by.key == otto
 
@@ -166,7 +163,7 @@ def test_a_key_that_others_may_read_signs_nothing(path: Path, key: Path, command
         record.sign()
 
 
-def test_a_copy_and_a_salvaged_record_keep_their_signature(path: Path, key: Path, tmp_path: Path) -> None:
+def test_a_copy_and_a_repaired_record_keep_their_signature(path: Path, key: Path, tmp_path: Path) -> None:
     assert run(["sign", str(path)]) == 0
     assert run(["undo", str(path)]) == 0
     assert run(["sign", str(path)]) == 0
@@ -175,8 +172,7 @@ def test_a_copy_and_a_salvaged_record_keep_their_signature(path: Path, key: Path
         write_copy(record, copy)
     assert run(["salvage", str(path), str(new)]) == 0
     assert not checked(copy.read_bytes(), [public(path)]).faults
-    with Record.open(new, write=False) as record:
-        found = signed_until(record)
+    found = Record.open(new, write=False).signed()
     assert found is not None
     assert (found.number, found.holds) == (7, True)
 

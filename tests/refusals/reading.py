@@ -35,9 +35,9 @@ from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.simulation import read_truth
 from axiscal.ports.linuxcnc.configuring import export_into
 from axiscal.present.guide.question import answer
-from axiscal.record.line_form import EventText
-from axiscal.record.log import in_one, rows_of
+from axiscal.record.lines import EventText
 from axiscal.record.store import content_of
+from axiscal.record.story import rows_of
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import export, exporter, loaded
@@ -182,7 +182,7 @@ def _entry(of: str, text: str) -> object:
     described = read_campaign(Path("campaign.toml"))
     rows = [*rows_of([beginning_of(described)]), EventText(_AT, "recorded", refusals("entry").texts["recorded"])]
     last = EventText(_AT, of.split()[0], text)
-    Path("m.axiscal").write_bytes(content_of(in_one([last] if of == "created" else [*rows, last]))[0])
+    Path("m.axiscal").write_bytes(content_of([last] if of == "created" else [*rows, last]))
     with Campaign.open(Path("m.axiscal")) as campaign:
         return campaign.state
 

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 
 from axiscal.measurement.reading import Reading
-from axiscal.record.copies import write_copy
 from axiscal.record.events import Created, Recorded, Stored
-from axiscal.record.line_form import EventText, chained
-from axiscal.record.log import EMPTY, ChainedText
-from axiscal.record.store import Record
+from axiscal.record.store import Record, write_copy
 from tests.reliability.faults import faults
 from tests.reliability.trial import Say, Trial, scratch
 
@@ -18,9 +14,10 @@ CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml"
 NAME = "mill.axiscal"
 
 
-def recorded(value: float) -> Recorded:
-    """Return a reading."""
-    return Recorded(Reading("laser", (0.1, 0.2), (1, 0), value))
+def recorded(value: float, setup: str = "laser") -> Recorded:
+    """Return a reading of a machine with two axes; with one where the set-up is that of `plain_records`."""
+    place, approach = ((0.1, 0.2), (1, 0)) if setup == "laser" else ((0.1,), (1,))
+    return Recorded(Reading(setup, place, approach, value))
 
 
 def values(path: Path) -> list[float]:
@@ -33,15 +30,6 @@ def events(path: Path) -> tuple[Stored, ...]:
     """Return what a record holds."""
     with Record.open(path, write=False) as record:
         return record.events()
-
-
-def chained_texts(rows: Iterable[EventText], chain: str = EMPTY) -> list[ChainedText]:
-    """Return events with the chain behind each."""
-    found = list[ChainedText]()
-    for row in rows:
-        chain = chained(chain, row)
-        found.append(ChainedText(row, chain))
-    return found
 
 
 def begun() -> Trial:

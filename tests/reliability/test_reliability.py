@@ -21,7 +21,7 @@ from benchmarks.reliability import (
     same_bytes,
     stuck_instruments,
 )
-from tests.reliability import record_faults, salvaged, set_faults, writers
+from tests.reliability import damages, record_faults, set_faults, writers
 from tests.reliability.trial import Trial
 
 TRIALS: dict[str, tuple[Callable[[], Trial], int]] = {
@@ -30,7 +30,7 @@ TRIALS: dict[str, tuple[Callable[[], Trial], int]] = {
     "bits of a record": (lambda: changed.bits(every=29), 300),
     "ends of a record": (changed.ends, 300),
     "a clock that goes back": (changed.clock, 4),
-    **{f"salvaged: {name}": (partial(salvaged.tried, name, 1, n), 0) for n, name in enumerate(salvaged.DAMAGES)},
+    **{f"damaged: {name}": (partial(damages.tried, name, 1, n), 0) for n, name in enumerate(damages.DAMAGES)},
     "signed records": (lambda: forged.tried(60), 60 + 6 + 32),
     "killed writers": (lambda: writers.killed(20), 19),
     "writers at once": (lambda: writers.at_once(8, 10), 79),

@@ -10,11 +10,12 @@ from functools import partial
 from pathlib import Path
 from unittest.mock import patch
 
+from axiscal.campaign.repairing import repaired
 from axiscal.document import durable
 from axiscal.exceptions import RecordError
-from axiscal.record import lease
-from axiscal.record.lease import lease_of
+from axiscal.record import store
 from axiscal.record.store import PATIENCE, Record
+from tests.reliability.damages import first_record
 from tests.reliability.record_faults import CREATED, NAME, recorded, values
 from tests.reliability.trial import Say, Trial, forked, scratch
 
@@ -34,7 +35,7 @@ def killed(kills: int, seed: int = 5) -> Trial:
             missed += not set(acknowledged) <= set(kept) or len(kept) != len(set(kept))
             missed += len(kept) > len(acknowledged) + turn + 1  # at most one unheard reading per kill
         Record.open(top / NAME).close()  # clears away what a kill has left
-        others = [path.name for path in top.iterdir() if path.name not in (NAME, "copy", lease_of(Path(NAME)).name)]
+        others = [path.name for path in top.iterdir() if path.name not in (NAME, "copy")]
     detail = f"{len(acknowledged):,} readings acknowledged"
     return Trial("kills while readings are written", kills, missed + bool(others), detail)
 
@@ -92,30 +93,52 @@ def _patiently(path: Path, numbers: range, say: Say) -> None:
 
 
 def on_a_share(entries: int) -> Trial:
-    """Let two computers write to one record on a share whose locks do nothing; who is refused waits and tries again."""
-    with scratch() as top, patch.object(durable, "_taken", return_value=True), patch.object(lease, "OLD", 1.0):
-        Record.create(top / NAME, CREATED).close()
-        computers = [forked(partial(_on, f"computer {n}", top / NAME, 1_000_000 * n, entries)) for n in range(2)]
-        lines = [line for each in computers for line in each.lines()]
-        kept = [int(value) for value in values(top / NAME)]
-        branches = list(top.glob(f"{Path(NAME).stem}-*.axiscal"))
-    acknowledged, refused = {int(line) for line in lines if line != "-"}, lines.count("-")
-    missed = len(acknowledged - set(kept)) + len(kept) - len(set(kept))
-    detail = f"{len(acknowledged):,} acknowledged; refused in one sentence {refused:,} times; {len(branches)} branches"
-    return Trial("entries of 2 computers on a share without locks", 2 * entries, missed, detail)
+    """Let two computers write to one record on a share whose locks do nothing, one asleep inside an entry at times.
+
+    Where both went on from one event the record is named as such, and what both wrote is taken in.
+    """
+    rounds, said, missed, named = max(1, entries // _ROUND), list[str](), 0, 0
+    with scratch() as top, patch.object(durable, "_taken", return_value=True):
+        path = top / NAME
+        path.write_bytes(first_record())
+        for turn in range(rounds):
+            starts = (1_000 * (2 * turn + n) for n in range(2))
+            computers = [forked(partial(_on, path, start, _ROUND)) for start in starts]
+            said += [line for each in computers for line in each.lines()]
+            try:
+                values(path)
+            except RecordError as branch:
+                named += "Two went on from event" in str(branch)
+                repaired([path], top / "both.axiscal", lambda question: True)
+                (top / "both.axiscal").replace(path)
+            kept = [round(1e9 * value) for value in values(path)]
+            acknowledged = {int(line) for line in said if line != "-"}
+            missed += len(acknowledged - set(kept)) + len(kept) - len(set(kept))
+    detail = (
+        f"{len(acknowledged):,} acknowledged, {said.count('-'):,} refused in one sentence, {named:,} branches named"
+    )
+    return Trial("entries of 2 computers on a share without locks", 2 * rounds * _ROUND, missed, detail)
 
 
-def _on(computer: str, path: Path, start: int, entries: int, say: Say) -> None:
-    """Write entries as another computer, opening the record for some at a time, as commands do."""
-    lease._computer = lambda: f"{computer} 0"
-    chance, number = random.Random(start), start
-    while number < start + entries:
-        try:
-            with Record.open(path) as record:
-                for _ in range(min(chance.randrange(1, 100), start + entries - number)):
-                    record.append(recorded(float(number)))
-                    say(f"{number}")
-                    number += 1
-        except RecordError:
-            say("-")
-            time.sleep(chance.uniform(0, 0.01))
+_ROUND = 25
+"""Entries that each computer writes before somebody looks whether both went on from one event."""
+
+
+def _on(path: Path, start: int, entries: int, say: Say) -> None:
+    """Write entries as another computer, which sleeps at times between looking and writing."""
+    chance, write_at = random.Random(start), durable.write_at
+
+    def late(handle: int, offset: int, content: bytes) -> None:
+        time.sleep(chance.choice((0.0, 0.0, 0.0, 0.002, 0.02)))
+        write_at(handle, offset, content)
+
+    with patch.object(store, "write_at", late):
+        for number in range(start, start + entries):
+            try:
+                with Record.open(path) as record:
+                    record.append(recorded(1e-9 * number, "along x"))
+                say(f"{number}")
+            except RecordError:
+                say("-")
+                return
+            time.sleep(chance.choice((0.0, 0.001, 0.03)))

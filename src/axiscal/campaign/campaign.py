@@ -43,7 +43,6 @@ from axiscal.measurement.reading import Place, Reading, seconds_since
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.promise import plan_basis
 from axiscal.record.accepted import Accepted, Bumped
-from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
     Asked,
     Continued,
@@ -58,8 +57,8 @@ from axiscal.record.events import (
     Undoable,
     Undone,
 )
-from axiscal.record.log import EventLog, SignedUntil, signed_until
-from axiscal.record.store import Record, opened_log
+from axiscal.record.store import Record, refuse_other, write_copy
+from axiscal.record.story import SignedUntil
 from axiscal_core.refusals import one
 
 Planner = Callable[
@@ -84,7 +83,7 @@ class Campaign(Closing):
     planner : says where to read next
     """
 
-    def __init__(self, record: EventLog, description: CampaignDescription, planner: Planner = _next_places) -> None:
+    def __init__(self, record: Record, description: CampaignDescription, planner: Planner = _next_places) -> None:
         self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
         self._first = record.events()[0]
@@ -102,12 +101,8 @@ class Campaign(Closing):
     ) -> Self:
         """Return the campaign recorded at `path`, `changed` since it was signed or not; raises RecordError."""
         one("Campaign.open", "path", path, (str, Path), '"mill.axiscal"')
-        record = opened_log(path, write=write, changed=changed)
-        try:
-            return cls(record, described(record), planner)
-        except BaseException:
-            record.close()
-            raise
+        record = Record.open(path, write=write, changed=changed)
+        return cls(record, described(record), planner)
 
     @property
     def path(self) -> Path:
@@ -269,7 +264,7 @@ class Campaign(Closing):
 
     def signed(self) -> SignedUntil | None:
         """Return the last signature, None without one."""
-        return self._memo.answer(("signed", self.state.name), signed_until, self._record)
+        return self._memo.answer(("signed", self.state.name), self._record.signed)
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""

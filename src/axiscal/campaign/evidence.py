@@ -8,15 +8,13 @@ from collections.abc import Iterable
 from axiscal.campaign.campaign import Campaign
 from axiscal.language.spoken import counted, said
 from axiscal.record.events import Note
-from axiscal.record.log import EventLog, signed_until
 from axiscal.record.signing import is_known, people_file
+from axiscal.record.store import Record
 
 
-def signed_text(record: Campaign | EventLog) -> str:
+def signed_text(record: Campaign | Record) -> str:
     """Return who answers for how much of the record, in words behind "the record is", "" where nobody does."""
-    found, last = (
-        (record.signed(), record.state.last) if isinstance(record, Campaign) else (signed_until(record), record.last())
-    )
+    found, last = record.signed(), record.state.last if isinstance(record, Campaign) else record.last()
     if found is None:
         return ""
     person, computer, key, _ = found.by
@@ -34,7 +32,7 @@ def signed_text(record: Campaign | EventLog) -> str:
     return said("{signed}; unsigned since: {events}", signed=signed, events=since)
 
 
-def evidence_words(record: Campaign | EventLog) -> str:
+def evidence_words(record: Campaign | Record) -> str:
     """Return the sentence for screens, pages and reports; "" for a record that nobody has signed."""
     signed = signed_text(record)
     return said("The record is {signed}.", signed=signed) if signed else ""

@@ -10,7 +10,7 @@ from axiscal.exceptions import AxiscalError
 from axiscal.machine import machine_from_text
 from axiscal.record.events import Finished
 from axiscal.record.result import NOT_SAID, Result
-from axiscal.record.store import opened_log
+from axiscal.record.store import Record
 
 
 class Standing(NamedTuple):
@@ -45,8 +45,8 @@ def standings(files: Iterable[Path]) -> tuple[list[Standing], list[AxiscalError]
 
 
 def _standing(file: Path) -> Standing:
-    with opened_log(file, write=False) as log:
-        state, events = log.state(), log.events()
+    record = Record.open(file, write=False)
+    state, events = record.state(), record.events()
     assert state.created is not None
     ends = [each.event.result for each in events if isinstance(each.event, Finished)]
     result = ends[-1] if ends and state.finished is not None else NOT_SAID

@@ -22,10 +22,10 @@ from axiscal.language.spoken import said
 from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit, refuse_other_values
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
-from axiscal.record.copies import carried_bumps
+from axiscal.record.carried import carried_bumps
+from axiscal.record.door import restoring
 from axiscal.record.events import Asked, Created, Event, Mounted, Noted, Planned, Recorded, State, Warmed
-from axiscal.record.log import EventLog
-from axiscal.record.store import restoring
+from axiscal.record.store import Record
 from axiscal.units import format_quantity, parse_quantity, within
 from axiscal_core.axes import Axis
 from axiscal_core.refusals import one
@@ -45,7 +45,7 @@ def versions() -> dict[str, str]:
     return {"axiscal": version("axiscal"), "numpy": version("numpy"), "python": platform.python_version()}
 
 
-def described(record: EventLog) -> CampaignDescription:
+def described(record: Record) -> CampaignDescription:
     """Return the description that a record carries; raises RecordError where what happened cannot be on its machine."""
     state = record.state()
     if state.created is None:

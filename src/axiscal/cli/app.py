@@ -59,7 +59,8 @@ _DATA = {
     "predict": "estimate.predict",
     "copy": "records.copy_record",
     "sign": "records.sign",
-    "salvage": "records.salvage",
+    "repair": "records.repair",
+    "merge": "records.merge",
     "schema": "init.schema",
 }
 _GROUPS = {
@@ -70,8 +71,9 @@ _GONE = later("{name} is gone. {instead}.")
 _Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
 """The file of each command; of a group what it is for, and the files of its commands."""
 _SECTIONS: Mapping[str, _Places] = {"Commands": _MAIN, "More commands, in groups": {**_GROUPS, "machine": "machine"}}
-_UNGROUPED = {**_STEP, **_DATA}
-"""The names that commands had before there were groups: they work, and no help lists them."""
+_SALVAGE = {"salvage": "records.repair"}
+_UNGROUPED = {**_STEP, **_DATA, **_SALVAGE}
+"""The names that commands had before: they work, and no help lists them."""
 
 
 class AllCommands(TyperGroup):
@@ -103,7 +105,14 @@ class AllCommands(TyperGroup):
         place = self.places.get(cmd_name)
         if isinstance(place, tuple):
             shown = {"Commands": place[1]}
-            return AllCommands(shown, {}, name=cmd_name, help=place[0], rich_markup_mode=None, no_args_is_help=True)
+            return AllCommands(
+                shown,
+                _SALVAGE if cmd_name == "data" else {},
+                name=cmd_name,
+                help=place[0],
+                rich_markup_mode=None,
+                no_args_is_help=True,
+            )
         return None if place is None else _command(cmd_name, place)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:

@@ -10,7 +10,6 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.beginning import begun_campaign
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document, say_either
@@ -167,12 +166,15 @@ def start(
     description = read_campaign(campaign)
     path = record or Path(f"{campaign.stem}.axiscal")
 
-    def tell(begun: Campaign) -> None:
-        tell_out_of_reach(begun)
-        tell_unasked(description)
-
-    with begun_campaign(path, description, tell) as opened:
-        planned = opened.state.plan
+    with Campaign.create(path, description) as begun:
+        try:
+            tell_out_of_reach(begun)
+            tell_unasked(description)
+            planned = begun.prepared()
+        except BaseException:  # nothing stays of one that cannot be planned
+            begun.close()
+            path.unlink(missing_ok=True)
+            raise
     setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
     readings = counted("{count} reading", "{count} readings", len(planned))
     ready = "{record} is ready: {machine}, {setups}, {readings} planned."

@@ -1,8 +1,10 @@
-"""`axiscal data copy`, `salvage` and `sign`."""
+"""`axiscal data copy`, `repair`, `merge` and `sign`."""
 
 from __future__ import annotations
 
+import sys
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -10,18 +12,16 @@ import typer
 
 from axiscal.campaign.evidence import signed_text
 from axiscal.campaign.possible import beginning_of, described
-from axiscal.campaign.salvaging import salvaged
+from axiscal.campaign.repairing import Repaired, repaired
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
-from axiscal.cli.printing import say_either
+from axiscal.cli.printing import agreed, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.description.campaign import read_campaign
 from axiscal.document.consent import asking
-from axiscal.exceptions import CodeError, NewerError
-from axiscal.language.spoken import counted, said
-from axiscal.record.copies import write_copy
-from axiscal.record.log import rows_of
+from axiscal.exceptions import CodeError, NewerError, RecordError
+from axiscal.language.spoken import capital, counted, said
 from axiscal.record.signing import key_file, make_key
-from axiscal.record.store import opened_log
+from axiscal.record.store import Record, write_copy
 
 
 def copy_record(
@@ -43,15 +43,15 @@ def copy_record(
 
     beside = record.with_name(f"{record.name}.copy")
     target = beside if to is None else to / record.name if to.is_dir() else to
-    with opened_log(record, write=False) as log:
-        try:
-            with suppress(CodeError), asking(None):
-                described(log)  # checked
-            readings: int | None = len(log.state().readings)
-        except NewerError:  # only a newer version can know
-            readings = None
-        write_copy(log, target)
-        last, name = log.last(), log.name
+    log = Record.open(record, write=False)
+    try:
+        with suppress(CodeError), asking(None):
+            described(log)  # checked
+        readings: int | None = len(log.state().readings)
+    except NewerError:  # only a newer version can know
+        readings = None
+    write_copy(log, target)
+    last, name = log.last_read, log.name
     count = counted("{count} reading", "{count} readings", readings or 0)
     if readings is None:
         count = counted("{count} event", "{count} events", last)
@@ -66,42 +66,74 @@ def copy_record(
     say_either(json, "axiscal-copy/1", document, [words])
 
 
-def salvage(
+Take = Annotated[
+    bool | None,
+    typer.Option("--take/--leave", help="What becomes of readings that somebody has to say of whether they count."),
+]
+Named = Annotated[str, typer.Option("--campaign", metavar="ID", help="Its id, where lines of several stand there.")]
+New = Annotated[Path, typer.Argument(metavar="NEW", help="The record to make.")]
+
+
+def repair(
     record: RecordFile,
-    new: Annotated[Path, typer.Argument(metavar="NEW", help="The record to make.")],
+    new: New,
     beginning: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="A copy of the record, or its campaign.toml, where event 1 is lost."),
+        Path | None, typer.Option(metavar="FILE", help="Its campaign.toml, where event 1 is lost.")
     ] = None,
+    take: Take = None,
+    campaign: Named = "",
     json: Json = False,
 ) -> None:
     """Make a new record of all that stands whole in a damaged one.
 
-    An event counts where sums and chains show that it is as it was written. What is missing is printed, and kept as a
-    note in the new record. The damaged file stays as it is.
+    Each line proves itself and says its campaign and its number. What is missing is printed and kept as a note in the
+    new record. Two who wrote at once are a question: do the readings of both count? The old file stays as it is.
 
     \b
     Example:
-      axiscal data salvage mill.axiscal mill-salvaged.axiscal
+      axiscal data repair mill.axiscal mill-repaired.axiscal
     """
-    first = None
-    if beginning is not None and beginning.suffix == ".toml":  # what would begin now
-        first = rows_of([beginning_of(read_campaign(beginning))])[0]
-    elif beginning is not None:
-        with opened_log(beginning, write=False) as begun:
-            first = begun.texts()[0].row
-    found = salvaged(record, new, first)
+    begun = None if beginning is None else beginning_of(read_campaign(beginning))
+    _say(new, repaired([record], new, partial(_asked, take), beginning=begun, campaign=campaign), json)
+
+
+def merge(
+    record: RecordFile,
+    other: Annotated[Path, typer.Argument(metavar="OTHER", help="Another copy of it, which went on by itself.")],
+    new: New,
+    take: Take = None,
+    json: Json = False,
+) -> None:
+    """Make a new record of all that two copies of a record hold.
+
+    It holds the events of both. Where both went on from one event it asks whether the readings of both count. A damaged
+    record gets back what a copy still has.
+
+    \b
+    Example:
+      axiscal data merge mill.axiscal stick/mill.axiscal both.axiscal
+    """
+    _say(new, repaired([record, other], new, partial(_asked, take)), json)
+
+
+def _asked(take: bool | None, question: str) -> bool:
+    if take is None and not sys.stdin.isatty():
+        what = "Nobody is here to be asked: {question}"
+        raise RecordError(what, "Say --take if they count, --leave if not", question=question)
+    return agreed(f"{capital(question)}. {said('Do they count?')}") if take is None else take
+
+
+def _say(new: Path, found: Repaired, as_json: bool) -> None:
     document = {"record": str(new), "readings": len(found.state.readings), "events": found.entries}
-    lists = {"missing": list(found.missing), "left_out": list(found.left), "seams": list(found.seams)}
+    lists = {"missing": list(found.missing), "left_out": list(found.left)}
     readings = counted("{count} reading", "{count} readings", len(found.state.readings))
     events = counted("{count} event", "{count} events", found.entries)
-    lines = [f"{new} holds {readings}, from {events} of {record} that stand whole."]
-    lines += [f"Missing: {words}" for words in found.missing] or ["Nothing is missing."]
-    lines += [f"Left out: {words}" for words in found.left]
-    lines += [f"Seam: {words}" for words in found.seams]
+    lines = [said("{new} holds {readings}, from {events} that stand whole.", new=new, readings=readings, events=events)]
+    lines += [said("Missing: {words}.", words=words) for words in found.missing] or [said("Nothing is missing.")]
+    lines += [said("Left out: {words}.", words=words) for words in found.left]
     if found.missing:
-        lines.append("Mind: a missing entry may have taken a reading back; look at those before it.")
-    say_either(json, "axiscal-salvage/1", document | lists, lines)
+        lines.append(said("A missing event may have taken a reading back: look at those before it."))
+    say_either(as_json, "axiscal-repair/1", document | lists, lines)
 
 
 def sign(record: OwnRecord, json: Json = False) -> None:

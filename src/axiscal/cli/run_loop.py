@@ -96,9 +96,8 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
     if same and resume:
         return opened
     opened.close()
-    with Record.open(path, write=False) as record:
-        only_begun = all(isinstance(stored.event, Created | Planned | Asked) for stored in record.events())
-    if only_begun:
+    events = Record.open(path, write=False).events()
+    if all(isinstance(stored.event, Created | Planned | Asked) for stored in events):
         path.unlink()
         return None
     if not resume:

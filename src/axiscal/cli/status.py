@@ -21,8 +21,7 @@ from axiscal.language.spoken import counted, decimals, listed, said
 from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
 from axiscal.present.plan_answer import coming_answer
-from axiscal.record.log import EventLog
-from axiscal.record.store import opened_log
+from axiscal.record.store import Record
 from axiscal.units import format_quantity, said_quantity, to_unit
 
 
@@ -46,8 +45,7 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
         with asking(None), Campaign.open(record, write=False, changed=True) as campaign:
             _say_standing(campaign, details, json)
     except CodeError as unrun:
-        with opened_log(record, write=False, changed=True) as log:
-            _say_unrun(log, unrun, json)
+        _say_unrun(Record.open(record, write=False, changed=True), unrun, json)
 
 
 def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
@@ -64,7 +62,7 @@ def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
         say(said("By {person}: readings {readings}.", person=person, readings=readings))
 
 
-def _say_unrun(log: EventLog, unrun: CodeError, as_json: bool) -> None:
+def _say_unrun(log: Record, unrun: CodeError, as_json: bool) -> None:
     """Say what a record says by itself, where only code of somebody's could say more."""
     state = log.state()
     readings = counted("{count} reading", "{count} readings", len(state.readings))

@@ -33,7 +33,7 @@ from axiscal.machine.motion import Driving
 from axiscal.measurement.instruments.kind import CARRIED, TRUED
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.record.accepted import Bumped
-from axiscal.record.copies import TYPE
+from axiscal.record.carried import TYPE
 from axiscal.record.events import Mounted, Warmed
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
@@ -181,7 +181,7 @@ def _prior_text(document: Document) -> str:
     name = document.data.get("prior")
     if not isinstance(name, str) or not name.strip():
         return ""
-    from axiscal.record.copies import carried_text
+    from axiscal.record.carried import carried_text
 
     return carried_text(document.path.parent / name)
 

@@ -21,7 +21,6 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from axiscal.document.durable import drafts_left, exchanged, sync_folder, write_whole
 from axiscal.present.summary import RecordState
-from axiscal.record.lease import lease_of
 
 RECORD = "campaign.axiscal"
 MANIFEST = "manifest.json"
@@ -76,7 +75,7 @@ def mend(folder: Path) -> None:
 def write_manifest(folder: Path, record: RecordState, versions: Mapping[str, str], name: str = MANIFEST) -> None:
     """Write what a set consists of: state of the record, programs, and the SHA-256 of every file; raises OSError."""
     every = (path for path in folder.rglob("*") if path.is_file())
-    files = sorted(path for path in every if path.suffix not in (".axiscal", ".writer"))
+    files = sorted(path for path in every if path.suffix not in (".axiscal", ".before"))
     document = {
         "schema": _SCHEMA,
         "record": {"file": record.file, "event": record.event, "hash": record.hash},
@@ -93,11 +92,7 @@ def _holds_nothing_else(folder: Path, manifest: str) -> bool:
     real, here = folder.resolve(), Path.cwd()
     if folder.is_symlink() or os.path.ismount(real) or real == here or real in here.parents:
         return False
-    own = (
-        _listed(folder / manifest)
-        | {manifest}
-        | ({RECORD, lease_of(Path(RECORD)).name} if manifest == MANIFEST else set())
-    )
+    own = _listed(folder / manifest) | {manifest} | ({RECORD} if manifest == MANIFEST else set())
     first = {PurePosixPath(name).parts[0] for name in own}
     alone = all(path.name in first for path in folder.iterdir()) and set(_files(folder)) <= own
     return alone and os.access(real.parent, os.W_OK)
@@ -129,12 +124,12 @@ def _inside(name: str) -> bool:
 
 
 def _beside(folder: Path, live: Path | None) -> Path | None:
-    """Return a new folder beside, with the record that is written to and its lease in both; None where none can be."""
+    """Return a new folder beside, with the record that is written to in both; None where none can be."""
     staging = folder.parent / f".{folder.name}.{os.getpid()}.new"
     staging.mkdir()
     try:
-        for each in filter(Path.exists, () if live is None else (live, lease_of(live))):
-            os.link(each, staging / each.name)
+        if live is not None and live.exists():
+            os.link(live, staging / live.name)
     except OSError:
         shutil.rmtree(staging)
         return None

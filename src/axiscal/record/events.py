@@ -40,10 +40,7 @@ class Created:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The readings to come, in their order; they replace what was planned before.
-
-    basis : what the plan rests on besides the places of the readings before it, in words
-    """
+    """The readings to come, in the place of those before; basis : what they rest on besides places, in words."""
 
     places: tuple[Place, ...]
     basis: str = ""
@@ -132,11 +129,17 @@ class Signed:
 
 
 @dataclass(frozen=True, slots=True)
+class Lost:
+    """An event of this number does not stand whole any more, or cannot be, and why; repair puts it there."""
+
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
 class Newer:
     """An entry that a newer version wrote: of an unknown kind, or with a field that this version does not know.
 
-    kind, text : as they stand in the record, the text in JSON
-    of_readings : the readings cannot be known without it
+    kind, text : as they stand in the record, in JSON; of_readings : the readings cannot be known without it
     """
 
     kind: str
@@ -146,7 +149,9 @@ class Newer:
 
 Done = Recorded | Skipped | Accepted | Warmed | Finished
 """What can be taken back."""
-Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Newer
+_ASIDE = Noted, Bumped, Signed, Lost, Newer  # what may come after the end, and says nothing of what is known
+_SILENT = Planned, Asked, *_ASIDE
+Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Lost | Newer
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,10 +193,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Undoable:
-    """Something that can be taken back: the event, its number, and the question that was open before it.
-
-    highest : number of a reading or a skip before it; readings : before a mistake was accepted
-    """
+    """What can be taken back, and what was before it: question, highest number; readings before a mistake."""
 
     number: int
     event: Done
@@ -278,8 +280,7 @@ def fold(events: Iterable[Stored]) -> State:
 class Folding:
     """The state while events are added to it, in time proportional to their number; fields as of `State`.
 
-    highest : number of a reading or a skip so far
-    `add` raises EventOrderError; what it was added to is then of no more use.
+    highest : number of a reading or a skip so far.  `add` raises EventOrderError, and then nothing has happened
     """
 
     created: Created | None = None
@@ -315,10 +316,8 @@ class Folding:
         event = stored.event
         if isinstance(event, Created) is (self.created is not None):
             raise EventOrderError("the creation of the campaign is its first event, and no other one")
-        if self.finished is not None and not isinstance(event, Undone | Noted | Bumped | Signed | Newer):
+        if self.finished is not None and not isinstance(event, (Undone, *_ASIDE)):
             raise EventOrderError("it comes after the end of the campaign")
-        if not isinstance(event, Planned | Asked | Noted | Bumped | Signed | Newer):
-            self.continued = event.basis if isinstance(event, Continued) else None
         if isinstance(event, Created):
             self.created = event
         elif isinstance(event, Planned):
@@ -329,20 +328,21 @@ class Folding:
                 del self.plan[0]
         elif isinstance(event, Undone):
             self._take_back(event)
-        elif isinstance(event, Noted | Warmed):
+        elif isinstance(event, (Noted, Warmed)):
             after = self.readings[-1].number or len(self.readings) if self.readings else 0
             warm = event if isinstance(event, Warmed) else None
             self.notes.append(Note(event.text, stored.at, after, warm))
             self.undo += [Undoable(stored.number, warm, self.pending, self.highest)] if warm else []
-        elif isinstance(event, Mounted | Newer | Bumped):
+        elif isinstance(event, (Mounted, Newer, Bumped)):
             kept: Mapping[type, list[Any]] = {Mounted: self.mounted, Newer: self.newer, Bumped: self.bumps}
             kept[type(event)].append(event)
-        elif isinstance(event, Accepted):
-            self.undo.append(Undoable(stored.number, event, self.pending, self.highest, tuple(self.readings)))
-            self._accept(event)
-        elif not isinstance(event, Signed | Continued):
-            self.undo.append(Undoable(stored.number, event, self.pending, self.highest))
-            self._take(event)
+        elif not isinstance(event, (Signed, Continued, Lost)):
+            before = tuple(self.readings) if isinstance(event, Accepted) else ()
+            step = Undoable(stored.number, event, self.pending, self.highest, before)
+            self._accept(event) if isinstance(event, Accepted) else self._take(event)
+            self.undo.append(step)
+        if not isinstance(event, _SILENT):
+            self.continued = event.basis if isinstance(event, Continued) else None
         self.last = stored.number
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
@@ -368,14 +368,13 @@ class Folding:
         """Put readings right; what is asked stays asked."""
         if event.mistake == "jump" and event.reading > self.highest + 1:
             raise EventOrderError(f"reading {event.reading} is not the next one")
+        if event.name and event.name in {each.name for each in self.mounted}:
+            raise EventOrderError(f"there is a set-up {event.name!r} already")
         try:
             self.readings = put_right(self.readings, event, self.created.machine_text if self.created else "")
         except ValueError as fault:
             raise EventOrderError(str(fault)) from None
-        if event.name:
-            if event.name in {each.name for each in self.mounted}:
-                raise EventOrderError(f"there is a set-up {event.name!r} already")
-            self.mounted.append(Mounted(event.setups[0], event.name, ""))
+        self.mounted += [Mounted(event.setups[0], event.name, "")] if event.name else []
         self.renew = True
 
     def _take_back(self, event: Undone) -> None:

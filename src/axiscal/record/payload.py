@@ -111,8 +111,8 @@ _SIDES = frozenset((-1, 0, 1))
 
 def _place(fields: Mapping[str, Any]) -> Place:
     position = tuple(map(_number, fields["position"]))
-    approach = tuple(_is(int, side) for side in fields["approach"])
-    if len(position) != len(approach) or not _SIDES.issuperset(approach):
+    approach = tuple(fields["approach"])
+    if len(position) != len(approach) or not all(type(side) is int and side in _SIDES for side in approach):
         raise ValueError(f"position {position} and approach {approach} do not belong together")
     return Place(_is(str, fields["setup"]), position, approach, _is(bool, fields.get("check", False)))
 
@@ -183,6 +183,7 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], events.Event]] = {
     "mounted": lambda fields: events.Mounted(*(_is(str, fields[name]) for name in ("setup", "name", "branch"))),
     "accepted": _accepted,
     "undone": lambda fields: events.Undone(_is(int, fields["event"])),
+    "lost": lambda fields: events.Lost(_is(str, fields["why"])),
     "signed": lambda fields: events.Signed(_is(str, fields["key"]), _is(str, fields["signature"])),
     "finished": _finished,
 }

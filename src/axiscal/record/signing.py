@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import contextlib
 import getpass
-import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -131,15 +130,6 @@ def holds(document: Mapping[str, object], signed: Signature) -> bool:
     except (InvalidSignature, ValueError):
         return False
     return True
-
-
-def what_is_signed(at: str, entries: Iterable[tuple[str, str]]) -> dict[str, object]:
-    """Return the document that a signature in a log is of.
-
-    at : time of the signature;  entries : time of writing and chain of all events before it
-    """
-    lines = "".join(f"{written} {chain}\n" for written, chain in entries)
-    return {"at": at, "before": hashlib.sha256(lines.encode()).hexdigest()}
 
 
 def _message(document: Mapping[str, object], by: Signature) -> bytes:

@@ -1,21 +1,26 @@
-"""The campaign record: one file to which events are only ever appended.
+"""The campaign record: one file to which lines are only ever appended, and the one door to it.
 
 A reading is acknowledged when `Record.append` returns. By then it is on the disk, in this file and in no other, and
-outlives the process and the power. How the file is made: `line_form`.
+outlives the process and the power. How the file is made: `lines`.
+
+Nobody leases a record. Who writes appends, reads back from there on, and is told where somebody else came first: two
+lines of one number are a branch, which is named until `repair` has asked what becomes of it.
 """
 
 from __future__ import annotations
 
 import contextlib
-import errno
 import gc
+import hashlib
 import os
-from collections.abc import Iterable, Iterator, Sequence
+import uuid
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
 from axiscal.document.durable import (
-    HeldError,
+    Closing,
     alone,
     clear_drafts,
     draft_of,
@@ -23,65 +28,62 @@ from axiscal.document.durable import (
     sync,
     sync_folder,
     write_at,
+    write_whole,
     written,
 )
-from axiscal.exceptions import NewerError, RecordError
+from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said
-from axiscal.record.events import Created
-from axiscal.record.lease import leave, take
-from axiscal.record.line_form import (
-    BLOCK,
-    FORM,
-    HEADS,
-    MARK,
-    MARKS,
-    MOST_TORN,
-    START,
+from axiscal.record.door import ALL, BINARY, opened, record_errors, refuse_other_form, repairing
+from axiscal.record.earlier import is_earlier, told_anew
+from axiscal.record.events import Created, Event, Signed, State, Stored
+from axiscal.record.lines import (
+    EMPTY,
+    HEAD,
+    SLOTS,
     DamageError,
     EventText,
-    Mark,
-    form_of,
+    KeptLine,
+    chained,
+    count_bytes,
+    counts,
+    entry,
     head,
-    is_torn,
-    mark_bytes,
-    read_mark,
-    rows_after,
-    taken_for_text,
-    transaction,
-    whole_after,
+    whole_lines,
 )
-from axiscal.record.log import ChainedText, EventLog, in_one, refuse_changed, refuse_overtaken, rows_of
+from axiscal.record.payload import encode, hand_of
+from axiscal.record.signing import Hand, key_file, signature
+from axiscal.record.story import SignedUntil, Story, now, rows_of, signable, signed_until
 
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
-_CLOSED = -1
-"""No handle of any file."""
 
 
-class Record(EventLog):
-    """An open campaign record; a context manager. Every failure is a RecordError that names the file."""
+class Record(Closing):
+    """An open campaign record; a context manager. Every failure is a RecordError that names the file.
 
-    def __init__(self, path: Path, handle: int, *, write: bool = True) -> None:
-        super().__init__(path)
-        self._handle, self._write = handle, write
-        self._mark, self._older, self._turn = Mark(), MARKS[0], 0
-        self._leased = False
+    path : as people name it
+    """
+
+    def __init__(self, path: Path, *, write: bool = True) -> None:
+        self.path, self._file, self._write = path, path.absolute(), write
+        self.lines, self._story, self._chain = list[KeptLine](), Story(), EMPTY
+        self._end, self._seen, self._writer = HEAD, -1, uuid.uuid4().hex[:16]
 
     @classmethod
     def create(cls, path: str | Path, created: Created) -> Self:
         """Return a new record that holds the event `created`; the file appears whole and checked, or not at all."""
-        return cls.made(path, rows_of([created]))
+        return cls.made(path, content_of(rows_of([created])))
 
     @classmethod
-    def made(cls, path: str | Path, rows: Sequence[EventText]) -> Self:
-        """Return a new record of events as they were written elsewhere; raises RecordError where there is a file."""
+    def made(cls, path: str | Path, content: bytes) -> Self:
+        """Return a new record of the content of a file; raises RecordError where there is a file."""
         path = Path(path)
         clear_drafts(path.parent, path.name)
         refuse_existing(path)
         draft = draft_of(path)
         with record_errors(path):
             try:
-                written(draft, content_of(in_one(rows))[0])
+                written(draft, content)
                 cls.open(draft, write=False).close()
                 _publish(draft, path)
             finally:
@@ -90,165 +92,251 @@ class Record(EventLog):
         return cls.open(path)
 
     @classmethod
-    def open(cls, path: str | Path, *, write: bool = True) -> Self:
-        """Return an existing record, checked: its kind, its form, every event. Only what writes may be kept waiting."""
-        path = Path(path)
-        with record_errors(path):
+    def open(cls, path: str | Path, *, write: bool = True, changed: bool = False) -> Self:
+        """Return an existing record, checked: its kind, its form, every event, every signature.
+
+        changed : also one that was changed since somebody signed it.  Only what writes may be kept waiting
+        """
+        record = cls(Path(path), write=write)
+        with record_errors(record.path):
             if write:
-                clear_drafts(path.parent, path.name)
-            _refuse_other_form(path)
-            handle = os.open(path, (os.O_RDWR if write else os.O_RDONLY) | getattr(os, "O_BINARY", 0))
-            record = cls(path, handle, write=write)
+                clear_drafts(record.path.parent, record.path.name)
+                if record.path.is_file():
+                    os.close(os.open(record.path, os.O_RDWR))
             collecting = gc.isenabled()
             gc.disable()  # events are no garbage, and there may be a hundred thousand
             try:
                 record._catch_up()
-            except BaseException:
-                record.close()
-                raise
             finally:
                 if collecting:
                     gc.enable()
-            return record
+        signed = None if changed else record.signed()
+        if signed is not None and not signed.holds:
+            what = "The record was changed since {person} signed it at event {number}"
+            remedy = "Go on with a copy of before; tools/check_record.py says what was changed"
+            raise RecordError(what, remedy, record.path, person=signed.by.person, number=signed.number)
+        return record
 
     @property
     def name(self) -> str:
         """The name of what the record holds: a hash chained over the contents of its events, 64 hex digits."""
-        return self._mark.chain
+        return self._chain
+
+    def append(self, *events: Event, after: int | None = None) -> int:
+        """Keep `events`, all or none, and return the number of the last one.
+
+        after : number of the last event the caller knows of; OvertakenError if another one has written since
+        Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
+        """
+        self._story.refuse_to_add(self.path)
+        return self.extend(rows_of(events), after)
 
     def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
-        """Write events as they were written elsewhere, in one transaction; else as `append`."""
-        handle = self._handle
-        if handle == _CLOSED or not self._write:
+        """Keep events as they were written elsewhere, all or none; else as `append`."""
+        if not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
         with record_errors(self.path):
-            if self.path.exists() and take(self.path):
-                self._open_anew()
-            self._leased = True
-        with record_errors(self.path), alone(handle, PATIENCE):
-            if not (self.path.exists() and os.path.samestat(os.fstat(handle), os.stat(self.path))):
-                what = "The record is no longer here: it was moved, or another file was put in its place"
-                remedy = "Put it back, then give the command again; what was acknowledged is in it"
-                raise RecordError(what, remedy, self.path)
-            self._catch_up()
-            refuse_overtaken(self._mark.last, after, self.path)
-            if rows:
-                rows = in_one(rows)
-                content, mark = transaction(self._mark, rows)
-                story = self._story.then(rows, self.path)
-                other = MARKS[self._older == MARKS[0]]
-                newest = read_at(handle, other, MARK)
-                try:
-                    os.ftruncate(handle, self._mark.end)
-                    write_at(handle, self._mark.end, content)
-                    sync(handle)
-                except OSError:  # whole lines would count, and these are not acknowledged
-                    with contextlib.suppress(OSError):
-                        os.ftruncate(handle, self._mark.end)
-                    raise
-                write_at(handle, self._older, mark_bytes(mark))
-                sync(handle)
-                stands = {self._mark.end: content, self._older: mark_bytes(mark), other: newest}
-                if any(self._read_back(at, len(text)) != text for at, text in stands.items()):
-                    raise self._branched(rows, mark)
-                self._older, self._turn = other, mark.turn
-                self._mark, self._story = mark, story
-        return self._mark.last
+            if self._seen >= 0:
+                self._bring()
+            with self._held() as handle:
+                self._catch_up()
+                if after is not None and self.last_read != after:
+                    remedy = "Look at it with `axiscal step status`, then give the command again"
+                    raise OvertakenError(
+                        "Another process has written to this record in the meantime", remedy, self.path
+                    )
+                if rows:
+                    self._story.refuse_unfit(rows, self.path)
+                    self._add(handle, rows)
+        return self.last_read
 
-    def _open_anew(self) -> None:
-        """Let go of what the system remembers of the file: another computer may have written to it."""
-        anew = os.open(self.path, os.O_RDWR | getattr(os, "O_BINARY", 0))
-        if os.path.samestat(os.fstat(anew), os.fstat(self._handle)):
-            os.dup2(anew, self._handle)
-        os.close(anew)
-
-    def _read_back(self, at: int, size: int) -> bytes:
-        """Return what another opening of the file sees."""
-        anew = os.open(self.path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+    def _add(self, handle: int, rows: Sequence[EventText]) -> None:
+        added = entry(rows, self.campaign, self._writer, self.last_read, self.lines[-1].hash)
+        content = b"".join(line.written() for line in added)
+        size = os.fstat(handle).st_size
+        if read_at(handle, size - 1, 1) != b"\n":
+            content = b"\n" + content  # behind what nobody has finished writing
         try:
-            return read_at(anew, at, size)
+            write_at(handle, size, content)
+            sync(handle)
+        except OSError:  # whole lines would count, and these are not acknowledged
+            with contextlib.suppress(OSError):
+                if os.fstat(handle).st_size <= size + len(content):
+                    os.ftruncate(handle, size)
+            raise
+        self._catch_up()
+        if self.lines[-1].hash != added[-1].hash:
+            what = "Another computer has written at the same place, and the entry is not kept"
+            raise RecordError(what, "Give the command again", self.path)
+        anew = os.open(self._file, os.O_RDWR | BINARY)
+        try:
+            least = [-1 if each is None else each for each in counts(read_at(anew, 0, HEAD))]
+            write_at(anew, SLOTS[least[0] > least[1]], count_bytes(self.last_read))
         finally:
             os.close(anew)
 
-    def _branched(self, rows: Sequence[EventText], mark: Mark) -> RecordError:
-        """Keep events beside a record that another computer writes to at the same place; return what to say."""
-        before = rows_after(Mark(), self._read_back(START, self._mark.end - START))
-        branch = self.path.with_name(f"{self.path.stem}-{mark.chain[:8]}.axiscal")
-        Record.made(branch, [*(row for row, _ in before), *rows]).close()
-        what = "Another computer has written at the same place; what was to be written is in {branch}"
-        remedy = "Let one computer write at a time. Record the readings of {branch} here"
-        return RecordError(what, remedy, self.path, branch=branch)
+    def sign(self) -> bool:
+        """Let this person answer for all events so far, and return whether; not without a key, nor twice.
+
+        Raises NewerError as `append`, OvertakenError if another process writes meanwhile.
+        """
+        self._story.refuse_to_add(self.path)
+        if not key_file().exists():
+            return False
+        self.last()
+        at, last = now(), self.lines[-1].row
+        by = signature(signable(at, self.rows))
+        if by is None or (last.kind == "signed" and by.key in last.payload):
+            return False
+        row = EventText(at, *encode(Signed(by.key, by.signature), Hand(by.person, by.computer)))
+        self.extend([row], after=self.last_read)
+        return True
+
+    def signed(self) -> SignedUntil | None:
+        """Return what vouches for the record: its last signature, or the first that does not hold; None for nobody."""
+        return signed_until(self.events(), self.rows)
+
+    @property
+    def campaign(self) -> str:
+        """The id of the campaign, drawn once."""
+        return self.lines[0].campaign
+
+    @property
+    def last_read(self) -> int:
+        """The number of the last event that has been read."""
+        return len(self.lines)
+
+    @property
+    def rows(self) -> list[EventText]:
+        """All events that have been read, as they were written."""
+        return [line.row for line in self.lines]
 
     def last(self) -> int:
-        """Return the number of the last event, 0 if there is none."""
+        """Take in what others have written since, and return the number of the last event."""
         with record_errors(self.path):
             self._catch_up()
-        return self._mark.last
+        return self.last_read
 
-    def texts(self) -> tuple[ChainedText, ...]:
-        """Return all events as they were written."""
+    def events(self) -> tuple[Stored, ...]:
+        """Return all events, oldest first."""
         self.last()
-        with record_errors(self.path):
-            content = read_at(self._handle, START, self._mark.end - START)
-            return tuple(ChainedText(row, mark.chain) for row, mark in rows_after(Mark(), content))
+        return tuple(self._story.events)
+
+    def state(self) -> State:
+        """Return the state folded from all events."""
+        self.last()
+        return replace(self._story.state(self.path), name=self.name)
+
+    def holds(self, step: str) -> bool:
+        """Return whether a step wrote more than a plan.  step : its id, hex digits; "" for none"""
+        self.last()
+        mark = f'"step":"{step}"'  # in what a person wrote it would stand with backslashes
+        rows = self.rows if step else []
+        return any(mark in row.payload and row.kind not in ("planned", "continued", "asked") for row in rows)
 
     def close(self) -> None:
-        """Close the file; what was appended is safe without it."""
-        if self._handle != _CLOSED:
-            if self._leased:
-                leave(self.path)
-            os.close(self._handle)
-            self._handle = _CLOSED
+        """Write no more; what was appended is safe without it."""
+        self._write = False
+
+    @contextlib.contextmanager
+    def _held(self) -> Iterator[int]:
+        """Yield the file, opened to append, which nobody else writes to where the system has locks."""
+        while True:
+            handle = os.open(self._file, os.O_RDWR | os.O_APPEND | BINARY)
+            try:
+                with alone(handle, PATIENCE):
+                    if os.path.samestat(os.fstat(handle), os.stat(self._file)):  # nobody has brought it meanwhile
+                        yield handle
+                        return
+            finally:
+                os.close(handle)
+
+    def _bring(self) -> None:
+        """Write a record of an earlier form anew in this one, and keep the old one beside it."""
+        with self._held() as handle:
+            content = read_at(handle, 0, ALL)
+            if is_earlier(content):
+                self._catch_up()
+                digest = hashlib.sha256(content).hexdigest()[:8]
+                write_whole(self._file.with_name(f"{self.path.name}.{digest}.before"), content)
+                write_whole(self._file, told_anew(content))
+        self._seen = -1  # bytes of a record of an earlier form
 
     def _catch_up(self) -> None:
-        """Take over what has been written since the last look."""
-        marks = {at: read_mark(read_at(self._handle, at, MARK)) for at in MARKS}
-        whole = {at: mark for at, mark in marks.items() if isinstance(mark, Mark)}
-        if not whole:
-            raise DamageError("neither of the two marks of its end can be read")
-        newest = max(whole, key=lambda at: whole[at].turn)
-        self._older = MARKS[newest == MARKS[0]]
-        mark = whole[newest]
-        if mark.turn < self._turn and None not in marks.values():
-            raise DamageError("an older copy has been written over it")
-        self._turn = mark.turn
-        if mark.turn == self._mark.turn and mark != self._mark:
-            raise DamageError("another record has been written over it")
-        if mark.turn > self._mark.turn:
-            content = read_at(self._handle, self._mark.end, mark.end - self._mark.end)
-            rows = list(rows_after(self._mark, content))
-            if not rows or rows[-1][1] != mark:
-                ends = self._mark.last + len(rows)
-                if ends == mark.last:
-                    raise DamageError(f"the mark of its end is not that of event {ends}")
-                raise DamageError(f"it ends at event {ends} and should end at event {mark.last}")
-            self._take(rows)
-        if os.fstat(self._handle).st_size < self._mark.end:
-            raise DamageError(f"it ends before event {self._mark.last}")
-        end, behind = self._mark.end, read_at(self._handle, self._mark.end, MOST_TORN)
-        self._take(whole_after(self._mark, behind))
-        if not is_torn(self._mark, behind[self._mark.end - end :]):
-            raise DamageError(f"whole lines stand behind event {self._mark.last} and do not follow from it")
+        """Take over what has been written since the last look, as the file has it when it is opened anew."""
+        block, behind = self._read()
+        known = [each for each in counts(block) if each is not None]
+        if not known:
+            raise DamageError("neither of the two counts of its events can be read")
+        waiting, start, before = list[KeptLine](), self._end, self._newest()
+        for line, end in whole_lines(behind):
+            if waiting and not (line.last == waiting[0].last and line.follows(before)):
+                waiting, before = [], self._newest()  # an entry that nobody has finished
+            if not line.follows(before):
+                self._refuse_unknown(line)
+                continue
+            waiting.append(line)
+            before = line
+            if line.number == line.last:
+                self._take(waiting)
+                waiting, self._end = [], start + end
+        if self.last_read < max(1, *known):
+            raise DamageError(f"it ends at event {self.last_read} and should end at event {max(1, *known)}")
 
-    def _take(self, rows: Iterable[tuple[EventText, Mark]]) -> None:
-        for row, mark in rows:
-            self._story.happened(mark.last, row)
-            self._mark = mark
+    def _newest(self) -> KeptLine | None:
+        return self.lines[-1] if self.lines else None
+
+    def _read(self) -> tuple[bytes, bytes]:
+        """Return the head, and what stands behind the last line that was read."""
+        handle = opened(self._file, self.path)
+        try:
+            block, size = read_at(handle, 0, HEAD), os.fstat(handle).st_size
+            if is_earlier(block):
+                if size == self._seen:
+                    return head(0), b""
+                self._seen, content = size, told_anew(read_at(handle, 0, ALL))
+                return content[:HEAD], content[self._end :]
+            refuse_other_form(block, handle, self.path)
+            if size < self._end:
+                raise DamageError("an older copy has been written over it")
+            return block, read_at(handle, self._end, ALL)
+        finally:
+            os.close(handle)
+
+    def _refuse_unknown(self, line: KeptLine) -> None:
+        """Raise DamageError, RecordError of a branch, for a line that does not follow and is not there already."""
+        there = self.lines[line.number - 1] if line.number <= self.last_read else None
+        if there.hash == line.hash if there is not None else line.first == self.last_read + 1:
+            return  # it stands there twice, or is what is left of an entry that nobody has finished
+        if there is None or line.campaign != there.campaign:
+            raise DamageError(f"whole lines stand behind event {self.last_read} and do not follow from it")
+        what = "Two went on from event {number}: {one}, and {other}"
+        remedy = said("Ask what becomes of both: {command}", command=repairing(self.path))
+        one, other = said_hand(there.row), said_hand(line.row)
+        raise RecordError(what, remedy, self.path, number=line.number - 1, one=one, other=other)
+
+    def _take(self, lines: Sequence[KeptLine]) -> None:
+        for line in lines:
+            self._story.happened(line.number, line.row)
+            self._chain = chained(self._chain, line.row)
+        self.lines += lines
 
 
-def opened_log(path: str | Path, *, write: bool = True, changed: bool = False) -> Record:
-    """Return the log of an existing record, checked; raises RecordError.
+def said_hand(row: EventText) -> str:
+    """Return who wrote an event, and when, in words."""
+    hand = hand_of(row.payload) or Hand("?", "?")
+    return said("{person} on {computer}, {at}", person=hand.person, computer=hand.computer, at=row.at[:16])
 
-    changed : also where it was changed since somebody signed it
-    """
-    log = Record.open(path, write=write)
-    try:
-        if not changed:
-            refuse_changed(log)
-    except BaseException:
-        log.close()
-        raise
-    return log
+
+def content_of(rows: Sequence[EventText], campaign: str = "") -> bytes:
+    """Return the file of a record that holds these events, by default of a campaign of its own."""
+    made = entry(rows, campaign or uuid.uuid4().hex, uuid.uuid4().hex[:16])
+    return content_of_lines(made)
+
+
+def content_of_lines(lines: Sequence[KeptLine]) -> bytes:
+    """Return the file of a record that holds these lines."""
+    return head(len(lines)) + b"".join(line.written() for line in lines)
 
 
 def refuse_existing(path: Path) -> None:
@@ -258,11 +346,34 @@ def refuse_existing(path: Path) -> None:
         raise RecordError("This file exists already", remedy, path)
 
 
-def content_of(rows: Sequence[EventText]) -> tuple[bytes, Mark]:
-    """Return the file of a record that holds these events, and its mark."""
-    lines, mark = transaction(Mark(), rows)
-    blocks = mark_bytes(mark).ljust(BLOCK - 1) + b"\n" + (BLOCK - 1) * b" " + b"\n"
-    return head() + blocks + lines, mark
+def write_copy(record: Record, path: Path) -> None:
+    """Write a copy of a record, in the place of an earlier copy if there is one; raises as `refuse_other`."""
+    if _is_itself(record, path):
+        return
+    refuse_other(record, path)
+    with record_errors(path):
+        write_whole(path, content_of_lines(record.lines))
+
+
+def refuse_other(record: Record, path: Path) -> None:
+    """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
+    if not path.exists() or _is_itself(record, path):
+        return
+    remedy = "Name another folder, or move it away"
+    try:
+        there = Record.open(path, write=False).lines
+    except RecordError as failure:
+        what = "A file with the name of the record is here already: {why}"
+        raise RecordError(what, remedy, path, why=failure.what) from None
+    if there[0].campaign != record.campaign:
+        raise RecordError("Another campaign's record is here already", remedy, path)
+    if [line.row for line in there] != record.rows[: len(there)]:
+        remedy = "Name another folder, or move it away; or go on with that one"
+        raise RecordError("The copy that is here has gone on by itself", remedy, path)
+
+
+def _is_itself(record: Record, path: Path) -> bool:
+    return path.exists() and record.path.exists() and path.samefile(record.path)
 
 
 def _publish(draft: Path, path: Path) -> None:
@@ -274,64 +385,3 @@ def _publish(draft: Path, path: Path) -> None:
         refuse_existing(path)
         draft.rename(path)
     sync_folder(path.parent)
-
-
-def _refuse_other_form(path: Path) -> None:
-    """Raise RecordError for a file that is no record, or of a form to come."""
-    if path.exists() and not path.is_file() and not path.is_dir():
-        raise RecordError("This is a pipe or a device", "Name a record, which is a file", path)
-    try:
-        with path.open("rb") as file:
-            start = file.read(START)
-    except FileNotFoundError:
-        raise RecordError("There is no such record", "Start one with `axiscal step start CAMPAIGN`", path) from None
-    except IsADirectoryError:
-        inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
-        raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside) from None
-    except OSError as error:
-        remedy = "Name a file you may read"
-        raise RecordError("The record cannot be opened: {strerror}", remedy, path, strerror=error.strerror) from error
-    form = form_of(start)
-    if form is not None and form > FORM:
-        what = "This record was written by a newer axiscal (form {form}; this one knows {known})"
-        remedy = "Install the newer version to go on with it; nothing was changed"
-        raise NewerError(what, remedy, path, form=form, known=FORM)
-    if start[:BLOCK] in HEADS:
-        return
-    if taken_for_text(start):
-        raise DamageError("a program took it for text and changed line ends or blanks; salvage undoes that")
-    if any(isinstance(read_mark(start[at:]), Mark) for at in MARKS):
-        raise DamageError("its first lines are not as they were written")
-    if start[:16] == b"SQLite format 3\0" and start[68:72] == b"AXIS":
-        remedy = "Bring it into today's: python tools/bring_first_form.py RECORD NEW"
-        raise RecordError("This record is of the first form, an SQLite database", remedy, path)
-    remedy = "Name a record, a file *.axiscal; `axiscal step start CAMPAIGN` makes one"
-    raise RecordError("This file is not a campaign record", remedy, path)
-
-
-@contextlib.contextmanager
-def record_errors(path: Path) -> Iterator[None]:
-    """Turn what the file system or a foreign writer did into a RecordError."""
-    try:
-        yield
-    except DamageError as error:
-        raise RecordError("The record is damaged: {reason}", restoring(path), path, reason=error) from error
-    except HeldError:
-        remedy = "Close it or wait, then give the command again"
-        raise RecordError("Another program holds this record and is writing", remedy, path) from None
-    except OSError as error:
-        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
-            what = "The record cannot be written here"
-            remedy = "Put it in a folder that exists and that you may write to"
-        else:
-            what = "The disk did not take the entry ({reason})"
-            remedy = "Make room; everything acknowledged before is kept"
-        raise RecordError(what, remedy, path, reason=error.strerror or error) from error
-
-
-def restoring(path: Path) -> str:
-    """Return what to do about a damaged record."""
-    left = said("the file has been left as it was")
-    new = path.with_name(f"{path.stem}-salvaged.axiscal")
-    command = f"axiscal data salvage {path} {new}"
-    return said("Restore it from a copy, or save what stands whole: {command}; {left}", command=command, left=left)

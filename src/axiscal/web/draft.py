@@ -37,7 +37,7 @@ from axiscal.present.plan_answer import coming_answer, minutes_curve
 from axiscal.present.plan_words import open_questions, planned_figures
 from axiscal.present.schematic import machine_schematic, setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
-from axiscal.record.store import record_errors
+from axiscal.record.door import record_errors
 from axiscal.units import parse_quantity, to_unit, within
 from axiscal.web import shapes
 

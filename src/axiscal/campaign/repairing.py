@@ -1,0 +1,351 @@
+"""A new record of what stands whole in damaged ones and in copies that went on apart: the union of their lines.
+
+Each line says its campaign, its number and the line before, so that nothing is inferred. What is missing has a number
+and is named; two lines of one number are a branch, and a person says whether it counts.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+from axiscal.campaign.possible import Possible
+from axiscal.document.consent import asking
+from axiscal.estimation.inheritance import created_description
+from axiscal.exceptions import CodeError, NewerError, RecordError
+from axiscal.language.spoken import counted, said
+from axiscal.record.accepted import Accepted
+from axiscal.record.earlier import UNPROVEN, told_anew
+from axiscal.record.events import (
+    Created,
+    Event,
+    EventOrderError,
+    Finished,
+    Folding,
+    Lost,
+    Newer,
+    Noted,
+    Recorded,
+    Signed,
+    State,
+    Stored,
+    Undone,
+)
+from axiscal.record.lines import EMPTY, HEAD, DamageError, EventText, KeptLine, counts, entry, whole_lines
+from axiscal.record.payload import PayloadError, decode, encode, hand_of
+from axiscal.record.store import Record, content_of_lines, refuse_existing, said_hand
+from axiscal.record.story import rows_of, signed_by
+
+_MOST = 20
+"""So many stretches and entries are listed in the note; all are printed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Repaired:
+    """What came back.
+
+    state : of the new record; entries : of the old ones that it has
+    missing, left : sentences on entries that do not stand whole, and on those that do and are not used
+    """
+
+    state: State
+    entries: int
+    missing: tuple[str, ...]
+    left: tuple[str, ...]
+
+
+class _TakenBackError(Exception):
+    """The event of this number must have been taken back by one that is missing."""
+
+
+def repaired(
+    paths: Sequence[Path],
+    new: Path,
+    asked: Callable[[str], bool],
+    *,
+    beginning: Created | None = None,
+    campaign: str = "",
+) -> Repaired:
+    """Write a new record of the union of others, each event under its own number; they stay as they are.
+
+    asked : whether readings are taken in of which somebody has to say that they count
+    beginning : the first event, where it is lost; campaign : the first digits of its id, where there are several
+    Raises RecordError, also where there is something at `new`.
+    """
+    refuse_existing(new)
+    try:
+        found = _united((path.read_bytes() for path in paths), campaign)
+    except _SeveralError as several:
+        raise _not_one(several, paths[0]) from None
+    trunk = dict(found.trunk)
+    if beginning is not None and 1 not in trunk:
+        trunk |= {1: entry(rows_of([beginning]), next(iter(trunk.values())).campaign, "")[0]}
+    left = list[str]()
+    unproven = {number: line for number, line in trunk.items() if line.writer == UNPROVEN}
+    if unproven and not asked(_unproven_words(unproven)):
+        left.append(_unproven_words(unproven))
+        trunk = {number: line for number, line in trunk.items() if number not in unproven}
+    rows, folding, possible = _told(trunk, paths[0], left)
+    if folding.created is None:
+        what = "Event 1, with the descriptions, does not stand whole; {kept} readings stand"
+        remedy = "Name a copy of the record by `axiscal data merge`, or its campaign.toml: --beginning FILE"
+        raise RecordError(what, remedy, paths[0], kept=sum(line.row.kind == "recorded" for line in trunk.values()))
+    rows += _taken_in(found, folding, possible, asked, left)
+    missing = tuple(_missing_words(trunk, found))
+    told = [*missing, *left]
+    more = [f"and {len(told) - _MOST} more"] if len(told) > _MOST else []
+    listed = "; ".join([*told[:_MOST], *more]) or "nothing"
+    names = " and ".join(path.name for path in paths)
+    rows += rows_of([Noted(f"repaired from {names}, {len(trunk)} events. Missing: {listed}")])
+    with Record.made(new, content_of_lines(_chained(trunk, rows))) as record:
+        return Repaired(record.state(), len(trunk), missing, tuple(left))
+
+
+def _not_one(several: _SeveralError, path: Path) -> RecordError:
+    if not several.lines:
+        remedy = "Name a record that `axiscal step start` or `axiscal step run` has made, or restore it from a copy"
+        return RecordError("No entry of a record stands whole here", remedy, path)
+    listed = ", ".join(f"{name[:8]} ({count})" for name, count in several.lines.items())
+    what = "Lines of several campaigns stand here: {listed}"
+    return RecordError(what, "Name the one that you mean, such as --campaign {name}", path, listed=listed, name="1a2b")
+
+
+def _unproven_words(lines: Mapping[int, KeptLine]) -> str:
+    form = said("a record of an earlier form does not say whose the lines behind a gap are")
+    one, many = "{count} line from event {first} on", "{count} lines from event {first} on"
+    return f"{form}: {counted(one, many, len(lines), first=min(lines))}"
+
+
+def _told(
+    trunk: Mapping[int, KeptLine], path: Path, left: list[str]
+) -> tuple[list[EventText], Folding, Possible | None]:
+    """Return the events of all numbers, those that are lost or cannot be as `Lost`; adds why to `left`."""
+    taken_back = dict[int, str]()
+    while True:
+        why = dict(taken_back)
+        try:
+            rows, folding, possible = _followed(trunk, why, path)
+        except _TakenBackError as must:
+            taken_back[must.args[0]] = "what follows shows that it was taken back"
+        else:
+            left += [f"event {number} ({trunk[number].row.kind}): {each}" for number, each in sorted(why.items())]
+            return rows, folding, possible
+
+
+def _followed(
+    trunk: Mapping[int, KeptLine], left: dict[int, str], path: Path
+) -> tuple[list[EventText], Folding, Possible | None]:
+    folding, rows, possible, whole = Folding(), list[EventText](), None, True
+    for number in range(1, max(trunk, default=0) + 1):
+        line = trunk.get(number)
+        if line is not None and number not in left:
+            row, event = line.row, _event(line.row)
+            if isinstance(event, Newer) and event.of_readings:
+                what = "Event {number} is an entry of a newer version: {kind}"
+                raise NewerError(what, "Repair it with that one", path, number=number, kind=event.kind)
+            why = _unfit(event, row, rows, whole, possible)
+            try:
+                if not why and not isinstance(event, str):
+                    folding.add(Stored(number, row.at, event))
+            except EventOrderError as fault:
+                last = folding.undo[-1].number if folding.undo else 0
+                behind = folding.finished is not None or (isinstance(event, Undone) and event.event < last)
+                if not whole and last and behind:
+                    raise _TakenBackError(last) from None
+                why = str(fault)
+            if not why and not isinstance(event, str):
+                possible = _possible(event) if number == 1 else possible and possible.after(event)
+                rows.append(row)
+                continue
+            left[number] = why
+        whole = False
+        lost = Lost(left.get(number, "not whole"))
+        rows.append(EventText(rows[-1].at if rows else _first(trunk).at, *encode(lost)))
+        if folding.created is not None:
+            folding.add(Stored(number, rows[-1].at, lost))
+    return rows, folding, possible
+
+
+def _first(trunk: Mapping[int, KeptLine]) -> EventText:
+    return next(iter(trunk.values())).row
+
+
+def _event(row: EventText) -> Event | str:
+    try:
+        return decode(row.kind, row.payload)
+    except PayloadError as error:
+        return str(error)
+
+
+def _unfit(
+    event: Event | str, row: EventText, before: Sequence[EventText], whole: bool, possible: Possible | None
+) -> str:
+    """Return why a whole entry cannot stand where others are missing, "" where it can."""
+    if isinstance(event, str):
+        return event
+    if isinstance(event, Accepted) and not whole:
+        return "what it puts right may be missing; accept it anew"
+    if isinstance(event, Signed) and not (whole and signed_by(row, event, before)[1]):
+        return "it answers for what is missing, or was changed; sign anew"
+    return possible.fault(event) if possible is not None else ""
+
+
+def _possible(created: Event) -> Possible | None:
+    """Return what can be on the machine of a campaign; None where only code of somebody's could tell."""
+    with suppress(CodeError), asking(None):
+        return Possible.at_start(created_description(created)) if isinstance(created, Created) else None
+    return None
+
+
+def _taken_in(
+    found: _Union, folding: Folding, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
+) -> list[EventText]:
+    """Return the readings of branches that a person wants, to come last; adds the others to `left`."""
+    taken = list[EventText]()
+    for every in found.branches:
+        branch = [line for line in every if line.last <= every[-1].number]
+        if not branch:
+            left.append(f"event {every[0].number}: of an entry that nobody has finished")
+            continue
+        readings = [row for row in _readings(branch) if possible is None or not possible.fault(decode(*row[1:]))]
+        number, by = branch[0].number - 1, said_hand(branch[0].row)
+        words = counted(
+            "two went on from event {number}: {count} reading of {by} stands beside",
+            "two went on from event {number}: {count} readings of {by} stand beside",
+            len(readings),
+            number=number,
+            by=by,
+        )
+        if readings and asked(words):
+            taken += readings
+        else:
+            left.append(words)
+    if taken and folding.finished is not None:
+        end = next(each.number for each in reversed(folding.undo) if isinstance(each.event, Finished))
+        return [*rows_of([Undone(end)]), *taken]
+    return taken
+
+
+def _readings(branch: Sequence[KeptLine]) -> Iterator[EventText]:
+    """Yield the readings that a branch leaves standing, without numbers: others may have been given the same."""
+    standing = list[EventText | None]()
+    for line in branch:
+        event = _event(line.row)
+        if isinstance(event, Recorded):
+            free = Recorded(replace(event.reading, number=None))
+            standing.append(line.row._replace(payload=encode(free, hand_of(line.row.payload))[1]))
+        elif isinstance(event, Undone) and standing:
+            standing.pop()  # which is what came last of what can be taken back
+        elif line.row.kind in ("skipped", "accepted", "warmed", "finished"):
+            standing.append(None)
+    return filter(None, standing)
+
+
+def _chained(trunk: Mapping[int, KeptLine], rows: Sequence[EventText]) -> list[KeptLine]:
+    """Return lines of all events: as they were written up to the first that is lost or changed, then in one entry."""
+    whole = 0
+    while whole + 1 in trunk and trunk[whole + 1].row == rows[whole] and trunk[whole + 1].follows(trunk.get(whole)):
+        whole += 1
+    while whole and trunk[whole].last > whole:
+        whole -= 1
+    kept = [trunk[number] for number in range(1, whole + 1)]
+    campaign = next(iter(trunk.values())).campaign
+    return [*kept, *entry(rows[whole:], campaign, "", whole, kept[-1].hash if kept else EMPTY)]
+
+
+def _missing_words(trunk: Mapping[int, KeptLine], found: _Union) -> Iterator[str]:
+    for before, number in pairwise([0, *sorted(trunk), max(found.least, max(trunk)) + 1]):
+        if number - before == 2:
+            yield f"event {before + 1}"
+        elif number - before > 2:
+            yield f"events {before + 1} to {number - 1}"
+    for name, count in found.others.items():
+        yield f"{count} lines of another campaign, {name[:8]}"
+
+
+class _Union(NamedTuple):
+    """What stands whole.
+
+    trunk : lines by number, where two have one those of the longer way; branches : the others, run by run
+    others : how many lines are of other campaigns, by id; least : so many events there were at least
+    """
+
+    trunk: Mapping[int, KeptLine]
+    branches: Sequence[Sequence[KeptLine]]
+    others: Mapping[str, int]
+    least: int
+
+
+_NUMBERS = 10**7
+"""Events: no record has a tenth of them, and a number beyond is nobody's."""
+
+
+class _SeveralError(Exception):
+    """Lines of several campaigns, or of none, that a name fits.  lines : how many there are of each"""
+
+    def __init__(self, lines: Mapping[str, int]) -> None:
+        super().__init__(lines)
+        self.lines = lines
+
+
+def _united(contents: Iterable[bytes], campaign: str = "") -> _Union:
+    """Return the union of the lines of files.  campaign : the first digits of its id, where there are several
+
+    Raises _SeveralError.
+    """
+    found, least = dict[str, KeptLine](), 0
+    for content in contents:
+        whole = [line for line, _ in whole_lines(content)]
+        if not whole:
+            content = told_anew(content)
+            whole = [line for line, _ in whole_lines(content)]
+        with suppress(DamageError):
+            least = max([least, *(each for each in counts(content[:HEAD]) if each and each <= _NUMBERS)])
+        found |= {line.hash: line for line in whole if line.hash not in found and line.number <= _NUMBERS}
+    lines = Counter(line.campaign for line in found.values())
+    fitting = [each for each in lines if each.startswith(campaign)]
+    if len(fitting) != 1:
+        raise _SeveralError(lines)
+    mine = {digest: line for digest, line in found.items() if line.campaign == fitting[0]}
+    trunk, branches, taken = dict[int, KeptLine](), list[Sequence[KeptLine]](), set[int]()
+    for run in _runs(mine):
+        before = run[0].number - 1  # which is lost, where it is not there
+        stands = before in trunk and trunk[before] is mine.get(run[0].before)
+        free = next((n for n, line in enumerate(run) if line.number in taken), len(run))
+        kept = run[:free] if stands or before not in taken else []
+        trunk |= {line.number: line for line in kept}
+        taken |= {before, *(line.number for line in kept)} if kept else set()
+        branches += [run[len(kept) :]] if len(kept) < len(run) else []
+    last = max(trunk)
+    while trunk[last].last > max(last, least) and last > 1:  # an entry that nobody finished
+        del trunk[last]
+        last = max(trunk)
+    others = {each: count for each, count in lines.items() if each != fitting[0]}
+    return _Union(dict(sorted(trunk.items())), branches, others, least)
+
+
+def _runs(lines: Mapping[str, KeptLine]) -> list[list[KeptLine]]:
+    """Return lines that follow one another, longest first; where two follow one, the longer way goes on."""
+    after, starts = defaultdict[str, list[KeptLine]](list), list[KeptLine]()
+    for line in lines.values():
+        before = lines.get(line.before)
+        (starts if before is None or not line.follows(before) else after[line.before]).append(line)
+    entries = Counter((line.writer, line.first, line.last) for line in lines.values())
+    depth = dict[str, int]()  # in lines of entries that somebody finished
+    for line in sorted(lines.values(), key=lambda each: each.number, reverse=True):
+        whole = entries[line.writer, line.first, line.last] > line.last - line.first
+        depth[line.hash] = whole + max((depth.get(each.hash, 0) for each in after[line.hash]), default=0)
+    found = list[list[KeptLine]]()
+    while starts:
+        run = [starts.pop()]
+        while following := after[run[-1].hash]:
+            longest = max(following, key=lambda each: depth[each.hash])
+            starts += [each for each in following if each is not longest]
+            run.append(longest)
+        found.append(run)
+    return sorted(found, key=lambda run: depth[run[0].hash], reverse=True)
