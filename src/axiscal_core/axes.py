@@ -101,8 +101,8 @@ class Axis:
         if high - low > _LONGEST[of]:
             remedy = 'Numbers are m and rad: write "400 mm", "90 deg"'
             raise InputError(function, "travel", f"goes from {low:g} to {high:g} {of[0]}", remedy)
-        stated = None if overrun is None else within(function, "overrun", si(overrun, function, "overrun", of), 0.0)
-        over = usual_overrun(rotary, high - low) if stated is None else stated
+        stated = usual_overrun(rotary, high - low) if overrun is None else si(overrun, function, "overrun", of)
+        over = within(function, "overrun", stated, 0.0)
         x, y, z = unit_vector(direction, function, "about" if rotary else "along").tolist()
         at_x, at_y, at_z = quantities(origin, function, "origin", (3,), [METRES]).tolist()
         quick = (ROTARY_SPEED, ROTARY_ACCELERATION) if rotary else (LINEAR_SPEED, LINEAR_ACCELERATION)
@@ -133,7 +133,8 @@ class Axis:
     @property
     def positioning_error(self) -> str:
         """Name of the error along (about) the axis itself: "EXX", "EXU", "ECC"."""
-        along = max(range(3), key=lambda way: abs(self.direction[way]))
+        sizes = [abs(part) for part in self.direction]
+        along = sizes.index(max(sizes))
         return f"E{('ABC' if self.rotary else 'XYZ')[along]}{self.name}"
 
     @property

@@ -134,36 +134,48 @@ class Error:
             raise InputError("Error", "name", f"= {name!r} is none", "Names are EXX, C0Y, EXX_reversal, EZXY")
         kind: Kind = "location" if found["place"] else "reversal" if found["reversal"] else "motion"
         component = COMPONENTS.index(found["component"] or found["place"])
-        told: dict[str, object] = {"name": name, "kind": kind, "component": component, "sure": sure}
         if isinstance(knots, Sequence) or (isinstance(length, Sequence) and not isinstance(length, str)):
             sides, knots, length = _sides(name, knots, length), None, None
-        told |= {"axis": sides[0].axis if sides else str(found["axis"] or found["of"]), "sides": tuple(sides)}
-        told |= {"joints": tuple(joints), "learnt_rest": learnt_rest, "free_knots": free_knots}
-        told |= {"smoothness": smoothness, "stretch": tuple(stretch), "usual": usual}
-        told["knots"] = None if knots is None else whole("Error", "knots", knots, 1)
-        told["waves"] = whole("Error", "waves", waves, 0)
         size = RADIANS if component >= 3 else METRES
-        every: dict[str, tuple[Any, Of]] = {"std": (std, size), "rest": (rest, size), "scale": (scale, RADIANS)}
-        every |= {"length": (length, EITHER), "period": (period, EITHER)}
-        for key, (value, of) in every.items():
-            if value is None and key != "std":
-                told[key] = None
-                continue
-            told[key] = within("Error", key, si(value, "Error", key, of), 0.0, open_end=key in _ALONG)
-        if sure is not None:
-            one_of("Error", "sure", sure, [*SURE])
-        told["texts"] = {key: value for key, (value, _) in every.items() if key in _ALONG and isinstance(value, str)}
-        for key, each in told.items():
+        every: dict[str, tuple[Any, Of]] = {
+            "std": (std, size), "rest": (rest, size), "scale": (scale, RADIANS), "length": (length, EITHER),
+            "period": (period, EITHER),
+        }  # fmt: skip
+        told: dict[str, object] = {
+            "name": name,
+            "kind": kind,
+            "component": component,
+            "axis": sides[0].axis if sides else str(found["axis"] or found["of"]),
+            "knots": None if knots is None else whole("Error", "knots", knots, 1),
+            "waves": whole("Error", "waves", waves, 0),
+            "sure": sure if sure is None else one_of("Error", "sure", sure, [*SURE]),
+            "smoothness": smoothness,
+            "joints": tuple(joints),
+            "learnt_rest": learnt_rest,
+            "free_knots": free_knots,
+            "sides": tuple(sides),
+            "stretch": tuple(stretch),
+            "usual": usual,
+            "texts": {key: each for key in _ALONG if isinstance(each := every[key][0], str)},
+        }
+        numbers = {
+            key: within(
+                "Error", key, value if isinstance(value, float) else si(value, "Error", key, of), 0.0, key in _ALONG
+            )
+            if value is not None or key == "std"
+            else None
+            for key, (value, of) in every.items()
+        }
+        for key, each in (told | numbers).items():
             object.__setattr__(self, key, each)
-        self._refuse_idle()
-
-    def _refuse_idle(self) -> None:
-        wave, more = self.repeats, (self.knots or 1) > 1
-        idle = {"knots": more and (wave or self.kind == "location"), "waves": self.waves > 1 and not wave}
-        idle["length"] = self.length is not None and (wave or self.count < 2)
-        across = self.axis[0] in "XYZ" and self.axis[0] != COMPONENTS[self.component]
-        idle["scale"] = bool(self.scale) and (self.kind != "motion" or self.angular or across)
-        if self.name.endswith("_pitch") and not wave:
+        across = self.axis[0] in "XYZ" and self.axis[0] != COMPONENTS[component]
+        idle = {
+            "knots": (self.knots or 1) > 1 and (self.repeats or kind == "location"),
+            "waves": self.waves > 1 and not self.repeats,
+            "length": self.length is not None and (self.repeats or self.count < 2),
+            "scale": bool(self.scale) and (kind != "motion" or self.angular or across),
+        }
+        if self.name.endswith("_pitch") and not self.repeats:
             raise InputError("Error", "period", f"of {self.name} is not stated", "Say after what way it repeats")
         for key in (key for key, stated in idle.items() if stated):
             raise InputError("Error", key, f"changes nothing of {self.name}", "Leave it out")

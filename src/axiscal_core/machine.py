@@ -15,7 +15,7 @@ like a motion of the later one: δ_k(t_k) becomes δ_k(t_k) + I(t_j, t_k).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -93,17 +93,20 @@ class Machine:
         made = 'Axis.linear("X", "x", (0, "600 mm"))'
         axes = tuple(one("Machine", "axes", axis, Axis, made) for axis in listed("Machine", "axes", axes))
         each_once("Machine", "axes", [axis.name for axis in axes])
-        long = isinstance(tool, str | int | float)
-        point = [0.0, 0.0, -si(tool, "Machine", "tool", METRES)] if long else tool
-        x, y, z = quantities(point, "Machine", "tool", (3,), [METRES]).tolist()
-        every = tuple(listed("Machine", "errors", tuple(errors)) if errors else ())
+        if isinstance(tool, str | int | float):
+            x, y, z = 0.0, 0.0, -(tool if isinstance(tool, float) else si(tool, "Machine", "tool", METRES))
+        elif isinstance(tool, tuple) and all(isinstance(each, float) and math.isfinite(each) for each in tool):
+            x, y, z = tool  # as `replace` has it, which is asked often
+        else:
+            x, y, z = quantities(tool, "Machine", "tool", (3,), [METRES]).tolist()
+        every = tuple(errors)
         told = {"axes": axes, "errors": every, "tool": (x, y, z), "name": name, "nose": nose or Nose()} | {"unit": unit}
         for key, value in (told | {"held": None if held is None else _held(held)}).items():
             object.__setattr__(self, key, value)
         for error in every:
             if isinstance(error, Error):
                 error.refuse_foreign(axes)
-        object.__setattr__(self, "own", self._own())
+        object.__setattr__(self, "own", tuple(self._own(each) for each in every if not isinstance(each, Error)))
         each_once("Machine", "errors", [error.name for error in every])
 
     @classmethod
@@ -166,7 +169,8 @@ class Machine:
     def stated(self) -> tuple[Error, ...]:
         """The errors that are curves or planes, those of one axis first."""
         errors = [each for each in self.errors if isinstance(each, Error)]
-        return tuple(sorted(errors, key=lambda error: bool(error.sides)))
+        planes = [each for each in errors if each.sides]
+        return tuple([each for each in errors if not each.sides] + planes)
 
     @cached_property
     def terms(self) -> tuple[Term, ...]:
@@ -177,12 +181,12 @@ class Machine:
             size = found[-1].columns.stop
         return tuple(found)
 
-    @property
+    @cached_property
     def curves(self) -> tuple[Term, ...]:
         """The terms of one axis."""
         return tuple(term for term in self.terms if len(term.sides) == 1)
 
-    @property
+    @cached_property
     def planes(self) -> tuple[Term, ...]:
         """The terms of two axes together."""
         return tuple(term for term in self.terms if len(term.sides) > 1)
@@ -208,16 +212,16 @@ class Machine:
 
     def covariance(self) -> Array:
         """Return C of all coefficients before any reading, block diagonal over errors, (size, size)."""
-        return self._blocks(lambda part: part.covariance)
+        return self._blocks([part.covariance for part in self.parts])
 
     def root(self) -> Array:
         """Return F with C = F Fᵀ, error by error, (size, size)."""
-        return self._blocks(lambda part: unique_root(part.covariance))
+        return self._blocks([unique_root(part.covariance) for part in self.parts])
 
-    def _blocks(self, of: Callable[[Term | Own], Array]) -> Array:
+    def _blocks(self, blocks: Sequence[Array]) -> Array:
         result = np.zeros((self.size, self.size))
-        for part in self.parts:
-            result[part.columns, part.columns] = of(part)
+        for part, block in zip(self.parts, blocks, strict=True):
+            result[part.columns, part.columns] = block
         return result
 
     def knots_along(self, axis: int) -> list[Array]:
@@ -364,24 +368,21 @@ class Machine:
         shift, turn = (self.axes[k].sign * frames.rotations[k] @ part for part in (rows[:, :3], rows[:, 3:]))
         return shift + np.cross(turn, (frames.tcp - frames.origins[k])[:, :, None], axis=1), turn
 
-    def _own(self) -> tuple[Own, ...]:
-        """Return the bases of one's own, looked at."""
-        found = list[Own]()
-        low, high = np.array([axis.travel for axis in self.axes]).T
-        for error in (each for each in self.errors if not isinstance(each, Error)):
-            if missing := [each for each in ("name", "frame", "rows", "covariance") if not hasattr(error, each)]:
-                raise InputError("Machine", "errors", f"hold {error!r} without {', '.join(missing)}", "See Basis")
-            if isinstance(error, type):
-                raise InputError("Machine", "errors", f"hold {error!r}, a class", "Give an object of it")
-            if error.frame not in [*self.axis_names, "tool"]:
-                what, known = (
-                    f"hold {error.name} of an unknown frame {error.frame!r}",
-                    ", ".join([*self.axis_names, "tool"]),
-                )
-                raise InputError("Machine", "errors", what, f"Frames are {known}")
-            found.append(Own(error))
-            found[-1].rows(low + np.outer(_CHECKED, high - low))
-        return tuple(found)
+    def _own(self, error: Basis) -> Own:
+        """Return a basis of one's own, looked at."""
+        if missing := [each for each in ("name", "frame", "rows", "covariance") if not hasattr(error, each)]:
+            raise InputError("Machine", "errors", f"hold {error!r} without {', '.join(missing)}", "See Basis")
+        if isinstance(error, type):
+            raise InputError("Machine", "errors", f"hold {error!r}, a class", "Give an object of it")
+        if error.frame not in [*self.axis_names, "tool"]:
+            what, known = (
+                f"hold {error.name} of an unknown frame {error.frame!r}",
+                ", ".join([*self.axis_names, "tool"]),
+            )
+            raise InputError("Machine", "errors", what, f"Frames are {known}")
+        found, (low, high) = Own(error), np.array([axis.travel for axis in self.axes]).T
+        found.rows(low + np.outer(_CHECKED, high - low))
+        return found
 
     def __repr__(self) -> str:
         return f"<Machine {''.join(self.axis_names)}: {len(self.errors)} errors, {self.size} coefficients>"

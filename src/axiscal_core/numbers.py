@@ -133,10 +133,9 @@ class InNumbers(Given):
 
     def _noises(self) -> tuple[list[int], Array]:
         """Return the numbers of the θ that are noises, and by these the derivatives of all variances, (m, g)."""
-        groups = self.problem.groups
+        groups = self.problem.groups[:, None]
         noises = np.unique(groups[groups >= 0])
-        variances = variances_of(self.problem, self.theta)
-        return noises.tolist(), np.where(groups[:, None] == noises, 2 * variances[:, None], 0.0)
+        return noises.tolist(), np.where(groups == noises, 2 * variances_of(self.problem, self.theta)[:, None], 0.0)
 
     def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns."""

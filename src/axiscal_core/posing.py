@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal_core.causes import adding_to_curves, columns_of
+from axiscal_core.columns import priors_of
 from axiscal_core.model import Model
 from axiscal_core.places import Readings
-from axiscal_core.priors import priors_of
 from axiscal_core.problem import Problem
 from axiscal_core.refusals import Array
 from axiscal_core.theta import MANY

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import NamedTuple
 
@@ -107,8 +107,7 @@ class Side(NamedTuple):
     @property
     def cell(self) -> float:
         """Length of a cell, m or rad."""
-        knots = self.spline.knots
-        return float(knots[-1] - knots[0]) / self.cell_count
+        return float(np.ptp(self.spline.knots)) / self.cell_count
 
     def cells(self, positions: Array) -> NDArray[np.int64]:
         """Return the number of the cell at each position (m,)."""
@@ -144,7 +143,8 @@ class Side(NamedTuple):
 class Term:
     """One error, a function of one axis or of two.
 
-    error : what is known of it beforehand; linear : whether its axis is a carriage
+    error : what is known of it beforehand, whose name, kind, component and std it has
+    linear : whether its axis is a carriage
     axis : whose frame it moves, of two the later one in the chain; sides : in the order of its name
     covariance : (c, c) prior of the unknowns; columns : where they stand in A
     rest : standard deviation of what the rows do not follow, m or rad, shared by readings in one cell
@@ -157,26 +157,14 @@ class Term:
     covariance: Array
     rest: float
     columns: slice
+    name: str = field(init=False)
+    kind: Kind = field(init=False)
+    component: int = field(init=False)
+    std: float = field(init=False)
 
-    @property
-    def name(self) -> str:
-        """The name of the error."""
-        return self.error.name
-
-    @property
-    def kind(self) -> Kind:
-        """What it is: a motion over the travel, a reversal, or where an axis stands."""
-        return self.error.kind
-
-    @property
-    def component(self) -> int:
-        """0-2 displacement along x y z, 3-5 rotation about x y z."""
-        return self.error.component
-
-    @property
-    def std(self) -> float:
-        """Before any reading, m or rad."""
-        return self.error.std
+    def __post_init__(self) -> None:
+        for key in ("name", "kind", "component", "std"):
+            object.__setattr__(self, key, getattr(self.error, key))
 
     @property
     def axes(self) -> tuple[int, ...]:

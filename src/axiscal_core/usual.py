@@ -64,8 +64,9 @@ def as_usual(machine: Built) -> Built:
     """Return a machine with what curves usually have and nobody stated: lengths, rests, scales, waves."""
     errors = [_usual_error(error, machine.axis(error.axis)) for error in machine.stated]
     stated, own = {error.name for error in errors}, [each for each in machine.errors if not isinstance(each, Error)]
-    waves = [wave for error in errors for wave in _wave(error) if wave.name not in stated]
-    return replace(machine, errors=(*errors, *waves, *own))
+    screws = [e for e in errors if e.period is not None and e.kind == "motion" and not e.repeats]
+    waves = [Error(f"{e.name}_pitch", PITCH.size * e.std, period=e.period) for e in screws]
+    return replace(machine, errors=(*errors, *(each for each in waves if each.name not in stated), *own))
 
 
 def _usual_error(error: Error, axis: Axis) -> Error:
@@ -79,12 +80,6 @@ def _usual_error(error: Error, axis: Axis) -> Error:
     scale = SCALE.size if error.scale is None and positioning else error.scale
     length = LENGTH_OF_TRAVEL * axis.length if error.length is None else error.length
     return replace(error, rest=rest, learnt_rest=False, scale=scale, length=length)
-
-
-def _wave(error: Error) -> Iterator[Error]:
-    """Yield the wave of a screw, scale or rack whose period is stated with the curve."""
-    if error.period is not None and error.kind == "motion" and not error.repeats:
-        yield Error(f"{error.name}_pitch", PITCH.size * error.std, period=error.period)
 
 
 def sizes_of(
@@ -104,18 +99,13 @@ def sizes_of(
             ("drift", DRIFT.spread), ("cycle", CYCLE.spread), ("growth", GROWTH.spread)
         )  # fmt: skip
         found += [Size(kind, tuple(names), spread) for kind, spread in passing]
-        turning = tuple(entry.name for entry in machine.stated if needs_a_way(entry.kind, machine.axis(entry.axis)))
-        found += [Size("way", turning, WAY.spread)] if turning else []
+        turning = [e.name for e in machine.stated if e.kind == "reversal" and not machine.axis(e.axis).rotary]
+        found += [Size("way", tuple(turning), WAY.spread)] if turning else []
     elif sure != "exactly" and wandering:
         found.append(Size("drift", tuple(wandering), DRIFT.spread))
     if usual or sure != "exactly":
         found += [Size("noise", (name,), NOISE.spread) for name in names]
     return Sizes(tuple(found))
-
-
-def needs_a_way(kind: str, axis: Axis) -> bool:
-    """Return whether an error of an axis may be complete only some way after the axis has turned."""
-    return kind == "reversal" and not axis.rotary
 
 
 def _of_errors(machine: Machine, sure: Sure) -> Iterator[Size]:

@@ -14,7 +14,7 @@ from axiscal.estimation.promise.problem import MOST_COLUMNS, Inherited
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal_core.priors import PlaneUnknowns
+from axiscal_core.columns import PlaneUnknowns
 from axiscal_core.problem import MOST_NUMBERS, Problem
 from tests.generators import laser_axis
 from tests.generators.campaigns import mixed

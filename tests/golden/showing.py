@@ -31,7 +31,9 @@ schemas where they stand a second time.
 """
 DIGITS = 12
 MOST = 8
-"""Entries of a list that is kept whole; of a longer one so many at most. Sentences are all kept."""
+"""Numbers of a list that is kept whole; of a longer one so many at most. Sentences are all kept."""
+THINGS = 2 * MOST
+"""Things with names of a list that is kept whole: sources of a budget, tables."""
 ROWS = 4 * MOST
 """Rows of a table that is kept whole; of a longer one so many at most."""
 _ROW = re.compile(r"(?:[A-Z]\w*[,;]\s*)?[-+.\d][-+.,;\dEe\s]*")
@@ -111,8 +113,9 @@ def _less(value: Any) -> Any:
         return {key: _less(each) for key, each in value.items()}
     if not isinstance(value, list) or any(isinstance(each, str) for each in value):
         return value
-    every = max(1, math.ceil(len(value) / MOST))
-    if any(isinstance(each, dict) for each in value):
+    things = any(isinstance(each, dict) for each in value)
+    every = max(1, math.ceil(len(value) / (THINGS if things else MOST)))
+    if things:
         kept = [_less(each) for each in value[(len(value) - 1) % every :: every]]  # the last one is what was found
     elif any(isinstance(each, list) for each in value):
         return _grid(value, every)

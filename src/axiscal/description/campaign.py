@@ -278,7 +278,7 @@ def _described(
 ) -> CampaignDescription:
     table = read_model(document, CampaignTable, context=TableContext(machine, document, anew))
     target = read_target(table.target, machine, document)
-    artefacts = read_artefacts(table.artefacts, document)
+    artefacts = read_artefacts(table.artefacts, document) if table.artefacts else {}
     tool = _tool(table, machine, usual_doubts)
     printer = usual_doubts and set(table.controls) <= _PRINTERS  # records of before know no such probe
     at_20 = refers_to_20(table, artefacts, document)

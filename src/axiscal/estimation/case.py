@@ -71,10 +71,15 @@ class Case:
     @cached_property
     def sizes(self) -> Sizes:
         """The sizes that readings may teach."""
-        described, given = self.description, self.inherited is not None
-        names, wandering = [each.name for each in described.setups], [s.name for s in described.setups if s.drift > 0]
-        usual, sure = described.usual, described.sure
-        return sizes_of(described.machine, names, sure, usual=usual, inherited=given, wandering=wandering)
+        described = self.description
+        return sizes_of(
+            described.machine,
+            [each.name for each in described.setups],
+            described.sure,
+            usual=described.usual,
+            inherited=self.inherited is not None,
+            wandering=[each.name for each in described.setups if each.drift > 0],
+        )
 
     def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:
         """Return the time of a reading after another one; of the first of a set-up with mounting it."""

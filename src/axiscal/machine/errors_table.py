@@ -6,7 +6,7 @@ Sizes must lie within what a machine can have.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 
@@ -86,7 +86,7 @@ def read_errors(
                 earlier = document.line("errors", first)
                 what = "{key} is {name}, which is there already in line {earlier}"
                 raise DescriptionError(what, "Keep one of them", key=key, name=before.name, earlier=earlier)
-    every = sorted(found.values(), key=lambda each: bool(each[1].sides))
+    every = [each for plane in (False, True) for each in found.values() if bool(each[1].sides) is plane]
     finer = tuple(fine for _, _, fine in every)
     few = sum(each.count for each in finer if each.count > 1 and not each.sides) <= CHEAP
     return finer if fine_knots and few else tuple(coarse for _, coarse, _ in every)
@@ -161,7 +161,8 @@ def _check_keys(name: ErrorName, key: str, table: ErrorTable) -> None:
             raise DescriptionError("both {one} and {other} are given", said(remedy), one=one, other=other)
     if "std" not in given and "band" not in given:
         raise DescriptionError("neither std nor band is given", 'Add how large the error may be, such as std = "10 um"')
-    allowed, remedy = _KEYS[_kind(name, given)]
+    curved = name.kind == "motion" or (name.kind == "reversal" and {"knots", "spacing"} & {*given})
+    allowed, remedy = _KEYS[name.shape if curved else name.kind]  # a reversal value with knots is a curve
     for each in given:
         value, error = shown(getattr(table, each)), key.partition("_")[0]
         if each not in allowed:
@@ -177,17 +178,11 @@ def _check_keys(name: ErrorName, key: str, table: ErrorTable) -> None:
             raise DescriptionError("knots = {text} is not possible", remedy, text=text, most=MOST_KNOTS)
 
 
-def _kind(name: ErrorName, given: Collection[str]) -> str:
-    """Return the row of `_KEYS`: a reversal value with knots is a curve."""
-    curved = name.kind == "motion" or (name.kind == "reversal" and {"knots", "spacing"} & {*given})
-    return name.shape if curved else name.kind
-
-
 def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> tuple[Error, Error]:
     """Return the prior of an error of one axis, with as many knots as a smooth curve needs, and as a rough one does."""
     table = stated.table
     value: Dimension = "angle" if name.angular else "length"
-    rest, std = _rest(stated, value), _std(stated, value)
+    rest = _rest(stated, value)
     period = stated.within("period", axis.dimension, _SHORTEST, _LONGEST)
     length, shape = stated.within("length", axis.dimension, _SHORTEST, _LONGEST, 0), name.shape
     free = (
@@ -199,7 +194,7 @@ def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> tuple[Er
     )
     error = Error(
         name.canonical,
-        std,
+        _std(stated, value),
         _knot_count(name, stated, axis, 0, length),
         length,
         rest,

@@ -23,16 +23,16 @@ _LINES = re.compile(rb' \{"a":"[0-9a-f]{64}"| \d{4}-\d\d-\d\dT')
 
 def opened(file: Path, path: Path) -> int:
     """Return a file opened to be read; raises RecordError for what is none."""
-    if file.exists() and not file.is_file() and not file.is_dir():
-        raise RecordError("This is a pipe or a device", "Name a record, which is a file", path)
+    if file.exists() and not file.is_file():
+        if not file.is_dir():
+            raise RecordError("This is a pipe or a device", "Name a record, which is a file", path)
+        inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
+        raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside)
     try:
         return os.open(file, os.O_RDONLY | BINARY)
     except FileNotFoundError:
         raise RecordError("There is no such record", "Start one with `axiscal step start CAMPAIGN`", path) from None
     except OSError as error:
-        if file.is_dir():
-            inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
-            raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside) from None
         remedy = "Name a file you may read"
         raise RecordError("The record cannot be opened: {strerror}", remedy, path, strerror=error.strerror) from error
 

@@ -14,11 +14,6 @@ from typing import NamedTuple
 
 from axiscal.record.lines import EMPTY, HEAD, EventText, KeptLine, chained, entry, head
 
-_HEADS = {
-    "7b5accdb80a4adc94a0a792ee6083d19e65549ece675b4221b0f7d9665466b0d",
-    "b20106745e56ca5cf5a47cfa3970f37a6ac2fe6cbf4853adb497f1fdea4b3ecf",
-}
-"""SHA-256 of the first block of form 2 and of form 3: what it says is the same in every record."""
 _MARK = re.compile(rb"(mark \d{1,18} (\d{1,18}) \d{1,18} [0-9a-f]{64} )([0-9a-f]{8}) *\n")
 _LINE = re.compile(
     rb"(?<![^\r\n\0])([0-9a-f]{64}) ([^\s\0]+) ([^\s\0]+) ([^\r\n\0]*) ([.,])([0-9a-f]{8})(?=[ \t]*(?:[\r\n\0]|\Z))"
@@ -33,11 +28,6 @@ class _Old(NamedTuple):
     chain: str
     row: EventText
     closes: bool
-
-
-def is_earlier(start: bytes) -> bool:
-    """Return whether the first block of a file is that of an earlier form, as it was written."""
-    return hashlib.sha256(start[:HEAD]).hexdigest() in _HEADS
 
 
 def told_anew(content: bytes) -> bytes:

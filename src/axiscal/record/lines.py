@@ -22,6 +22,11 @@ FORM, HEAD = 4, 4096
 SECTOR, SLOT = 512, 64  # bytes of the smallest that a lost power may tear, and of a count
 SLOTS = (0, SECTOR)
 """Where the two counts stand: in a sector each."""
+_EARLIER = {
+    "7b5accdb80a4adc94a0a792ee6083d19e65549ece675b4221b0f7d9665466b0d",
+    "b20106745e56ca5cf5a47cfa3970f37a6ac2fe6cbf4853adb497f1fdea4b3ecf",
+}
+"""SHA-256 of the first block of form 2 and of form 3: what it says is the same in every record."""
 EMPTY = 64 * "0"  # what the first line and the chain of contents follow
 _COUNT = re.compile(rb"(axiscal record 4 of at least (\d{12}) events) ([0-9a-f]{8}) *\n")
 _BEGINS, _END = re.compile(rb' \{"a":"'), re.compile(rb"[\r\n\0]")
@@ -155,3 +160,8 @@ def counts(block: bytes) -> tuple[int | None, int | None]:
     found = (_COUNT.match(block, at) for at in SLOTS)
     one, two = (int(each[2]) if each and b"%08x" % zlib.crc32(each[1]) == each[3] else None for each in found)
     return one, two
+
+
+def is_earlier(start: bytes) -> bool:
+    """Return whether the first block of a file is that of an earlier form, as it was written."""
+    return hashlib.sha256(start[:HEAD]).hexdigest() in _EARLIER

@@ -34,7 +34,7 @@ from axiscal.document.durable import (
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said
 from axiscal.record.door import ALL, BINARY, opened, record_errors, refuse_other_form, repairing
-from axiscal.record.earlier import is_earlier, told_anew
+from axiscal.record.earlier import told_anew
 from axiscal.record.events import Created, Event, Signed, State, Stored
 from axiscal.record.lines import (
     EMPTY,
@@ -48,6 +48,7 @@ from axiscal.record.lines import (
     counts,
     entry,
     head,
+    is_earlier,
     whole_lines,
 )
 from axiscal.record.payload import encode, hand_of
@@ -231,8 +232,9 @@ class Record(Closing):
         """Return whether a step wrote more than a plan.  step : its id, hex digits; "" for none"""
         self.last()
         mark = f'"step":"{step}"'  # in what a person wrote it would stand with backslashes
-        rows = self.rows if step else []
-        return any(mark in row.payload and row.kind not in ("planned", "continued", "asked") for row in rows)
+        return step != "" and any(
+            mark in row.payload and row.kind not in ("planned", "continued", "asked") for row in self.rows
+        )
 
     def close(self) -> None:
         """Write no more; what was appended is safe without it."""

@@ -22,7 +22,6 @@ from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times
 from axiscal.measurement.travel import feet_of
 from axiscal.numerics import Array
 from axiscal_core import causes
-from axiscal_core.usual import needs_a_way
 
 _ONE_WAY = 0.5
 """Share by which one way round prevails: with a quarter of circles the other way a lag is told from squareness."""
@@ -40,8 +39,15 @@ def passing_columns(
         setup, which = observation.setups[index], np.arange(len(places))[chosen]
         mine = np.flatnonzero(np.isin(reading, which))
         of, part = np.searchsorted(which, reading[mine]), mine - np.searchsorted(reading, reading[mine])
-        noise = np.full(len(mine), setup.noise)
-        read = causes.OfOneSetup(setup.name, len(reading), mine, part, clock[reading[mine]], noise, setup.drift)
+        read = causes.OfOneSetup(
+            setup.name,
+            len(reading),
+            mine,
+            part,
+            clock[reading[mine]],
+            np.full(len(mine), setup.noise),
+            setup.drift,
+        )
         if usual:
             poses, order = places.poses[which], np.argsort(clock[which], kind="stable")
             turns = turning(observation, index, poses, places.approaches[which])
@@ -159,7 +165,7 @@ def turning(observation: Observation, index: int, poses: Array, approaches: Arra
     terms = [
         (number, term)
         for number, term in enumerate(observation.errors.curves)
-        if term.axis in setup.moves and needs_a_way(term.kind, machine.axes[term.axis]) and len(setup.sides) > 1
+        if term.axis in setup.moves and term.kind == "reversal" and term.linear and len(setup.sides) > 1
     ]
     if not terms:
         return []

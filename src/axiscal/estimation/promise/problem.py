@@ -22,8 +22,7 @@ from axiscal.measurement.reading_rows import (
 )
 from axiscal.numerics import Array
 from axiscal_core.causes import WAY, cell_root
-from axiscal_core.columns import Scale
-from axiscal_core.priors import priors_of
+from axiscal_core.columns import Scale, priors_of
 from axiscal_core.problem import MOST_NUMBERS, Problem, by_blocks
 from axiscal_core.splines import ramp
 from axiscal_core.theta import MANY, Sizes

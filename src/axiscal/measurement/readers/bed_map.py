@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import compress
 from math import hypot
 from pathlib import Path
@@ -20,7 +21,7 @@ import numpy as np
 from axiscal.language.spoken import joined, said
 from axiscal.measurement.readers.columns import unread
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading
-from axiscal.measurement.readers.text_file import LINES_OF, TextFile, newest_first, objects_in, read_text, telling
+from axiscal.measurement.readers.text_file import LINES_OF, TextFile, has_line, newest_first, objects_in, read_text
 from axiscal.units import from_unit
 
 Side = tuple[float, float, float]
@@ -190,7 +191,7 @@ def touched(file: TextFile, around: Around) -> Found:
 
     Where it prints the place of the nozzle, the probe stands beside it as the set-up says.
     """
-    name, pattern = next((name, each) for name, each in _TOUCHES.items() if telling(each)(file))
+    name, pattern = next((name, each) for name, each in _TOUCHES.items() if has_line([each], file))
     stated = (setup.offset for setup in around.setups if setup.offset is not None and name == "nozzle")
     aside = next(stated, (0.0, 0.0, 0.0))
     file = replace(file, unit=file.unit or "in" * any(line.strip() == "$13=1" for line in file.lines))
@@ -227,8 +228,8 @@ def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, Sequence[t
     return begins[0], file.told[begins[0] :]
 
 
-is_height_map, is_console = telling(LINES["height_map"]), telling(LINES["console"])
-is_touched = telling(*_TOUCHES.values())
+is_height_map, is_console = (partial(has_line, [LINES[name]]) for name in ("height_map", "console"))
+is_touched = partial(has_line, [*_TOUCHES.values()])
 """Whether a line is that by which a map of RepRapFirmware or BED_MESH_OUTPUT begins, or a touch."""
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -18,7 +19,7 @@ from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawRe
 from axiscal.measurement.readers.homing import zero_of
 from axiscal.measurement.readers.probe_offset import offset_in, sections_in
 from axiscal.measurement.readers.renishaw import file_type, laser_test
-from axiscal.measurement.readers.text_file import LINES_OF, TextFile, telling
+from axiscal.measurement.readers.text_file import LINES_OF, TextFile, has_line
 from axiscal.measurement.setup import Setup
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
@@ -72,7 +73,7 @@ FORMATS = (
     Format(later("a test of one axis (ISO 230-2)"), lambda file: test_of(file) == "long", axis_test, True),
 )
 """In this order: the first that knows a file reads it."""
-_GONE = {name: telling(pattern) for name, pattern in LINES_OF["gone"].items()}
+_GONE = {name: partial(has_line, [pattern]) for name, pattern in LINES_OF["gone"].items()}
 """What tells files that are read no more, by name."""
 _TABLE = Format(later("a table of readings"), lambda file: True, table_readings, True)
 

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import partial
 
 from axiscal.document.file import number_or_none
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.bed_map import LINES, Rows, below_title, grid, rows_below
 from axiscal.measurement.readers.csv_readings import Around, Found
-from axiscal.measurement.readers.text_file import LINES_OF, TextFile, telling
+from axiscal.measurement.readers.text_file import LINES_OF, TextFile, has_line
 from axiscal.units import from_unit
 
 _LINES = LINES_OF["marlin"]
 _WHOLE = "copy the whole map as Marlin printed it"
-_HAS = {name: telling(pattern) for name, pattern in _LINES.items()}
+_HAS = {name: partial(has_line, [pattern]) for name, pattern in _LINES.items()}
 is_printed, is_nodes = _HAS["printed"], _HAS["node"]
 
 

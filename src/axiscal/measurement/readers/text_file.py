@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -74,9 +74,9 @@ class TextFile:
         raise self.fail(what, remedy, line, name=name, shown=text if len(text) <= 40 else text[:37] + "...")
 
 
-def telling(*patterns: re.Pattern[str]) -> Callable[[TextFile], bool]:
-    """Return what tells whether a line of a file begins with one of some patterns."""
-    return lambda file: any(pattern.match(text) for _, text in file.told for pattern in patterns)
+def has_line(patterns: Iterable[re.Pattern[str]], file: TextFile) -> bool:
+    """Return whether a line of a file begins with one of some patterns."""
+    return any(pattern.match(text) for _, text in file.told for pattern in patterns)
 
 
 def newest_first(file: TextFile) -> bool:
