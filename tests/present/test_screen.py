@@ -197,7 +197,7 @@ def test_status_and_finish_show_it_and_its_commands_work(tmp_path: Path, command
         assert run(words if "measure" not in words else ["next", str(record)]) == 0, shown
     long = command("finish", record, "--out", tmp_path / "out", "--details").printed
     assert len(long.split()) > 2 * len(short.split())
-    assert "U = k u = " in long
+    assert "Holds: for a tool of" in long
 
 
 def _says(text: str, folder: str) -> str:
