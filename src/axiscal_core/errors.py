@@ -33,7 +33,7 @@ _NAME = re.compile(
 )
 _PLANE = re.compile(r"E[XYZABC]([A-Z][1-9]?)([A-Z][1-9]?)")
 SMOOTH, ROUGH = 2.5, 1.5  # ν of the Matérn correlation: a curve with two derivatives, or with one (kinks are likelier)
-_KNOTS = 7  # of a motion of which nothing is said (B&H section V)
+USUAL_KNOTS = 7  # of a motion of which nothing is said (B&H section V)
 _GUESSED = 0.05  # of std: a rest that is to be learnt begins as this share
 _ALONG = "length", "period"  # what is measured along the axis
 
@@ -158,15 +158,12 @@ class Error:
             "usual": usual,
             "texts": {key: each for key in _ALONG if isinstance(each := every[key][0], str)},
         }
+        given = [(key, *each, key in _ALONG) for key, each in every.items() if each[0] is not None or key == "std"]
         numbers = {
-            key: within(
-                "Error", key, value if isinstance(value, float) else si(value, "Error", key, of), 0.0, key in _ALONG
-            )
-            if value is not None or key == "std"
-            else None
-            for key, (value, of) in every.items()
+            key: within("Error", key, value if isinstance(value, float) else si(value, "Error", key, of), 0.0, end)
+            for key, value, of, end in given
         }
-        for key, each in (told | numbers).items():
+        for key, each in (told | dict.fromkeys(every) | numbers).items():
             object.__setattr__(self, key, each)
         across = self.axis[0] in "XYZ" and self.axis[0] != COMPONENTS[component]
         idle = {
@@ -190,7 +187,7 @@ class Error:
         """The number of its knots; 1 for one number."""
         if self.kind == "location":
             return 1
-        return self.knots if self.knots is not None else _KNOTS if self.kind == "motion" else 1
+        return self.knots if self.knots is not None else USUAL_KNOTS if self.kind == "motion" else 1
 
     @property
     def angular(self) -> bool:

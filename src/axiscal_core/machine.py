@@ -32,6 +32,7 @@ from axiscal_core.refusals import Array, InputError, each_once, finite, listed, 
 from axiscal_core.terms import Term, term_of
 from axiscal_core.units import METRES, Poses, Quantity, quantities, si
 
+_MADE = 'Axis.linear("X", "x", (0, "600 mm"))'
 _CHECKED = 0.0, 0.3, 0.5, 1.0  # of the travels: where the rows of a basis of one's own are looked at first
 
 
@@ -90,8 +91,7 @@ class Machine:
         tool: Quantity | Sequence[Quantity] = 0.0, held: Array | Sequence[Three] | None = None, name: str = "",
         nose: Nose | None = None, unit: str = "mm",
     ) -> None:  # fmt: skip
-        made = 'Axis.linear("X", "x", (0, "600 mm"))'
-        axes = tuple(one("Machine", "axes", axis, Axis, made) for axis in listed("Machine", "axes", axes))
+        axes = tuple(one("Machine", "axes", axis, Axis, _MADE) for axis in listed("Machine", "axes", axes))
         each_once("Machine", "axes", [axis.name for axis in axes])
         if isinstance(tool, str | int | float):
             x, y, z = 0.0, 0.0, -(tool if isinstance(tool, float) else si(tool, "Machine", "tool", METRES))
@@ -100,8 +100,11 @@ class Machine:
         else:
             x, y, z = quantities(tool, "Machine", "tool", (3,), [METRES]).tolist()
         every = tuple(errors)
-        told = {"axes": axes, "errors": every, "tool": (x, y, z), "name": name, "nose": nose or Nose()} | {"unit": unit}
-        for key, value in (told | {"held": None if held is None else _held(held)}).items():
+        told = {
+            "axes": axes, "errors": every, "tool": (x, y, z), "held": None if held is None else _held(held),
+            "name": name, "nose": nose or Nose(), "unit": unit,
+        }  # fmt: skip
+        for key, value in told.items():
             object.__setattr__(self, key, value)
         for error in every:
             if isinstance(error, Error):
@@ -374,12 +377,10 @@ class Machine:
             raise InputError("Machine", "errors", f"hold {error!r} without {', '.join(missing)}", "See Basis")
         if isinstance(error, type):
             raise InputError("Machine", "errors", f"hold {error!r}, a class", "Give an object of it")
-        if error.frame not in [*self.axis_names, "tool"]:
-            what, known = (
-                f"hold {error.name} of an unknown frame {error.frame!r}",
-                ", ".join([*self.axis_names, "tool"]),
-            )
-            raise InputError("Machine", "errors", what, f"Frames are {known}")
+        frames = [*self.axis_names, "tool"]
+        if error.frame not in frames:
+            what = f"hold {error.name} of an unknown frame {error.frame!r}"
+            raise InputError("Machine", "errors", what, f"Frames are {', '.join(frames)}")
         found, (low, high) = Own(error), np.array([axis.travel for axis in self.axes]).T
         found.rows(low + np.outer(_CHECKED, high - low))
         return found

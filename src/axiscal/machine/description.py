@@ -347,6 +347,6 @@ def machine_from_text(
 ) -> DescribedMachine:
     """Return the machine in a TOML text; raises as `load_machine`.
 
-    source_name : what failures call it; fine_knots : as in `Machine`
+    source_name : what failures call it; fine_knots : as in `DescribedMachine`
     """
     return _described(Document.parse(text, source_name), fine_knots)

@@ -19,7 +19,7 @@ from axiscal.machine.error_names import ErrorName, parse_any_name, side_name
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.units import Dimension
 from axiscal_core.axes import Axis
-from axiscal_core.errors import COMPONENTS, ROUGH, SMOOTH, Error
+from axiscal_core.errors import COMPONENTS, ROUGH, SMOOTH, USUAL_KNOTS, Error
 from axiscal_core.terms import JOINT, WAVE_KNOTS
 
 FEWEST_INTERVALS = 4
@@ -31,8 +31,6 @@ turns out to be of half the length.
 """
 CHEAP = 200
 """Control values of a machine: a plan of so many takes half a second more than one of half as many."""
-_USUAL_KNOTS = 7
-"""Of a motion of which nothing is said, as in the paper (B&H section V)."""
 MOST_HARMONICS = 4
 """What is finer than a quarter of a period is noise; a matter of taste."""
 MOST_BREAKS = 4000
@@ -256,7 +254,7 @@ def _knot_count(
         parts = _FINE if fine or table.smoothness not in (None, SMOOTH) else _COARSE
         count = 1 + max(FEWEST_INTERVALS, _intervals(axis.length, length / parts))
     else:
-        count = _USUAL_KNOTS
+        count = USUAL_KNOTS
     fewest = FEWEST_CYCLIC_KNOTS if axis.cyclic else 2
     if not fewest <= count <= MOST_KNOTS:
         what = "{error}: {count:.0f} knots are too few"

@@ -110,10 +110,8 @@ def _error(known: Known, term: Term) -> dict[str, Any]:
     """Return an error over its axis."""
     machine = known.case.machine
     axis, columns, unit = machine.axes[term.axis], term.columns, UNITS[_unit(term)]
-    at, position_unit = (
-        np.linspace(term.spline.knots[0], term.spline.knots[-1], _POSITIONS),
-        "deg" if axis.rotary else "mm",
-    )
+    at = np.linspace(term.spline.knots[0], term.spline.knots[-1], _POSITIONS)
+    position_unit = "deg" if axis.rotary else "mm"
     rows = term.spline.rows(at)
     spreads = (rows @ each.covariance[columns, columns] @ rows.T for each in (known.normal, known.case.prior))
     now, before = (to_unit(np.sqrt(np.diagonal(each) + term.rest**2), unit) for each in spreads)
@@ -144,12 +142,8 @@ def _unit(term: object) -> str:
 
 def _constants(known: Known, drawn: Sequence[Term]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Give each unknown that is on no curve with its standard deviation, now and before."""
-    machine, now, before, names = (
-        known.case.machine,
-        known.normal.std,
-        known.case.prior.std,
-        dict(enumerate(known.names)),
-    )
+    machine, now, before = known.case.machine, known.normal.std, known.case.prior.std
+    names = dict(enumerate(known.names))
     units = dict[int, str]()
     for term in machine.parts:
         columns = term.columns
