@@ -21,9 +21,9 @@ NAMES = {
     "early": {"shifted"},
     "stuck": {"stuck"},
     "repeated": {"stuck"},
-    "in mm": {"unit", "still"},
+    "in mm": {"unit", "still", "noise"},
 }
-"""What each may be called; a stuck display has zeros, too."""
+"""What each may be called; a stuck display has zeros, too, and of a noise too small one is told to check the unit."""
 SURE = {"flicker": 0.82, "zeros": 1.0, "late": 0.78, "early": 0.76, "stuck": 0.86, "repeated": 0.86, "in mm": 1.0}
 """Share named, at least. Who knows how they are drawn has odds above 20 in 45, 50, 43, 44, 49 and 45 of 50."""
 

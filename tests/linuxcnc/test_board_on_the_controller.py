@@ -82,5 +82,5 @@ def test_a_board_is_asked_for_before_each_placement_and_found_where_it_stands(
             assert isinstance(answer, Answer)
             np.testing.assert_allclose(1e3 * np.array([answer.value, *answer.others]), expected[ball], atol=2e-3)
         source.close()
-    assert ["Put it down: board at 417 mm, 217 mm" in text for text in asked].count(True) == 1
+    assert ["Put it down: board at 408 mm, 209 mm, -211 mm" in text for text in asked].count(True) == 1
     assert heights == [pytest.approx(-1.0)]
