@@ -109,8 +109,7 @@ def export(
 ) -> None:
     """Write compensation files for a control.
 
-    They are read back and tried in a simulated control first. Each says what it holds, what was left out, and how much
-    error that leaves.
+    They are read back and tried in a simulated control first. README.txt says what they hold and what they leave.
 
     \b
     Examples:

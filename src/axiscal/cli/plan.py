@@ -65,9 +65,7 @@ def plan(
     """Plan which readings to take, and say how good they make it.
 
     It says how well each row is then known, the minutes, and what to mount in turn. Nothing is recorded. Without
-    options the campaign's own target counts. --readings and --budget ask for the best plan of so many readings, or of
-    so much time. --target alone plans within the campaign's own readings and budget. [programs] of the
-    campaign says how programs go to readings.
+    options the campaign's own target counts. --target alone plans within the campaign's own readings and budget.
 
     \b
     Examples:

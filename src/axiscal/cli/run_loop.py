@@ -119,8 +119,7 @@ def demo(
 ) -> None:
     """Calibrate a built-in five-axis machine, from plan to report.
 
-    Its hidden errors come from measured curves. It plans, measures on a virtual machine, estimates, stops, writes
-    tables and a report, and says what was promised and what was reached.
+    Its hidden errors come from measured curves. It says what was promised and what was reached.
 
     \b
     Example:

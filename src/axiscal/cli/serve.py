@@ -36,8 +36,8 @@ def serve(
 ) -> None:
     """Plan and measure on a page in the browser.
 
-    The page is for this computer only; its address holds a token that is new at every start. Several windows, and
-    `axiscal measure`, may be open at once.
+    The page is for this computer only; its address holds a token that is new at every start. Several windows may be
+    open at once.
 
     \b
     Examples:

@@ -40,8 +40,7 @@ def accept(
 ) -> None:
     """Accept a mistake, or tell that a zero was set anew.
 
-    What follows sees the readings without it; undo takes it back. Readings that contradict each other name mistakes
-    that explain it at more than 20 : 1. Readings that come later are taken as they are read.
+    The estimate sees the readings without it; undo takes it back. Later readings count as they are read.
 
     \b
     Examples:

@@ -46,7 +46,7 @@ def verify(
         str | None,
         typer.Option(
             metavar="CONTROLLER",
-            help="The control whose tables are loaded, as in `axiscal export`; default: whose tables leave the least.",
+            help="The control whose tables are loaded; default: whose tables leave the least.",
         ),
     ] = None,
     template: Template = None,
@@ -85,8 +85,8 @@ def verify(
     """Check a compensated machine at places not read before.
 
     First it plans. Read these places without the tables and with them; then give both files. It says whether the
-    tables work, and whether the machine is as promised: one of twenty that are is called worse. Of a tolerance that
-    you state it says what the readings prove (ISO 14253-1). It names tables that it could not check.
+    tables work, whether the machine is as promised, and whether it keeps a tolerance (ISO 14253-1). One of twenty
+    machines that are as promised is called worse.
 
     \b
     Examples:
