@@ -53,7 +53,7 @@ def init(
     ini: Annotated[
         Path | None,
         typer.Option(
-            "--from", metavar="FILE", help="The INI file of a LinuxCNC or the printer.cfg of a Klipper, not --machine."
+            "--from", metavar="FILE", help="Begin with the INI file of a LinuxCNC or with a printer.cfg."
         ),
     ] = None,
     chain: Annotated[

@@ -52,7 +52,7 @@ def plan(
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the programs.")] = Path("programs"),
     log: Annotated[
-        bool, typer.Option("--log", help="Programs touch spheres by themselves and log it for estimate and record.")
+        bool, typer.Option("--log", help="Programs touch spheres by themselves and log it.")
     ] = False,
     picture: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="Draw each set-up on the machine, and where it is read.")

@@ -67,7 +67,7 @@ def copy_record(
 
 Take = Annotated[
     bool | None,
-    typer.Option("--take/--leave", help="What becomes of readings that somebody has to say of whether they count."),
+    typer.Option("--take/--leave", help="Whether readings in question count."),
 ]
 Named = Annotated[str, typer.Option("--campaign", metavar="ID", help="Its id, where lines of several stand there.")]
 New = Annotated[Path, typer.Argument(metavar="NEW", help="The record to make.")]

@@ -48,8 +48,7 @@ def run_loop(
 ) -> None:
     """Run the whole loop without a person.
 
-    It asks and reads from SOURCE until a target is reached. Every reading is on the disk before the next one is asked
-    for; after Ctrl-C or a source that dies, --resume goes on.
+    It asks and reads from SOURCE until a target is reached. After Ctrl-C or a source that dies, --resume goes on.
 
     \b
     Examples:

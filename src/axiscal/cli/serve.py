@@ -22,7 +22,7 @@ def serve(
             default_factory=only_record,
             show_default=False,
             autocompletion=records_here,
-            help="The campaign record; AXISCAL_RECORD, or the only one here, where it is left out; else the start.",
+            help="The campaign record; default: AXISCAL_RECORD, or the only one here, else the start.",
         ),
     ],
     port: Annotated[

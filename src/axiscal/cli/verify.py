@@ -54,7 +54,7 @@ def verify(
         str | None,
         typer.Option(
             metavar="LENGTH",
-            help="What the bump of `export --probe-sign` moved; the record keeps the sign of the control.",
+            help="What the bump of `export --probe-sign` moved; the record keeps the sign.",
         ),
     ] = None,
     points: Annotated[
@@ -62,7 +62,7 @@ def verify(
         typer.Option(
             min=2,
             max=200,
-            help=f"Places to check; default: what the tables need, {USUAL} or more where so many are new.",
+            help=f"Places to check; default: what the tables need, {USUAL} or more.",
         ),
     ] = None,
     plan: PlacesFile = None,
@@ -70,13 +70,13 @@ def verify(
         str | None,
         typer.Option(
             metavar="SOURCE",
-            help="Read without a person: sim:SEED, truth:FILE; or by linuxcnc-live:HOST into FOUND and LEFT.",
+            help="Read without a person: sim:SEED, truth:FILE; linuxcnc-live:HOST into FOUND and LEFT.",
         ),
     ] = None,
     loaded: Annotated[
         Path | None,
         typer.Option(
-            metavar="DIR", help="With a machine that runs: the exported folder, whose files are to be in force."
+            metavar="DIR", help="With linuxcnc-live: the exported folder that is to be in force."
         ),
     ] = None,
     details: Details = False,
