@@ -64,9 +64,7 @@ class Judge:
         if mine is None or theirs is None:
             return Verdict(f"{asked}; there is nothing to compare.", None)
         ratio = call_seconds(theirs) / call_seconds(mine)
-        fewest = self._of("trieste-fewest", case)
-        beside = f", {call_seconds(fewest) / call_seconds(mine):.0f} over the fewest places" if fewest else ""
-        return Verdict(f"{asked}: {ratio:.0f} times{beside}.", ratio >= FASTER[case.letter])
+        return Verdict(f"{asked}: {ratio:.0f} times.", ratio >= FASTER[case.letter])
 
     def _gains(self, rival: Rival) -> Verdict:
         known = [(case, self._of(rival.key, case)) for case in CASES]

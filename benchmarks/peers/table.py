@@ -48,18 +48,18 @@ def page(outcomes: Outcomes, ours: Picker, bounds: Bounds, resumed: bool = False
 def _missed(verdicts: list[Verdict]) -> Iterator[str]:
     """Yield how many goals are reached, and each that is not."""
     missed = [verdict for verdict in verdicts if not verdict.reached]
-    yield f"\nGoals: {len(verdicts) - len(missed)} of {len(verdicts)} reached." + (" The others:\n" if missed else "")
+    yield f"\nGoals: {len(verdicts) - len(missed)} of {len(verdicts)} reached." + ("\n" if missed else "")
     yield from (str(verdict) for verdict in missed)
 
 
 def table(outcomes: Outcomes, criterion: CriterionName) -> Iterator[str]:
     """Yield the table of one criterion."""
-    yield "| | | " + " | ".join(f"({case.letter})" for case in CASES) + " |"
+    yield "|||" + "|".join(f"({case.letter})" for case in CASES) + "|"
     yield "|---|---|" + "---|" * len(CASES)
     for rival in FIELD:
         found = [outcomes.get((rival.key, case.letter, criterion)) for case in CASES]
         cells = [_cell(Posed(case, criterion), outcome) for case, outcome in zip(CASES, found, strict=True)]
-        yield f"| {rival.manner} | {rival.label} | " + " | ".join(cells) + " |"
+        yield f"|{rival.manner}|{rival.label}|" + "|".join(cells) + "|"
 
 
 def _cell(posed: Posed, outcome: Outcome | None) -> str:

@@ -79,8 +79,8 @@ _ATTACKS = """
 ## Attacks
 {machines} machines in each cell, of seeds {first} and following; 24 readings of each. One axis of 1 m unless the row
 says two or five. The machine is as stated but for the attack. Cells: share of the volume within U; true over promised
-RMS; share of machines with a ratio above {far}; share whose U is withheld. A turned sign of all readings shows in
-`axiscal verify` alone. In the rows "lengths" [type B](../promise.md#what-no-reading-shows) counts.
+RMS; share of machines with a ratio above {far}; share whose U is withheld. In the rows "lengths"
+[type B](../promise.md#what-no-reading-shows) counts.
 (`make trust PART=attacks MACHINES={machines}`)
 
 | inside, ratio, above {far}, withheld | planned | even | random |
@@ -263,7 +263,7 @@ def tight(text: str) -> str:
 
 def stamp(sources: str, day: date) -> str:
     """Return the line that says what a section was measured with.  sources : their name"""
-    return f"\nMeasured on {day} with the sources `{sources}`.\n"
+    return f"\n{day}, sources `{sources}`.\n"
 
 
 def renewed(page: str, section: str) -> str:

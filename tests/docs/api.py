@@ -60,7 +60,7 @@ def _inner(member: object) -> object:
 
 
 def _arguments(member: object) -> str:
-    if isinstance(member, property) or not callable(member):
+    if not inspect.isfunction(member):
         return ""
     names = [
         f"{parameter.name}" + ("" if parameter.default is parameter.empty else "=…")

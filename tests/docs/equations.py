@@ -106,10 +106,10 @@ def table() -> str:
     """Return the table as Markdown."""
     functions, tests = citations("src", tests=False), citations("tests", tests=True)
     rows = [
-        f"| {number} | {states} | {_links(functions[number])} | {_links(tests[number])} |"
+        f"|{number}|{states}|{_links(functions[number])}|{_links(tests[number])}|"
         for number, states in enumerate(_STATES, start=1)
     ]
-    return "\n".join(["| eq. | states | computed by | checked by |", "|---|---|---|---|", *rows])
+    return "\n".join(["|eq.|states|computed by|checked by|", "|---|---|---|---|", *rows])
 
 
 def _links(found: list[Citation]) -> str:

@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LINES = 400
 WORDS = {"README.md": 450, "CHANGELOG.md": 1500}
 """What somebody reads before deciding to stay, and before deciding to update."""
-FOR_USERS, OF_EVIDENCE = 30_000, 12_000
+FOR_USERS, OF_EVIDENCE = 24_000, 5_000
 """Words of all pages in docs: those beside the evidence, and the evidence."""
 
 # Spelt in halves, so that this file does not contain what it looks for.

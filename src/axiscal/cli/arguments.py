@@ -71,23 +71,15 @@ OwnRecord = Annotated[
 ]
 Language = Annotated[
     str | None,
-    typer.Option(
-        metavar="NAME", help="Of the person: en or de; default: AXISCAL_LANGUAGE, or the language of the computer."
-    ),
+    typer.Option(metavar="NAME", help="en or de; default: AXISCAL_LANGUAGE, or that of the computer."),
 ]
 ReportLanguage = Annotated[
     str | None,
-    typer.Option(
-        "--language", metavar="NAME", help="Of the page and the PDF: en or de; default: that of campaign.toml."
-    ),
+    typer.Option("--language", metavar="NAME", help="en or de; default: that of campaign.toml."),
 ]
 CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]
-Log = Annotated[
-    Path | None, typer.Option("--log", metavar="FILE", help="The log of programs of plan --gcode --log.")
-]
-Programs = Annotated[
-    Path, typer.Option("--programs", metavar="DIR", help="With --log: the folder of these programs.")
-]
+Log = Annotated[Path | None, typer.Option("--log", metavar="FILE", help="The log of programs of plan --gcode --log.")]
+Programs = Annotated[Path, typer.Option("--programs", metavar="DIR", help="With --log: the folder of these programs.")]
 Template = Annotated[
     Path | None, typer.Option("--template", metavar="FILE", help="A file saved by your control (heidenhain, fanuc).")
 ]

@@ -118,10 +118,9 @@ def iso230(
 ) -> None:
     """Print the figures of ISO 230-2 or ISO 230-4.
 
-    The columns say what was tested. Positioning: target_mm, direction (+ or -), run, deviation_um, or a column a run;
-    target_deg and deviation_arcsec for a rotary axis; .rtl. Angle: target_mm and deviation_arcsec, or .rta.
-    Straightness: .rts, less its best-fit line. Circle: angle_deg, direction (+ counter-clockwise), deviation_um of the
-    radius. Behind ± stands how far each figure scatters when the test is repeated (k = 2).
+    The columns say what was tested. An axis: target_mm or target_deg, direction (+ or -), run, deviation_um or
+    deviation_arcsec; or a column a run; or .rtl, .rta, .rts (less its best-fit line). A circle: angle_deg, direction
+    (+ counter-clockwise), deviation_um. Behind ± stands how far each figure scatters in another test (k = 2).
 
     \b
     Example:

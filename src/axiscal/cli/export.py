@@ -72,14 +72,12 @@ def export(
     pivots: Annotated[
         bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
     ] = False,
-    measuring_system: Annotated[
-        int, typer.Option(metavar="1|2", help="sinumerik: of encoder compensation.")
-    ] = 1,
+    measuring_system: Annotated[int, typer.Option(metavar="1|2", help="sinumerik: of encoder compensation.")] = 1,
     on_top_of: Annotated[
         list[str] | None,
         typer.Option(
             metavar="OLD",
-            help="linuxcnc, sinumerik: what was active while measuring: a table, AXIS=FILE, a folder, an INI file; repeatable.",
+            help="linuxcnc, sinumerik: what was active: a table, AXIS=FILE, a folder, an INI file; repeatable.",
         ),
     ] = None,
     ini: Annotated[

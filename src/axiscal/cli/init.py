@@ -52,9 +52,7 @@ def init(
     machine: Annotated[str | None, typer.Option(metavar="NAME", help="A built-in machine to begin with.")] = None,
     ini: Annotated[
         Path | None,
-        typer.Option(
-            "--from", metavar="FILE", help="Begin with the INI file of a LinuxCNC or with a printer.cfg."
-        ),
+        typer.Option("--from", metavar="FILE", help="Begin with the INI file of a LinuxCNC or with a printer.cfg."),
     ] = None,
     chain: Annotated[
         str | None, typer.Option(metavar="CHAIN", help='With --from: how it is built, such as "w-Y\'-b-X-Z-t".')

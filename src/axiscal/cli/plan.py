@@ -51,9 +51,7 @@ def plan(
         str | None, typer.Option(metavar="CONTROLLER", help="Write the plan as programs for this control, into --out.")
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the programs.")] = Path("programs"),
-    log: Annotated[
-        bool, typer.Option("--log", help="Programs touch spheres by themselves and log it.")
-    ] = False,
+    log: Annotated[bool, typer.Option("--log", help="Programs touch spheres by themselves and log it.")] = False,
     picture: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="Draw each set-up on the machine, and where it is read.")
     ] = None,

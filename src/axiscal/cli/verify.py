@@ -75,9 +75,7 @@ def verify(
     ] = None,
     loaded: Annotated[
         Path | None,
-        typer.Option(
-            metavar="DIR", help="With linuxcnc-live: the exported folder that is to be in force."
-        ),
+        typer.Option(metavar="DIR", help="With linuxcnc-live: the exported folder that is to be in force."),
     ] = None,
     details: Details = False,
     json: Json = False,
