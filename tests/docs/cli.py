@@ -19,8 +19,8 @@ OFTEN = 3
 _HEAD = """\
 # Commands
 
-`make docs` makes this page from the program's help; `--help` of a command has more examples. Several commands take
-these; their line "Also" names them:
+`make docs` makes this page from the program's help; `--help` of a command has more examples. `axiscal step status` is
+`axiscal status`. Several commands take these; their line "Also" names them:
 
 {shared}
 """
