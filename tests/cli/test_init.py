@@ -21,7 +21,6 @@ from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.description.campaign_schema import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED, Purpose
 from axiscal.description.first_files import (
-    Beginning,
     first_described,
     first_files,
     instruments_of,
@@ -151,32 +150,6 @@ def test_lengths_of_errors_shrink_with_the_travel() -> None:
     assert questions(machine_from_text(small.text)) == ()
 
 
-def test_spheres_stand_about_the_middle_where_no_table_turns_and_a_stylus_that_is_said_stays(tmp_path: Path) -> None:
-    text = """name = "trunnion"
-chain = "w-A'-X'-Y'-b-Z-t"
-[tool]
-length = "100 mm"
-stylus = "3 mm"
-[errors]
-EXX = { std = "10 um" }
-""" + "".join(f'[axes.{name}]\ntravel = ["-250 mm", "250 mm"]\n' for name in "XYZ")
-    begun = Beginning(text + '[axes.A]\ntravel = ["-90 deg", "90 deg"]\n')
-    (machine, campaign) = (
-        first_files(begun, ["sphere"], Purpose("20 um")).texts[f"{name}.toml"] for name in ("machine", "campaign")
-    )
-    found = campaign_from_texts(campaign, "campaign.toml", machine, "machine.toml")
-    assert found.machine.nose.stylus == 3e-3
-    (setup,) = found.setups
-    assert setup.artefact is not None
-    spread = np.array([ball.place for ball in setup.artefact.balls])
-    np.testing.assert_allclose(spread.mean(axis=0)[:2], [0.0, 0.0], atol=1e-3)
-    with pytest.raises(DescriptionError, match="No instrument was named"):
-        first_files(begun, [], Purpose("20 um"))
-    printer = first_files(of_builtin("printer-gantry"), ["probe"], Purpose("20 um")).texts["campaign.toml"]
-    assert 'volume = { Z = ["' in printer
-    assert "the first layers, where the probe reads" in printer
-
-
 ROUTER = """[KINS]
 KINEMATICS = trivkins coordinates=XYZ
 JOINTS = 3
@@ -206,13 +179,6 @@ def test_a_probe_on_linuxcnc_is_none_of_a_printer() -> None:
     described = campaign_from_texts(narrow, "campaign.toml", described.machine.text, "machine.toml")
     with pytest.raises(ReadingError, match="state a zero as wide in unknowns"):
         refuse_implausible(touches, described, "touches.csv")
-
-
-def test_a_length_that_is_longer_than_the_travel_is_asked_about() -> None:
-    short = of_builtin("one-axis").text.replace('["0 mm", "1000 mm"]', '["0 mm", "20 mm"]')
-    (asked,) = questions(machine_from_text(short))
-    assert asked.startswith("The length of EXX is longer than the travel of X: the error is taken as nearly straight.")
-    assert asked.endswith('length = "5 mm".')
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -258,18 +224,6 @@ def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(tmp_path: P
     assert read_campaign(tmp_path / "bare" / "campaign.toml").compensation_active is False
     assert app.run(["init", str(tmp_path / "other"), *words, "--machine", "one-axis"]) == 2
     assert not (tmp_path / "other").exists()
-
-
-def test_a_chain_that_is_said_says_nothing_of_where_rotary_axes_lie(tmp_path: Path, command: Command) -> None:
-    ini = INI.replace("XYZ", "XYZC") + "[AXIS_C]\nMIN_LIMIT = 0\nMAX_LIMIT = 180\n"
-    (tmp_path / "machine.ini").write_text(ini)
-    words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
-    said = command("init", tmp_path / "mill", *words, "--chain", "w-C'-Y'-b-X-Z-t").printed
-    assert "where the rotary axes lie" in said
-    assert "which axes carry the workpiece" not in said
-    text = (tmp_path / "mill" / "machine.toml").read_text()
-    assert "CHECK: a point on its line" in text
-    assert "from the pins of the kinematics" not in text
 
 
 def test_limits_that_an_ini_file_leaves_open_are_asked_for_or_given(
