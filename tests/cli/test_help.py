@@ -79,11 +79,8 @@ def test_every_command_has_help_with_an_example(section: str) -> None:
 @pytest.mark.parametrize(
     ("typed", "offered"),
     [
-        ("axiscal mea", ["measure"]),
         ("axiscal measure --la", ["--language"]),
-        ("axiscal measure m", ["mill.axiscal"]),
         ("axiscal status ", ["lathe.axiscal", "mill.axiscal"]),
-        ("axiscal machine ", ["list", "show", "check"]),
     ],
 )
 def test_it_completes(tmp_path: Path, typed: str, offered: list[str]) -> None:
