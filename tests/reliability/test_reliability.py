@@ -14,12 +14,15 @@ from benchmarks.reliability import (
     bad_files,
     changed,
     command_faults,
+    damages,
     forged,
     fuzz,
     power_loss,
+    record_faults,
+    set_faults,
+    writers,
 )
-from tests.reliability import damages, record_faults, set_faults, writers
-from tests.reliability.trial import Trial
+from benchmarks.reliability.trial import Trial
 
 TRIALS: dict[str, tuple[Callable[[], Trial], int]] = {
     "a record is begun": (record_faults.begun, 10),
