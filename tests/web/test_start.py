@@ -9,14 +9,11 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.measurement.reading import Place
-from axiscal.planning.next_readings import next_places
-from axiscal.web import draft, shapes
+from axiscal.web import shapes
 from tests.commands import Command
 from tests.golden.surfaces import of_paper, plain
 from tests.measurement.test_instrument_files import RTL
@@ -428,26 +425,6 @@ def test_dropped_readings_become_an_answer(start: Served) -> None:
     assert sorted(file.name for file in folder.glob("*.rtl")) == ["x.rtl"]
     assert len(kept(folder / "three-axis-mill.axiscal")) == 12
     assert plain("ISO 230-2, axis X") in of_paper(folder / state["results"] / "report.pdf")
-
-
-def test_what_begins_is_planned_in_full_while_its_figures_are_looked_at(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    planned = list[bool]()
-
-    def counted(*known: Any, rough: bool = False) -> tuple[Place, ...]:
-        planned.append(rough)
-        return next_places(*known, rough=rough)
-
-    monkeypatch.setattr("axiscal.web.draft.next_places", counted)
-    draft.keep(tmp_path, shapes.DraftShape(machine="one-axis", instruments=["interferometer"]))
-    draft.plan(tmp_path)
-    draft.plan_in_full(tmp_path)
-    record = draft.record_of(tmp_path, "")
-    assert planned == [True, False]
-    with Campaign.open(record) as campaign:
-        assert campaign.state.coming == next_places(campaign.case(), campaign.estimate().knowledge, ())
-        assert campaign.prepared() == campaign.state.plan
 
 
 def test_an_instrument_of_a_package_or_of_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
