@@ -193,6 +193,12 @@ def test_modes_that_are_not_taken_are_a_failure(agent: Any, control: Control) ->
     assert control.at["X"] == 0.0
 
 
+def stopped(control: Control, **changes: Any) -> None:
+    """Somebody presses Esc."""
+    control.abort()
+    control.other(**changes)
+
+
 def test_a_touch_goes_to_places_of_the_machine_with_inches_and_shifts_in_force(agent: Any, control: Control) -> None:
     """G20 and G92 are the owner's: moves are made in mm, and a touch ends where it was meant."""
     agent.stat.linear_units, agent.stat.g92_offset = 1 / 25.4, (1.0, *(0.0,) * 8)  # inches
@@ -200,6 +206,17 @@ def test_a_touch_goes_to_places_of_the_machine_with_inches_and_shifts_in_force(a
     assert "G21 G90 G94 G38.3 X-20.400000 F600" in control.given
     agent.line("G53 G1 X5 F600")
     assert any(code.startswith("G21 G90 G94 G53 G1") and "X5.000000" in code for code in control.given)
+
+
+@pytest.mark.parametrize("changes", [{}, {"feed": 0.5}], ids=["plainly", "as if by an override"])
+@pytest.mark.parametrize("code", ["G53 G1 X5 F600", "G38.3 X5 F600"])
+def test_a_stop_at_the_machine_is_no_move_that_is_done(
+    agent: Any, control: Control, code: str, changes: dict[str, Any]
+) -> None:
+    agent.line("G53 G1 X1 F600")
+    control.during = lambda: stopped(control, **changes)
+    assert "somebody stopped it" in agent.line(code)["failure"]
+    assert control.at["X"] < 5
 
 
 def test_overrides_are_anybodys_and_the_move_goes_on(agent: Any, control: Control) -> None:
@@ -242,6 +259,19 @@ def test_only_a_move_of_our_own_is_aborted(module: types.ModuleType, agent: Any,
     moving.serve()
     assert "abort" in control.given
     assert control.at["X"] < 9
+
+
+def test_the_machine_is_left_as_it_was_also_if_nobody_listens(
+    module: types.ModuleType, agent: Any, control: Control, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(_: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(module, "_tell", broken)
+    agent.asked.put({"do": "line", "code": "G53 G1 X5 F600"})
+    agent.serve()
+    assert control.modes == {200, 910, 930, 640}
+    assert control.given[-1] == "G64 P0.050000 Q0.020000"
 
 
 def test_modes_that_cannot_be_set_again_are_said(
