@@ -15,10 +15,15 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.estimation import expanded_uncertainty
+from axiscal.estimation.inheritance import last_campaign
 from axiscal.estimation.promise.agreement import Agreement
+from axiscal.exceptions import OvertakenError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
+from axiscal.present.summarising import Extras, summarise
+from axiscal.record.accepted import Accepted
+from axiscal.record.carried import carried_text
 from tests.commands import Command
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
@@ -149,6 +154,19 @@ def test_a_person_may_tell_of_a_zero_that_no_reading_names(tmp_path: Path, comma
     assert run(["accept", str(path), "sign", "--before", "5"]) == 2
 
 
+def test_where_another_process_has_written_since_nothing_is_accepted(tmp_path: Path) -> None:
+    path = wrong_record(tmp_path, "um as mm")
+    with Campaign.open(path) as campaign, Campaign.open(path) as other:
+        other.note("warm")
+        with pytest.raises(OvertakenError):
+            campaign.accept("unit")
+        assert campaign.looked_at_again().accepted == ()
+        assert campaign.accept("unit") == Accepted("unit", ("X again",), factor=1000.0)
+        assert other.looked_at_again().accepted == campaign.state.accepted
+        campaign.undo()
+        assert other.looked_at_again().readings == other.state.written
+
+
 def test_without_a_cause_it_lists_what_is_named_and_writes_nothing(tmp_path: Path, command: Command) -> None:
     path = wrong_record(tmp_path, "um as mm")
     content = path.read_bytes()
@@ -158,3 +176,15 @@ def test_without_a_cause_it_lists_what_is_named_and_writes_nothing(tmp_path: Pat
     assert then == f"Accept one: axiscal step accept {path} CAUSE"
     assert command("accept", path, "--json").document["agreement"]["explained"][0]["mistake"] == "unit"
     assert path.read_bytes() == content
+
+
+def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, command: Command) -> None:
+    path = wrong_record(tmp_path, "jump")
+    assert run(["accept", str(path), "jump"]) == 0
+    said = 'the readings of "X again" before reading 19 have a zero of their own'
+    assert f"Accepted: {said}" in command("status", path, "--details").printed
+    with Campaign.open(path) as campaign:
+        found = summarise(campaign, campaign.estimate(ended=True), Extras())
+        description, readings = last_campaign(carried_text(path))
+        assert (readings, description.setups[-1].name) == (campaign.state.readings, "X again, before reading 19")
+    assert [each.text for each in found.warnings if each.code == "accepted"] == [f"A person accepted: {said}."]

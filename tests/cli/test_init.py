@@ -182,6 +182,13 @@ def test_a_probe_on_linuxcnc_is_none_of_a_printer() -> None:
         refuse_implausible(touches, described, "touches.csv")
 
 
+def test_a_length_that_is_longer_than_the_travel_is_asked_about() -> None:
+    short = of_builtin("one-axis").text.replace('["0 mm", "1000 mm"]', '["0 mm", "20 mm"]')
+    (asked,) = questions(machine_from_text(short))
+    assert asked.startswith("The length of EXX is longer than the travel of X: the error is taken as nearly straight.")
+    assert asked.endswith('length = "5 mm".')
+
+
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_instruments_are_named_as_people_name_them(language: str) -> None:
     with speaking(language):
@@ -225,6 +232,18 @@ def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(tmp_path: P
     assert read_campaign(tmp_path / "bare" / "campaign.toml").compensation_active is False
     assert app.run(["init", str(tmp_path / "other"), *words, "--machine", "one-axis"]) == 2
     assert not (tmp_path / "other").exists()
+
+
+def test_a_chain_that_is_said_says_nothing_of_where_rotary_axes_lie(tmp_path: Path, command: Command) -> None:
+    ini = INI.replace("XYZ", "XYZC") + "[AXIS_C]\nMIN_LIMIT = 0\nMAX_LIMIT = 180\n"
+    (tmp_path / "machine.ini").write_text(ini)
+    words = ["--from", str(tmp_path / "machine.ini"), "--instrument", "interferometer", "--target", "20 um"]
+    said = command("init", tmp_path / "mill", *words, "--chain", "w-C'-Y'-b-X-Z-t").printed
+    assert "where the rotary axes lie" in said
+    assert "which axes carry the workpiece" not in said
+    text = (tmp_path / "mill" / "machine.toml").read_text()
+    assert "CHECK: a point on its line" in text
+    assert "from the pins of the kinematics" not in text
 
 
 def test_limits_that_an_ini_file_leaves_open_are_asked_for_or_given(

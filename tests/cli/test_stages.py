@@ -73,6 +73,17 @@ def test_a_command_is_watched_until_it_ends(monkeypatch: pytest.MonkeyPatch) -> 
     assert threading.active_count() == before
 
 
+def test_where_nobody_looks_nothing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    err = io.StringIO()
+    monkeypatch.setattr("sys.stderr", err)
+    monkeypatch.setattr(stages, "_QUIET", 0.0)
+    monkeypatch.delenv("AXISCAL_PROGRESS")
+    before = threading.active_count()
+    with stages.shown_stages(), stage("long work"):
+        assert threading.active_count() == before
+    assert err.getvalue() == ""
+
+
 def test_ctrl_c_that_was_answered_ends_with_status_1_and_not_by_the_signal() -> None:
     """Python itself ends a process by the signal where it met the code of a text, whoever caught it."""
     program = (

@@ -13,7 +13,10 @@ from pathlib import Path
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.web import shapes
+from axiscal.language.spoken import speaking
+from axiscal.planning.next_readings import next_places
+from axiscal.present.plan_answer import coming_answer
+from axiscal.web import draft, shapes
 from tests.commands import Command
 from tests.golden.surfaces import of_paper, plain
 from tests.measurement.test_instrument_files import RTL
@@ -411,6 +414,13 @@ def opened(start: Served) -> Answer:
     return start.ask("POST", "/api/1/open", b'{"record": ""}', Authorization=f"Bearer {start.token}")
 
 
+def test_a_dropped_file_of_a_control_is_one_in_german_too(tmp_path: Path) -> None:
+    """It was taken for readings, called by the head of the catalogue."""
+    with speaking("de"):
+        made = draft.keep(tmp_path, shapes.DraftShape(file="printer.cfg", text=PRINTER, instruments=["probe"]))
+    assert (made.title, made.readings, made.faults) == ("3D printer (corexy)", "", {})
+
+
 def test_dropped_readings_become_an_answer(start: Served) -> None:
     """The file of a laser names no axis, which a person then does."""
     chosen = {"machine": "three-axis-mill", "instruments": ["interferometer"], "file": "x.rtl", "text": RTL}
@@ -425,6 +435,29 @@ def test_dropped_readings_become_an_answer(start: Served) -> None:
     assert sorted(file.name for file in folder.glob("*.rtl")) == ["x.rtl"]
     assert len(kept(folder / "three-axis-mill.axiscal")) == 12
     assert plain("ISO 230-2, axis X") in of_paper(folder / state["results"] / "report.pdf")
+
+
+def test_a_curve_that_cannot_be_planned_is_none(start: Served) -> None:
+    """A quick click took the last instrument away while the curve was asked for."""
+    start.call("draft", machine="one-axis", instruments=[])
+    assert start.call("plan").status == 422
+    answer = start.call("curve")
+    assert (answer.status, answer.body) == (200, b"null")
+
+
+def test_the_page_plans_roughly_what_is_measured(start: Served) -> None:
+    """Figures of the lattice are near those of the plan in full, which begins."""
+    start.call("draft", machine="lathe", instruments=["interferometer"])
+    rough = start.call("plan").document["answer"]["document"]
+    opened(start)
+    (record,) = start.record.glob("*/*.axiscal")
+    with Campaign.open(record, write=False) as campaign:
+        exact, places = coming_answer(campaign), next_places(campaign.case(), campaign.estimate().knowledge, ())
+        assert campaign.state.coming == places  # as every other way to begin plans it
+    assert exact is not None
+    pairs = zip([row["known_to"] for row in rough["rows"]], [row.known_to for row in exact.rows], strict=True)
+    assert all(0.8 < one / other < 1.25 for one, other in pairs)
+    assert rough["minutes"] == pytest.approx(exact.minutes, rel=0.02)
 
 
 def test_an_instrument_of_a_package_or_of_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
