@@ -1,4 +1,4 @@
-"""`examples/many_campaigns.py` goes on behind the last whole row, and names workers that were lost."""
+"""`examples/many_campaigns.py` goes on behind the last whole row."""
 
 from __future__ import annotations
 
