@@ -39,7 +39,7 @@ demo-linuxcnc: .venv/run.stamp
 	$(BIN)/python -m tests.linuxcnc.demo --out demo-linuxcnc-out
 
 howto-linuxcnc: .venv/dev.stamp
-	$(BIN)/python -m tests.linuxcnc.howto
+	$(BIN)/python -m benchmarks.linuxcnc_howto
 
 test check: .venv/dev.stamp
 	$(BIN)/ruff check .

@@ -1,18 +1,16 @@
-"""What the main paths ask of the processor, beside what they asked at the commit before and what is aimed at.
+"""What the main paths ask of the processor, beside what is aimed at.
 
-    python benchmarks/bench_paths.py [--only plan] [--long] [--write] [--beside ../checkout]
+    python benchmarks/bench_paths.py [--only plan] [--long] [--beside ../checkout]
 
-Processor seconds of whole commands on one thread, the calls of functions that a second run takes, and the ratio to the
-figures kept in benchmarks/figures.csv. --write keeps today's there, under the commit that is checked out; --long adds
-the records of 2,000 readings, estimates of 2,001, and 1,000 unknowns with 10,000 readings. --beside runs each path by
-the sources of another checkout as well, right after: how fast a machine is, and what else it does, is then the same
-for both, and the ratio is theirs.
+Processor seconds of whole commands on one thread, and the calls of functions that a second run takes. --long adds the
+records of 2,000 readings, estimates of 2,001, and 1,000 unknowns with 10,000 readings. --beside runs each path by the
+sources of another checkout as well, right after: how fast a machine is, and what else it does, is then the same for
+both, and the ratio is theirs.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
 import os
 import pstats
 import resource
@@ -50,8 +48,6 @@ direction = "x"
 noise = "0.5 um"
 approach = "both"
 """
-FIGURES = Path(__file__).with_name("figures.csv")
-COLUMNS = ("path", "commit", "seconds", "calls", "megabytes")
 COMMAND = "from axiscal.cli import main; raise SystemExit(main())"
 PROFILED = (
     "import cProfile, sys; from axiscal.cli import main; kept, watched = sys.argv.pop(), cProfile.Profile(); "
@@ -265,39 +261,16 @@ def run(command: list[str], checkout: Path) -> resource.struct_rusage:
     return used
 
 
-def kept() -> dict[str, Measured]:
-    """Return the figures kept in the repository by path, the last of each."""
-    if not FIGURES.exists():
-        return {}
-    with FIGURES.open(encoding="utf-8", newline="") as file:
-        rows = [
-            Measured(row["path"], row["commit"], float(row["seconds"]), int(row["calls"]), float(row["megabytes"]))
-            for row in csv.DictReader(file)
-        ]
-    return {row.path: row for row in rows}
-
-
-def write(found: dict[str, Measured]) -> None:
-    """Keep figures in the repository, one row for each path."""
-    with FIGURES.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for each in found.values():
-            writer.writerow([each.path, each.commit, each.seconds, each.calls, each.megabytes])
-
-
 def commit_of(checkout: Path) -> str:
     """Return the short name of the commit that is checked out, "" outside a repository."""
     asked = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=checkout)
     return asked.stdout.strip()
 
 
-def line(road: Road, now: Measured, before: Measured | None) -> str:
+def line(road: Road, now: Measured) -> str:
     """Return a row of the table."""
-    shown = (
-        f"{road.name:38} {now.seconds:8.2f} s {now.calls / 1e6:7.2f} M {now.megabytes:6.0f} MB   (aim {road.target} s)"
-    )
-    return shown if before is None else f"{shown}   {compared_with(now, before)}"
+    calls = f"{now.calls / 1e6:7.2f} M {now.megabytes:6.0f} MB"
+    return f"{road.name:38} {now.seconds:8.2f} s {calls}   (aim {road.target} s)"
 
 
 def compared_with(now: Measured, before: Measured) -> str:
@@ -313,22 +286,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--only", default="", help="paths whose name begins so")
     parser.add_argument("--long", action="store_true", help="with those that take minutes")
-    parser.add_argument("--write", action="store_true", help="keep the figures in benchmarks/figures.csv")
     parser.add_argument("--beside", type=Path, help="folder of another checkout, by which each path is run as well")
     asked = parser.parse_args()
-    before = kept()
-    found = dict(before)
     for road in ROADS:
         if road.name.startswith(asked.only) and (asked.long or not road.long):
-            found[road.name] = measured(road, ROOT)
-            print(line(road, found[road.name], before.get(road.name)), flush=True)
+            found = measured(road, ROOT)
+            print(line(road, found), flush=True)
             if asked.beside is not None:
                 other = measured(road, asked.beside.resolve())
-                print(
-                    f"{'':38} {other.seconds:8.2f} s   {compared_with(found[road.name], other)}, beside it", flush=True
-                )
-            if asked.write:
-                write(found)
+                print(f"{'':38} {other.seconds:8.2f} s   {compared_with(found, other)}, beside it", flush=True)
 
 
 if __name__ == "__main__":

@@ -17,14 +17,17 @@ from benchmarks.reliability import (
     bounds,
     changed,
     command_faults,
+    damages,
     forged,
     power_loss,
+    record_faults,
     same_bytes,
+    set_faults,
     stuck_instruments,
+    writers,
 )
 from benchmarks.reliability.kept import Kept
-from tests.reliability import damages, record_faults, set_faults, writers
-from tests.reliability.trial import DISK, Trial
+from benchmarks.reliability.trial import DISK, Trial
 
 
 def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:

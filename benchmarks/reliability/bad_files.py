@@ -33,9 +33,9 @@ from axiscal.record.store import content_of
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import read_old
 from axiscal.tables.registry import loaded
+from benchmarks.reliability.trial import Trial, scratch
 from tests.measurement.test_readers import TRUTH
 from tests.refusals.reading import refusals
-from tests.reliability.trial import Trial, scratch
 
 SECONDS, MEGABYTES = 1.0, 200.0
 POSES = "X_mm,Y_mm,approach\n10,20,X+ Y-\n30,40,\n"

@@ -14,8 +14,8 @@ import numpy as np
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.measurement.reading import Reading
+from benchmarks.reliability.trial import Trial, scratch
 from tests.generators.texts import campaign_text, setup_text
-from tests.reliability.trial import Trial, scratch
 from tests.web.served import served, started
 from tests.zoo.running import given, rows_of
 

@@ -18,9 +18,9 @@ from axiscal.record import story
 from axiscal.record.events import Event, Stored
 from axiscal.record.lines import HEAD, SLOT, SLOTS
 from axiscal.record.store import Record
-from tests.reliability.damages import first_record
-from tests.reliability.record_faults import CREATED, NAME, events, recorded, values
-from tests.reliability.trial import Say, Trial, forked, scratch
+from benchmarks.reliability.damages import first_record
+from benchmarks.reliability.record_faults import CREATED, NAME, events, recorded, values
+from benchmarks.reliability.trial import Say, Trial, forked, scratch
 
 SECONDS, MEGABYTES = 2.0, 200.0
 """Processor time in which a record opens, and memory of the process."""

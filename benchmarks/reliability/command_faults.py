@@ -19,11 +19,11 @@ from unittest.mock import patch
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
 from axiscal.present import rendering
+from benchmarks.reliability.faults import HOWS, Fault, Outcome, faults
+from benchmarks.reliability.record_faults import events
+from benchmarks.reliability.trial import Say, Trial, scratch
 from tests.cli.test_results_are_a_set import FILES, differing
 from tests.generators.texts import campaign_text, setup_text
-from tests.reliability.faults import HOWS, Fault, Outcome, faults
-from tests.reliability.record_faults import events
-from tests.reliability.trial import Say, Trial, scratch
 
 WRONG = campaign_text(
     "machine.toml",

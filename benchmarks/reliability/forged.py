@@ -19,8 +19,8 @@ from axiscal.record.events import Noted
 from axiscal.record.lines import EMPTY, EventText, chained
 from axiscal.record.signing import KEY, PERSON, make_key
 from axiscal.record.store import Record, content_of
-from tests.reliability.record_faults import CREATED, NAME, recorded
-from tests.reliability.trial import Trial, scratch
+from benchmarks.reliability.record_faults import CREATED, NAME, recorded
+from benchmarks.reliability.trial import Trial, scratch
 from tools.check_record import checked
 
 DAYS, READINGS = 3, 8

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import AxiscalError
 from benchmarks.reliability.bad_files import KINDS, Kind, place
-from tests.reliability.trial import scratch
+from benchmarks.reliability.trial import scratch
 
 _WORDS = st.sampled_from(
     [b"nan", b"1e400", b"-", b'"', b"'", b"[", b"]", b"{", b"=", b",", b"\n", b"\r", b"\0", b"\xff", b"9" * 400, b"um"]

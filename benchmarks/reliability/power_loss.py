@@ -15,8 +15,8 @@ from unittest.mock import patch
 from axiscal.document import durable
 from axiscal.record import store
 from axiscal.record.events import Event
-from tests.reliability.record_faults import CREATED, NAME, recorded, values
-from tests.reliability.trial import Trial, scratch
+from benchmarks.reliability.record_faults import CREATED, NAME, recorded, values
+from benchmarks.reliability.trial import Trial, scratch
 
 SECTOR = 512
 APPENDS = 12

@@ -15,9 +15,9 @@ from tempfile import TemporaryDirectory
 from axiscal.language.spoken import LANGUAGES
 from axiscal.record.payload import encode
 from axiscal.record.store import Record
+from benchmarks.reliability.trial import Trial
 from tests.golden.given import Given, given
 from tests.golden.playing import FIXED
-from tests.reliability.trial import Trial
 
 CAMPAIGNS = ("iso_test", "printer", "learnt")
 SOURCES = Path(__file__).resolve().parents[2] / "src"

@@ -9,8 +9,8 @@ from axiscal.estimation.estimate import estimated
 from axiscal.estimation.promise.sick import repeats
 from axiscal.measurement.reading import Reading
 from axiscal_core.threads import one_thread
+from benchmarks.reliability.trial import Trial
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
-from tests.reliability.trial import Trial
 
 STEPS = (1e-7, 1e-6, 2.54e-6, 5e-6)
 """Of displays, m; one of them in ten-thousandths of an inch."""

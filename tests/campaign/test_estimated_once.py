@@ -14,7 +14,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
-from axiscal.record.events import Asked
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, plus, read
 from tests.generators.recorded import write_record
 
@@ -74,22 +73,3 @@ def test_each_answer_is_found_once_for_the_same_readings(record: Path, monkeypat
         campaign.undo()
         with pytest.raises(TypeError):  # of other readings they say nothing
             campaign.reached()
-
-
-@pytest.mark.long
-def test_what_a_campaign_goes_on_by_is_kept_until_it_is_read_again(
-    record: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with Campaign.open(record) as campaign:
-        planned = campaign.prepared()
-        assert campaign.reached() is None
-        campaign.go_on()
-    with monkeypatch.context() as estimating_nothing, Campaign.open(record) as again:
-        estimating_nothing.setattr(running, "estimated", None)
-        assert (again.reached(), again.prepared()) == (None, planned)
-        asked = again.next()
-        assert isinstance(asked, Asked)
-        assert asked.place == planned[0]
-        again.record(1e-6)
-        with pytest.raises(TypeError):  # of another reading nobody has said it
-            again.reached()

@@ -167,15 +167,6 @@ def test_where_another_process_has_written_since_nothing_is_accepted(tmp_path: P
         assert other.looked_at_again().readings == other.state.written
 
 
-def test_a_finished_campaign_is_taken_back_first(tmp_path: Path, command: Command) -> None:
-    path = wrong_record(tmp_path, "um as mm")
-    with Campaign.open(path) as campaign:
-        campaign.finish("enough")
-    assert "Take the end back with `axiscal step undo`" in command("accept", path, "unit").refusal
-    assert run(["undo", str(path)]) == 0
-    assert run(["accept", str(path), "unit"]) == 0
-
-
 def test_without_a_cause_it_lists_what_is_named_and_writes_nothing(tmp_path: Path, command: Command) -> None:
     path = wrong_record(tmp_path, "um as mm")
     content = path.read_bytes()

@@ -151,18 +151,6 @@ def test_a_command_loads_nothing_that_it_does_not_need(
     assert run.stderr.strip() == ""
 
 
-@pytest.mark.parametrize("words", [["next", "m.axiscal"], ["--help"], ["nothing"]])
-def test_garbage_is_collected_again_once_the_program_is_loaded(
-    started: Command, tmp_path: Path, words: list[str]
-) -> None:
-    program = (
-        f"import gc, sys; sys.argv = ['axiscal', *{words!r}]; from axiscal.cli import main; main();"
-        "print('collected', gc.isenabled(), gc.get_freeze_count() > 0)"
-    )
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=tmp_path)
-    assert run.stdout.splitlines()[-1] == f"collected True {words[0] == 'next'}"
-
-
 def test_a_defect_is_not_a_traceback(started: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("float division by zero")

@@ -67,28 +67,6 @@ def test_a_template_that_is_no_text_is_refused(
     assert not out.exists()
 
 
-PITCH = "\n".join(
-    [
-        "%",
-        "N3620A1P10A2P50A3P100;",
-        "N3621A1P11A2P51A3P101;",
-        "N3622A1P40A2P70A3P110;",
-        "N3623A1P1A2P1A3P1;",
-        "N3624A1P10.0A2P0A3P10.0;",
-        *(f"N{number}P0;" for number in range(10000, 10120)),
-        "%",
-    ]
-)
-"""Of a FANUC whose second axis has no interval."""
-
-
-def test_an_axis_that_the_files_do_not_move_is_named(record: Path, tmp_path: Path, command: Command) -> None:
-    (tmp_path / "saved.txt").write_text(PITCH)
-    given = ["--to", "fanuc", "--template", str(tmp_path / "saved.txt"), "--out", str(tmp_path / "out")]
-    assert "The files do not move Y" in command("export", record, *given).said
-    assert "Left out: Y (3624 is 0, " in " ".join((tmp_path / "out" / "README.txt").read_text().split())
-
-
 def test_files_that_leave_no_less_are_not_to_be_loaded(
     record: Path, tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -139,10 +117,6 @@ def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
     assert again.split() == ["axiscal", "verify", str(record), *made_from]
     printed = command("verify", record, *made_from, "--source", "sim:3", "--tolerance", "10 um").printed
     assert printed.startswith("AS PROMISED")
-
-
-def test_a_folder_in_place_of_the_record_is_answered_with_the_record(record: Path, command: Command) -> None:
-    assert str(record) in "".join(command("export", record.parent, "--to", "csv").refusal.split())
 
 
 def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path: Path) -> None:

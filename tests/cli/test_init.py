@@ -21,7 +21,6 @@ from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.description.campaign_schema import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED, Purpose
 from axiscal.description.first_files import (
-    Beginning,
     first_described,
     first_files,
     instruments_of,
@@ -37,6 +36,8 @@ from axiscal.machine.questions import questions
 from axiscal.measurement.reading import Reading
 from tests.commands import Command
 from tests.generators.machines import random_machine
+from tests.zoo.animals import Job
+from tests.zoo.running import described
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -117,11 +118,10 @@ def test_a_board_that_is_turned_is_offered_where_no_axis_does(tmp_path: Path) ->
 def test_the_board_that_is_offered_tells_how_square_z_is(tmp_path: Path) -> None:
     """Axes that are not square, and a board as built and put down by eye, by plain rotations."""
     travels = {"X": (0.0, 600.0), "Y": (0.0, 400.0), "Z": (-200.0, 0.0)}
-    ini, folder, rng = tmp_path / "router.ini", tmp_path / "router", np.random.default_rng(7)
     axes = (f"[AXIS_{name}]\nMIN_LIMIT = {low}\nMAX_LIMIT = {high}\n" for name, (low, high) in travels.items())
-    ini.write_text(ROUTER.split("[AXIS_X]")[0] + "".join(axes))
-    assert app.run(["init", str(folder), "--from", str(ini), "--instrument", "sphere", "--target", ""]) == 0
-    given = tomllib.loads((folder / "campaign.toml").read_text())
+    job = Job(ROUTER.split("[AXIS_X]")[0] + "".join(axes), ("sphere",), "", errors=("EYX", "EXY", "C0Y", "B0Z", "A0Z"))
+    campaign, rng = described(job, tmp_path / "router"), np.random.default_rng(7)
+    given = tomllib.loads(campaign.read_text())
     (c, b, a), lines = rng.normal(0, 60e-6, 3), ["setup,X_mm,Y_mm,Z_mm,value_x_um,value_y_um,value_z_um"]
     balls = {
         name: np.array([float(each.split()[0]) for each in at]) for name, at in given["artefacts"][0]["balls"].items()
@@ -138,7 +138,7 @@ def test_the_board_that_is_offered_tells_how_square_z_is(tmp_path: Path) -> None
             value = [b * z - c * y, -a * z, 0.0] - (stands - there) + rng.normal(0, 1.5e-3, 3)
             lines.append(",".join([setup["name"], *(f"{each:.6f}" for each in (x, y, z, *(1e3 * value)))]))
     (tmp_path / "r.csv").write_text("\n".join(lines))
-    told = ["data", "estimate", str(folder / "campaign.toml"), str(tmp_path / "r.csv"), "--out", str(tmp_path / "out")]
+    told = ["data", "estimate", str(campaign), str(tmp_path / "r.csv"), "--out", str(tmp_path / "out")]
     assert app.run(told) == 0
     found = {row["row"]: row for row in json.loads((tmp_path / "out" / "result.json").read_text())["rows"]}
     for name, true in (("XY", c), ("XZ", -b), ("YZ", a)):
@@ -149,32 +149,6 @@ def test_the_board_that_is_offered_tells_how_square_z_is(tmp_path: Path) -> None
 def test_lengths_of_errors_shrink_with_the_travel() -> None:
     small = with_travels(of_builtin("three-axis-mill"), dict.fromkeys("XYZ", 20.0))
     assert questions(machine_from_text(small.text)) == ()
-
-
-def test_spheres_stand_about_the_middle_where_no_table_turns_and_a_stylus_that_is_said_stays(tmp_path: Path) -> None:
-    text = """name = "trunnion"
-chain = "w-A'-X'-Y'-b-Z-t"
-[tool]
-length = "100 mm"
-stylus = "3 mm"
-[errors]
-EXX = { std = "10 um" }
-""" + "".join(f'[axes.{name}]\ntravel = ["-250 mm", "250 mm"]\n' for name in "XYZ")
-    begun = Beginning(text + '[axes.A]\ntravel = ["-90 deg", "90 deg"]\n')
-    (machine, campaign) = (
-        first_files(begun, ["sphere"], Purpose("20 um")).texts[f"{name}.toml"] for name in ("machine", "campaign")
-    )
-    found = campaign_from_texts(campaign, "campaign.toml", machine, "machine.toml")
-    assert found.machine.nose.stylus == 3e-3
-    (setup,) = found.setups
-    assert setup.artefact is not None
-    spread = np.array([ball.place for ball in setup.artefact.balls])
-    np.testing.assert_allclose(spread.mean(axis=0)[:2], [0.0, 0.0], atol=1e-3)
-    with pytest.raises(DescriptionError, match="No instrument was named"):
-        first_files(begun, [], Purpose("20 um"))
-    printer = first_files(of_builtin("printer-gantry"), ["probe"], Purpose("20 um")).texts["campaign.toml"]
-    assert 'volume = { Z = ["' in printer
-    assert "the first layers, where the probe reads" in printer
 
 
 ROUTER = """[KINS]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from itertools import chain
 from pathlib import Path
 
@@ -13,7 +12,6 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli import outputs
 from axiscal.cli.app import run
-from axiscal.document import durable
 from axiscal.present import delivery
 from tests.commands import Command
 from tests.generators.begun import begun
@@ -198,13 +196,3 @@ def test_where_folders_cannot_change_places_at_once_they_do_one_after_the_other(
         assert run(["finish", "mill.axiscal", "--out", "out"]) == 0
         assert differing(folder / "out", "manifest.json") == set()
     assert not beside(folder)
-
-
-def test_two_folders_change_places(tmp_path: Path) -> None:
-    if os.uname().sysname != "Linux":
-        pytest.skip("needs Linux's renameat2")
-    for name in ("a", "b"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / name).touch()
-    assert durable.exchanged(tmp_path / "a", tmp_path / "b")
-    assert [path.name for path in (tmp_path / "a").iterdir()] == ["b"]

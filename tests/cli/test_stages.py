@@ -52,22 +52,6 @@ def test_on_a_terminal_one_line_changes_and_goes_when_the_work_is_done(monkeypat
     assert err.getvalue().split("\r")[-2].isspace()
 
 
-def test_work_in_another_thread_says_nothing() -> None:
-    shown, heard = StageLine(), list[int]()
-
-    def work() -> None:
-        with stage("elsewhere"):
-            heard.append(len(shown.stages))
-
-    with listening(Listener(shown.stages, shown.wipe)):
-        thread = threading.Thread(target=work)
-        thread.start()
-        thread.join()
-        with stage("here"):
-            heard.append(len(shown.stages))
-    assert heard == [0, 1]
-
-
 def test_a_command_is_watched_until_it_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     err, looked = Terminal(), threading.Event()
     monkeypatch.setattr("sys.stderr", err)
@@ -116,27 +100,9 @@ def test_ctrl_c_that_was_answered_ends_with_status_1_and_not_by_the_signal() -> 
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 1
 
 
-KNOWN = Accuracy(2e-6, 4e-6, 2e-6, 4e-6)
-
-
 def target(readings: int | None = None, rms: float | None = None, budget: float | None = None) -> Target:
     """Return a target without volume."""
     return Target(rms, None, readings, budget, (), "volume")
-
-
-@pytest.mark.parametrize(
-    ("number", "asked", "said"),
-    [
-        (3, target(120), "reading 3 of 120: RMS 2 um"),
-        (3, target(120, 1e-6), "reading 3 of at most 120: RMS 2 um (target 1 um)"),
-        (3, target(120, budget=600.0), "reading 3 of at most 120: RMS 2 um"),
-        (3, target(rms=1e-6), "reading 3: RMS 2 um (target 1 um)"),
-        (5, target(120), "reading 5, 3 taken of 120: RMS 2 um"),
-    ],
-)
-def test_of_how_many(number: int, asked: Target, said: str) -> None:
-    reading = Reading("laser", (0.0,), (0,), 0.0, number=number)
-    assert progress_line(Milestone(3, reading, KNOWN, 60.0), asked).startswith(said)
 
 
 def test_a_line_with_all_that_may_be_wanted_fits_a_terminal() -> None:

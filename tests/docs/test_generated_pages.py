@@ -10,7 +10,7 @@ from jsonschema_rs import meta
 
 from axiscal.present.result_document import result_json
 from tests.docs import api, result
-from tests.docs.equations import LAST, PAGE, citations, cited, page, table
+from tests.docs.equations import LAST, PAGE, citations, page, table
 from tests.present.test_result import SUMMARY
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -58,9 +58,3 @@ def test_the_page_speaks_of_every_formula_that_a_test_contradicts() -> None:
     text = PAGE.read_text(encoding="utf-8").replace(table(), "")
     assert contradicted == [5, 8, 9]
     assert [number for number in contradicted if f"({number})" not in text] == []
-
-
-def test_citations_are_read_as_written() -> None:
-    text = "x (B&H eq. 4, 8), (B&H eq. 24-26; several joints B&H eq. 34-36) and B&H eq. 2 alone; eq. 7 of another."
-    assert cited(text) == {2, 4, 8, 24, 25, 26, 34, 35, 36}
-    assert cited("B&H eq.\n    13-14") == {13, 14}

@@ -83,24 +83,12 @@ def test_dense_algebra_gives_the_same_variances(name: str, variance: float, requ
     np.testing.assert_allclose(plan.variances, dense_variances(plan.positions, variance), rtol=1e-6)
 
 
-def test_the_knees_stand_where_the_readings_span_what_can_be_seen(single: Chosen, stacked: Chosen) -> None:
-    for plan, knee in ((single, 7), (stacked, 19)):
-        falls = -np.diff(plan.variances)
-        assert falls[:knee].min() > 3 * falls[knee:].max()
-
-
 def test_two_combinations_of_constants_are_left(stacked: Chosen) -> None:
     """c ⊗ 1 with Σ c = 0: variance 1/7 of each unit vector's mean, times the length 10, twice."""
     exact = STACKED["case"]("1 nm")
     left = exact.evaluate(exact.lattice(200), criterion="joint").J
     assert left == pytest.approx(20e-9 / 7, rel=1e-5, abs=0.0)
     assert 20 / 7 < stacked.variances[-1] < 20 / 7 + 0.01
-
-
-def test_seven_chosen_together_beat_seven_in_turn(single: Chosen) -> None:
-    together = np.array([[0.0, 1.5723, 3.3141, 5.0, 6.6859, 8.4277, 10.0]]).T
-    assert dense_variances(together, 1e-2)[-1] == pytest.approx(0.08318, abs=1e-5)
-    assert single.variances[7] > 0.19
 
 
 @pytest.mark.parametrize(("name", "variance", "along"), [("single", 1e-2, 10_001), ("stacked", 1e-4, 41)])

@@ -50,8 +50,6 @@ EXAMPLES: dict[str, tuple[str, Build, ExportOptions]] = {
     "xyzac-all": ("xyzac-all", *_TABLE),
 }
 """Name -> whose description it is, how LinuxCNC is set up, what is exported."""
-MACHINES = tuple(EXAMPLES)[:-1]
-"""Those that take little time; the last one is for the demo alone."""
 _WHAT = {
     "three-axis": "mill in mm, trivkins",
     "gantry": "coordinates = XYYZ, trivkins",
@@ -104,7 +102,7 @@ class Left:
 
 
 def description(name: str) -> CampaignDescription:
-    """Return the campaign on one of `MACHINES`."""
+    """Return the campaign on one of `EXAMPLES`."""
     stem = EXAMPLES[name][0]
     campaign, machine = (FOLDER / f"{stem}.{kind}.toml" for kind in ("campaign", "machine"))
     described, built = (path.read_text(encoding="utf-8") for path in (campaign, machine))

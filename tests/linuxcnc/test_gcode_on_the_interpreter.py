@@ -25,12 +25,9 @@ pytestmark = [
     pytest.mark.skipif(interpreter() is None, reason="Debian package linuxcnc-uspace is not installed"),
 ]
 
-SAMPLE = range(60)
 
-
-@pytest.mark.parametrize("tens", range(0, len(SAMPLE), 20))
-def test_random_plans_stay_in_the_travel_and_come_from_the_planned_side(tens: int, tmp_path: Path) -> None:
-    for seed in SAMPLE[tens : tens + 20]:
+def test_random_plans_stay_in_the_travel_and_come_from_the_planned_side(tmp_path: Path) -> None:
+    for seed in range(25):
         found = list(interpreted(random_plan(np.random.default_rng(seed)), tmp_path))
         assert [faults for _, faults in found if faults] == [], f"seed {seed}"
         assert all(moves for moves, _ in found)

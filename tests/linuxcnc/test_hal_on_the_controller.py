@@ -69,12 +69,6 @@ def test_a_correction_comes_and_goes_smoothly_with_homing() -> None:
         assert session.errors == ()
 
 
-def test_the_speed_that_is_allowed_is_far_below_a_jump() -> None:
-    """100 um in one period would be 100 mm/s."""
-    assert cross.fastest([bend("X", "Y", 1e-4)], SPEEDS) * 1e3 < 1.0
-    assert cross.fastest([bend("X", "Y", 1e-7)], SPEEDS) == cross.LEAST_SPEED
-
-
 def test_before_all_joints_are_homed_nothing_is_added_and_then_it_is_ramped() -> None:
     """The curve is 50 um where the machine is switched on, and the DISPLAY program homes at once."""
     at = np.linspace(-0.2, 0.2, 3)

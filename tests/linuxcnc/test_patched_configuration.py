@@ -104,12 +104,6 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Export]:
     return ini, export_into(ini, known("three-axis")[0], ExportOptions())
 
 
-def test_what_is_done_to_the_files_is_said(exported: tuple[Path, Export]) -> None:
-    readme = exported[1].readme
-    assert "1 line of COMP_FILE and BACKLASH taken out" in readme
-    assert "- Put axiscal.vcomp and axiscal-volumetric.hal beside" not in readme
-
-
 STARTED = [*WITH_COMPONENT, pytest.mark.long]
 
 
@@ -149,21 +143,6 @@ class TestStarted:
         run_as_foretold(ini, made)
         assert "core_sim.hal is a copy out of LinuxCNC's library." in made.readme
         assert "net Xpos axiscal-vcomp.drive-0 => axiscal-vcomp.encoder-0 ddt_x.in\n" in made.files["core_sim.hal"]
-
-
-def test_signals_and_hardware_stay_as_they_are_named(exported: tuple[Path, Export]) -> None:
-    text = exported[1].files["mill.hal"]
-    assert "net x-to-drive axiscal-vcomp.drive-0 => lag.in\n" in text
-    assert "net x-is-at axiscal-vcomp.encoder-0 <= lag.out\n" in text
-    assert "net y-both axiscal-vcomp.drive-1 => axiscal-vcomp.encoder-1\n" in text
-    join = exported[1].files["axiscal-join.hal"]
-    assert "net everything-homed => axiscal-vcomp.homed\n" in join
-    assert "net x-shown => axiscal-vcomp.pos-0\n" in join
-    assert "net vc-pos-1 joint.1.pos-cmd => axiscal-vcomp.pos-1\n" in join
-    ini = exported[1].files["mill.ini"]
-    order = [line.split()[2] for line in ini.splitlines() if line.startswith("HALFILE")]
-    assert order == ["axiscal-load.hal", "mill.hal", "z.hal", "axiscal-join.hal"]
-    assert "# taken out by axiscal: BACKLASH = 0.01" in ini
 
 
 def test_another_machine_is_refused(tmp_path: Path) -> None:

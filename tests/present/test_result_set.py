@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.present.result_set import MANIFEST, RECORD
-from tests.reliability.set_faults import content, of_age, write_set
+from benchmarks.reliability.set_faults import content, of_age, write_set
 
 
 def everything(folder: Path) -> dict[str, bytes]:

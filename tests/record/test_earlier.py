@@ -16,8 +16,8 @@ from axiscal.estimation.inheritance import last_estimation
 from axiscal.exceptions import RecordError
 from axiscal.record.carried import carried_text
 from axiscal.record.store import Record
+from benchmarks.reliability.record_faults import recorded, values
 from tests.generators.plain_records import NONE, OLD_START, old_record, story, values_in
-from tests.reliability.record_faults import recorded, values
 
 SAID = pytest.approx((-3908.36, 748.592), rel=1e-5)
 """urad, the angle of a printed square and its U: in result.json of the version that began the record."""

@@ -9,11 +9,10 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import OvertakenError, RecordError
-from axiscal.measurement.reading import Place
-from axiscal.record.events import Asked, Event, Finished, Noted, Planned, Skipped, Undone, fold
+from axiscal.record.events import Event, Finished, Noted, Undone, fold
 from axiscal.record.lines import EventText
 from axiscal.record.store import Record, write_copy
-from tests.reliability.record_faults import CREATED, recorded
+from benchmarks.reliability.record_faults import CREATED, recorded
 
 
 @pytest.fixture
@@ -29,17 +28,10 @@ def chain(rows: Sequence[EventText], before: str = 64 * "0") -> str:
     return before
 
 
-ASKED = Asked(1, Place("laser", (0.1, 0.2), (1, 0)))
 CASES: dict[str, Callable[[], list[list[Event]]]] = {
     "nothing more": list,
     "one reading": lambda: [[recorded(1e-6)]],
-    "two at once": lambda: [[recorded(1e-6), recorded(2e-6)]],
-    "the same often": lambda: [[recorded(1e-6)] * 7, [recorded(2e-6)]],
-    "asked and answered": lambda: [[ASKED], [recorded(1e-6)]],
-    "planned": lambda: [[Planned((ASKED.place,), "a plan")], [ASKED], [recorded(0.0)]],
-    "skipped": lambda: [[ASKED], [Skipped("the cable is too short", rest=True)]],
     "taken back": lambda: [[recorded(1e-6)], [Undone(2)], [recorded(3e-6)]],
-    "ended": lambda: [[recorded(1e-6)], [Finished("target reached")], [Noted("after the end")]],
     "ended and taken back": lambda: [[recorded(1e-6)], [Finished("by mistake")], [Undone(3)], [recorded(2e-6)]],
     "every letter": lambda: [[Noted("Spindel 3: ±½ µm, “fett” \\ ' \" ; -- %s :name \x00 \n ☃ 𝛿")]],
     "every digit": lambda: [[*map(recorded, (0.1 + 0.2, -0.0, 5e-324, -1.7976931348623157e5))]],
@@ -67,9 +59,6 @@ def test_what_is_kept_is_read_again(log: Record, case: str) -> None:
 
 
 WRONG: dict[str, list[Event]] = {
-    "created twice": [CREATED],
-    "a skip of nothing": [Skipped("why")],
-    "taken back what is none": [Undone(1)],
     "one good, one bad": [recorded(1e-6), Undone(7)],
     "behind the end": [Finished("done"), recorded(1e-6)],
 }
@@ -109,20 +98,6 @@ def test_what_is_opened_to_be_read_is_not_written(log: Record) -> None:
             reader.append(recorded(1e-6))
         log.append(recorded(1e-6))
         assert reader.last() == 2
-
-
-def test_what_is_not_there_is_a_sentence(log: Record) -> None:
-    nowhere = log.path.with_name(f"{log.path.name} and no other")
-    with pytest.raises(RecordError, match="no such"):
-        Record.open(nowhere)
-
-
-def test_events_written_elsewhere_keep_their_time_and_their_name(log: Record) -> None:
-    rows = [EventText(f"2020-01-0{n}T00:00:00.000+00:00", "noted", f'{{"text":"{n}"}}') for n in (1, 2)]
-    before = log.name
-    log.extend(rows, after=1)
-    assert [stored.at for stored in log.events()[1:]] == [row.at for row in rows]
-    assert log.name == chain(rows, before)
 
 
 def test_a_copy_of_either_is_the_same_record(log: Record, tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from axiscal.record import store
 from axiscal.record.events import Created
 from axiscal.record.store import Record, content_of, write_copy
 from axiscal.record.story import rows_of
-from tests.reliability.record_faults import CREATED, recorded
+from benchmarks.reliability.record_faults import CREATED, recorded
 
 
 @pytest.fixture

@@ -16,9 +16,9 @@ from axiscal.campaign.repairing import repaired
 from axiscal.exceptions import RecordError
 from axiscal.record.events import Event
 from axiscal.record.store import Record
+from benchmarks.reliability.damages import first_record
+from benchmarks.reliability.record_faults import recorded, values
 from tests.generators.plain_records import HEAD
-from tests.reliability.damages import first_record
-from tests.reliability.record_faults import recorded, values
 
 of_two = st.integers(0, 1)
 

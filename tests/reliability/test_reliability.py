@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -12,17 +12,17 @@ import pytest
 from axiscal.exceptions import AxiscalError
 from benchmarks.reliability import (
     bad_files,
-    bounds,
     changed,
     command_faults,
+    damages,
     forged,
     fuzz,
     power_loss,
-    same_bytes,
-    stuck_instruments,
+    record_faults,
+    set_faults,
+    writers,
 )
-from tests.reliability import damages, record_faults, set_faults, writers
-from tests.reliability.trial import Trial
+from benchmarks.reliability.trial import Trial
 
 TRIALS: dict[str, tuple[Callable[[], Trial], int]] = {
     "a record is begun": (record_faults.begun, 10),
@@ -41,11 +41,7 @@ LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "results over earlier ones": (lambda: set_faults.alone(False), 40),
     "results among other files": (set_faults.with_others, 40),
     "start": (lambda: command_faults.tried("start", 5), 4),
-    "init": (lambda: command_faults.tried("init", 7), 4),
-    "export": (lambda: command_faults.tried("export, over earlier tables", 17), 4),
     "lost power": (lambda: power_loss.lost(150), 149),
-    "right records that are called stuck": (lambda: stuck_instruments.named(6), 23),
-    "readings none of which is used": (lambda: bounds.unused(12), 11),
 }
 """In small, and more than how many have to be tried."""
 
@@ -100,16 +96,3 @@ def test_a_bad_file_is_one_error_of_ours_or_still_good(kind: bad_files.Kind, tmp
             except AxiscalError as failure:
                 refused += len(str(failure)) > 20
     assert refused > FEWER.get(str(kind), 10)
-
-
-@pytest.mark.long
-def test_other_surroundings_give_the_same_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
-    def few(_seeds: int, _folder: Path) -> Iterator[same_bytes.Surroundings]:
-        yield same_bytes.Surroundings(
-            "all", {"PYTHONHASHSEED": "7", "TZ": "Asia/Kathmandu", "OPENBLAS_NUM_THREADS": "2"}
-        )
-
-    monkeypatch.setattr(same_bytes, "CAMPAIGNS", ("printer",))
-    monkeypatch.setattr(same_bytes, "_variables", few)
-    trial = same_bytes.compared(long=False)
-    assert (trial.tried, trial.lost) == (1, 0)

@@ -1,10 +1,9 @@
-"""`examples/many_campaigns.py` goes on behind the last whole row, and names workers that were lost."""
+"""`examples/many_campaigns.py` goes on behind the last whole row."""
 
 from __future__ import annotations
 
 from concurrent.futures import Executor, Future
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -62,17 +61,3 @@ def test_it_goes_on_behind_the_last_whole_row(tmp_path: Path, monkeypatch: pytes
     Path("cases.csv").write_text("a,b\n1,2\n", encoding="utf-8")
     with pytest.raises(SystemExit, match="another table"):
         many_campaigns.main(WORDS)
-
-
-def test_workers_that_were_lost_are_named_once(capsys: pytest.CaptureFixture[str]) -> None:
-    workers: dict[str, object] = {"tcp://one:1": {}, "tcp://two:2": {}}
-    look = many_campaigns.lost(SimpleNamespace(scheduler_info=lambda **_: {"workers": workers}))
-    look()
-    assert capsys.readouterr().err == ""
-    del workers["tcp://one:1"]
-    look()
-    look()
-    assert capsys.readouterr().err == "worker tcp://one:1 was lost, others take its cases\n"
-    workers.clear()
-    look()
-    assert capsys.readouterr().err == "worker tcp://two:2 was lost, and none is left: start one\n"

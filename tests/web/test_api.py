@@ -130,15 +130,6 @@ def test_a_record_that_went_away_is_said(page: Served) -> None:
     page.record.with_name("gone.axiscal").rename(page.record)
 
 
-@pytest.mark.parametrize(("step", "key"), [("notes", "text"), ("skips", "reason")])
-def test_half_a_character_and_a_book_are_refused(still: Served, step: str, key: str) -> None:
-    after = {"after": still.state()["last"]} if step == "skips" else {}
-    for text in ("half \ud800", "a" * 2001):
-        assert 400 <= still.call(step, **after, **{key: text}).status < 500
-    assert still.state()["notes"] == []
-    assert still.state()["question"]["number"] == 1
-
-
 def asked(page: Served, state: dict[str, Any]) -> dict[str, Any]:
     """Return the state in which a page asks something."""
     begun = time.monotonic()

@@ -9,6 +9,7 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
@@ -41,20 +42,28 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     )
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("path", "method"), OPERATIONS)
-@pytest.mark.parametrize("mode", ["positive", "negative"])
-def test_every_answer_is_as_described(page: Served, path: str, method: str, mode: str) -> None:
+@pytest.fixture(scope="module")
+def described(page: Served) -> Any:
+    """Its description as schemathesis reads it."""
     import schemathesis  # a second of every worker that only looks for its tests
-    from schemathesis.checks import not_a_server_error
-    from schemathesis.specs.openapi import checks as of_openapi
 
-    checks = [not_a_server_error, *(getattr(of_openapi, name) for name in CHECKS)]
     schema = schemathesis.openapi.from_dict(page.call("openapi.json").document)
     schema.config.update(base_url=f"http://127.0.0.1:{page.port}")
     rejection = schema.config.checks.negative_data_rejection
     rejection.expected_statuses = [*rejection.expected_statuses, "413"]  # a file's text may be longer than a request
-    operation = schema[path][method.upper()]
+    return schema
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("path", "method"), OPERATIONS)
+@pytest.mark.parametrize("mode", ["positive", "negative"])
+def test_every_answer_is_as_described(page: Served, described: Any, path: str, method: str, mode: str) -> None:
+    import schemathesis
+    from schemathesis.checks import not_a_server_error
+    from schemathesis.specs.openapi import checks as of_openapi
+
+    checks = [not_a_server_error, *(getattr(of_openapi, name) for name in CHECKS)]
+    operation = described[path][method.upper()]
 
     @settings(max_examples=REQUESTS, deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.generate])
     @given(st.data())

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
+from tests.generators.texts import FOUR_READINGS
 from tests.web.browser import Browser, Page
 from tests.web.served import Served, kept, served, started
 
@@ -156,31 +156,6 @@ def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) ->
         assert page.complaints() == []
     assert kept(record) == [-1.7, 0.4, 1.1, 0.2]
     assert (tmp_path / "mill-results" / "report.pdf").is_file()
-
-
-@pytest.mark.long
-@pytest.mark.chromium
-def test_a_campaign_of_the_five_axis_machine_by_keyboard_alone(browser: Browser, tmp_path: Path) -> None:
-    record = started(tmp_path, TWO_SPHERES)
-    page = browser.page(1400, 900)
-    with served(record) as server:
-        arrived(page, server)
-        looked_at(page)
-        page.press("Enter")
-        for reading in ("1,2 -0,4 3", "0.4; 1; 2", "-2.5 3 0", "1 1 1"):
-            type_reading(page, reading)
-            looked_at(page)
-        page.until(f"{SHOWN}('stood') && document.querySelector('#machine-drawing img').naturalWidth > 200")
-        looked_at(page)
-        tab_to(page, "field")
-        type_reading(page, "0.0 -1.0 2.5")
-        page.until("document.activeElement.id === 'finish'")
-        looked_at(page)
-        page.press("Enter")
-        page.until(f"{SHOWN}('report')")
-        looked_at(page)
-        assert page.complaints() == []
-    assert kept(record) == [1.2, 0.4, -2.5, 1.0, 0.0]
 
 
 @pytest.mark.long

@@ -14,8 +14,6 @@ from tests.zoo.answers import Answer
 
 KEPT, INSIDE = 0.95, 0.85
 """Least share of a slope that a table keeps, and of the truth that lies inside U, of one kind of animal."""
-MEAN_INSIDE = 0.92
-"""Least share of the truth inside U over all kinds."""
 
 
 @dataclass(frozen=True, slots=True)

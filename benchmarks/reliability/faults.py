@@ -20,7 +20,7 @@ from typing import Any
 from axiscal.document import durable
 from axiscal.exceptions import AxiscalError
 from axiscal.present import result_set
-from tests.reliability.trial import Say, forked
+from benchmarks.reliability.trial import Say, forked
 
 CALLS = ("write", "fsync", "fdatasync", "replace", "rename", "link", "unlink", "mkdir", "rmdir", "ftruncate")
 KILLED = 77

@@ -1,6 +1,6 @@
 """The commands of docs/linuxcnc.md in one go, word for word, beside a LinuxCNC that stands in for somebody's mill.
 
-    python -m tests.linuxcnc.howto
+    python -m benchmarks.linuxcnc_howto
 
 It needs Debian's linuxcnc-uspace-dev, gcc and the rights to make namespaces. In them the mill has a home with its
 configuration, LinuxCNC's modules are a copy that may be installed into, and a person stands at the machine: starts and
@@ -289,14 +289,14 @@ def _own_tmp(work: Path) -> str:
 def main(arguments: list[str]) -> int:
     """Go into namespaces of its own, and there through the page; returns the exit status."""
     if arguments[:1] == ["--inside"]:
-        verdict = inside(Path(arguments[1]), lambda text: print(text, flush=True))  # noqa: T201
+        verdict = inside(Path(arguments[1]), lambda text: print(text, flush=True))
         return 0 if verdict.startswith("AS PROMISED") else 1
     work = Path(tempfile.mkdtemp(prefix="axiscal-howto-", dir=BASE))
     try:
         work.chmod(0o755)
         add_modules(work, {"axiscal_balls.comp": BALLS}, apart=True)
         mounts = " && ".join([_own_tmp(work), *mounted(work)])
-        again = shlex.join([sys.executable, "-m", "tests.linuxcnc.howto", "--inside", str(work)])
+        again = shlex.join([sys.executable, "-m", "benchmarks.linuxcnc_howto", "--inside", str(work)])
         path = {"PYTHONPATH": ":".join(str(Path(part).resolve()) for part in (".", "src"))}
         return subprocess.run(
             [*SPACES, "sh", "-c", f"{mounts} && exec {again}"], env=os.environ | path, check=False

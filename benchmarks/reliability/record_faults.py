@@ -7,8 +7,8 @@ from pathlib import Path
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Created, Recorded, Stored
 from axiscal.record.store import Record, write_copy
-from tests.reliability.faults import faults
-from tests.reliability.trial import Say, Trial, scratch
+from benchmarks.reliability.faults import faults
+from benchmarks.reliability.trial import Say, Trial, scratch
 
 CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
 NAME = "mill.axiscal"

@@ -9,8 +9,8 @@ from pathlib import Path
 from axiscal.document.durable import exchanged
 from axiscal.present.result_set import MANIFEST, mend, result_set, write_manifest
 from axiscal.present.summary import RecordState
-from tests.reliability.faults import faults
-from tests.reliability.trial import Say, Trial, scratch
+from benchmarks.reliability.faults import faults
+from benchmarks.reliability.trial import Say, Trial, scratch
 
 NAMES = ("result.json", "tables/linuxcnc/X.comp", "tables/csv/X.csv")
 _MINE = ("mine.txt", "tables/mine.txt")

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 from axiscal.campaign.repairing import repaired
 from axiscal.exceptions import RecordError
 from axiscal.record.store import Record
+from benchmarks.reliability.record_faults import CREATED
+from benchmarks.reliability.trial import Trial, scratch
 from tests.generators.plain_records import HEAD, PlainLine, dumped, front, story, written_lines
-from tests.reliability.record_faults import CREATED
-from tests.reliability.trial import Trial, scratch
 
 OWN, OTHER = "a" * 32, "b" * 32
 READINGS, SHARED = 60, 70

@@ -15,9 +15,9 @@ from axiscal.document import durable
 from axiscal.exceptions import RecordError
 from axiscal.record import store
 from axiscal.record.store import PATIENCE, Record
-from tests.reliability.damages import first_record
-from tests.reliability.record_faults import CREATED, NAME, recorded, values
-from tests.reliability.trial import Say, Trial, forked, scratch
+from benchmarks.reliability.damages import first_record
+from benchmarks.reliability.record_faults import CREATED, NAME, recorded, values
+from benchmarks.reliability.trial import Say, Trial, forked, scratch
 
 
 def killed(kills: int, seed: int = 5) -> Trial:
