@@ -50,22 +50,12 @@ def _words(reading: RawReading) -> Iterator[str]:
     yield from (f"{axis}{at:.9g}{rounding.get(axis, '')}" for axis, at in reading.position.items())
     yield from (f"{axis}{side:+d}" for axis, side in reading.approach.items())
     yield f"= {' '.join(f'{value:.9g}' for value in (reading.value, *reading.others))} {reading.dimension}"
-    beside = {
-        "std": reading.std,
-        "setup": reading.setup,
-        "test": reading.test,
-        "run": reading.run,
-        "axis": reading.axis,
-    }
-    beside |= {
-        "axis": reading.axis,
-        "time": reading.time,
-        "number": reading.number,
-        "form": reading.form,
-        "error": reading.error,
-    }
-    beside |= {"beside": reading.beside, "zero": reading.zero, "check": reading.check}
-    yield from (f"{name} {value}" for name, value in beside.items() if value or (name == "time" and value == 0.0))
+    for name in _BESIDE:
+        if (value := getattr(reading, name)) or (name == "time" and value == 0.0):
+            yield f"{name} {value}"
+
+
+_BESIDE = ["std", "setup", "test", "run", "axis", "time", "number", "form", "error", "beside", "zero", "check"]
 
 
 @pytest.mark.parametrize("file", FILES, ids=[file.title for file in FILES])
