@@ -88,20 +88,19 @@ def _understood(
     if over is None or moved is None or step <= 0:
         return None
     count = (high - low) / step + 1
-    if count > _MOST_POINTS:
-        remedy = "write a larger STEP"
-        raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
+    points = {int(key[1:]): _number(value) for key, value in values.items() if key[0] == "#"}
+    whole = count <= _MOST_POINTS and abs(count - round(count)) < 1e-6
+    if not whole or any(value for number, value in points.items() if number >= round(count)):
+        what = "the table of {moved} has {count:g} points between its ends"
+        remedy = "write a STEP that divides MAX - MIN into {most:,} parts at most, and no values beyond"
+        raise TableError(what, remedy, moved=moved, count=count, most=_MOST_POINTS)
     if int(values.get("MULT_BY_TABLE", "0")):
         what = "a CEC table of {axis} is multiplied by another one"
         raise TableError(what, "leave MULT_BY_TABLE at 0", axis=moved)
-    points = {int(key[1:]): _number(value) for key, value in values.items() if key[0] == "#"}
     if lacking := [number for number in range(round(count)) if number not in points]:
         what, remedy = "point {number} of the table of {moved} is not there", "give the files as the control saved them"
         raise TableError(what, remedy, moved=moved, number=lacking[0])
-    entries = [points.pop(number) for number in range(round(count))]
-    if abs(count - round(count)) > 1e-6 or any(points.values()):
-        remedy = "this is a defect of axiscal"
-        raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
+    entries = [points[number] for number in range(round(count))]
     units = [machine.axis(name).unit for name in (over, moved)]
     positions: Array = from_unit(np.array([low + step * i for i in range(len(entries))]), units[0])
     taken: Array = (-1.0 if flip and not enc else 1.0) * from_unit(np.array(entries), units[1])
