@@ -14,6 +14,7 @@ from axiscal.document.ports import rendered
 from axiscal.exceptions import ProgramError
 from axiscal.machine.kinematics import drawn_back
 from axiscal.measurement.instrument import instrument_of
+from axiscal.measurement.readers.csv_readings import heading
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.reading import Place, approach_text, columns_of
@@ -53,7 +54,7 @@ class Listed:
 
 def listing(readings: Sequence[Listed]) -> str:
     """Return the list that goes with a program: number, time, set-up, every coordinate, approach."""
-    header = ["reading", "time_s", "setup", *_axis_columns(readings[0].axes), "approach"]
+    header = ["reading", "time_s", *heading(readings[0].axes, ())]
     rows = [[str(r.number), f"{r.seconds:.1f}", r.setup.name, *r.coordinates, r.sides] for r in readings]
     return csv_text([header, *rows])
 
@@ -61,18 +62,13 @@ def listing(readings: Sequence[Listed]) -> str:
 def form(readings: Sequence[Listed]) -> str:
     """Return readings.csv, the last columns to be filled in for `axiscal data estimate`; parked axes stay empty."""
     values = columns_of([reading.setup for reading in readings])
-    header = ["reading", "setup", *_axis_columns(readings[0].axes), "approach", *values]
-    rows = [header]
+    rows = [["reading", *heading(readings[0].axes, values)]]
     for each in readings:
         moving = {each.axes[k].name for k in each.setup.moves}
         at = [text if axis.name in moving else "" for axis, text in zip(each.axes, each.coordinates, strict=True)]
         sides = " ".join(side for side in each.sides.split() if side[:-1] in moving)
         rows.append([str(each.number), each.setup.name, *at, sides, *[""] * len(values)])
     return csv_text(rows)
-
-
-def _axis_columns(axes: Sequence[Axis]) -> list[str]:
-    return [axis.column for axis in axes]
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,6 +59,11 @@ class AxisScale:
         return self.axis.unit
 
     @property
+    def travel(self) -> str:
+        """The travel, for people."""
+        return said("{low} to {high}", low=self.low, high=f"{self.high} {self.unit}")
+
+    @property
     def nearness(self) -> Decimal:
         """How near to a reading moves may be slow, mm or deg."""
         return self.above(near(self.axis))
@@ -127,8 +132,7 @@ def _placed(scale: AxisScale, label: str, value: float, side: int) -> tuple[Deci
     if number is None:
         what, place = "{label}: {axis} = {place} is outside the travel", format_quantity(value, scale.unit, 9)
         remedy = "Plan within {travel}; a raster may lead beyond it"
-        travel = said("{low} to {high}", low=scale.low, high=f"{scale.high} {scale.unit}")
-        raise TravelError(what, remedy, label=label, axis=scale.axis.name, place=place, travel=travel)
+        raise TravelError(what, remedy, label=label, axis=scale.axis.name, place=place, travel=scale.travel)
     if side == 0:
         return number, number
     sided = _sided(scale, number, side)

@@ -13,7 +13,6 @@ from decimal import Decimal
 import numpy as np
 
 from axiscal.exceptions import ProgramError
-from axiscal.language.spoken import said
 from axiscal.machine.motion import FAMILIES, Driving, move_groups, quick_share, turn_parts
 from axiscal.measurement.setup import Setup
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget
@@ -316,7 +315,6 @@ def clearance_of(machine: Machine, scales: Sequence[AxisScale], setup: Setup) ->
     number = scales[index].nearest(place)
     if number is None:
         scale, what = scales[index], "{name} is to go clear at {place}, outside its travel"
-        travel = said("{low} to {high}", low=scale.low, high=f"{scale.high} {scale.unit}")
         shown = format_quantity(place, scale.unit)
-        raise ProgramError(what, "Choose a place within {travel}", name=name, place=shown, travel=travel)
+        raise ProgramError(what, "Choose a place within {travel}", name=name, place=shown, travel=scale.travel)
     return index, number

@@ -271,15 +271,14 @@ class _PartWriter:
 
     def __init__(self, blocks: Sequence[PartLine]) -> None:
         self._last: dict[str, str] = {}
-        self._begun = False
-        self._arcs = any(block.motion is not None and block.motion.code > 1 for block in blocks)
+        arcs = any(block.motion is not None and block.motion.code > 1 for block in blocks)
+        self._counted = iter(["G90 G91.1" if arcs else "G90"])  # how places are counted: once, before the first motion
 
     def passed_on(self, block: PartLine) -> Iterator[str]:
         """Yield a line that moves nothing, and before the first that does something how places are counted."""
         bare = block.text.strip()
-        if bare and bare[0] not in "%(;" and not self._begun:
-            self._begun = True
-            yield "G90 G91.1" if self._arcs else "G90"
+        if bare and bare[0] not in "%(;":
+            yield from self._counted
         if any(code in bare for code in ("G28", "G30", "G53", "G20", "G21")):
             self._last.clear()
         yield from filter(None, (block.text, block.after))
@@ -291,9 +290,7 @@ class _PartWriter:
         """
         motion = block.motion
         assert motion is not None
-        if not self._begun:
-            self._begun = True
-            yield "G90 G91.1" if self._arcs else "G90"
+        yield from self._counted
         if first is not None and (words := self._words(block, first)):
             yield f"G1 {words}"
         begin = [float(self._last.get(letter, "nan")) for letter in "XYZ"]

@@ -198,6 +198,10 @@ class CompensationTable:
         """The unit in which positions are shown."""
         return "deg" if self.rotary and self.over == self.axis else "mm"
 
+    def value_unit(self, linear: str = "mm") -> str:
+        """Return the unit of deviations in files of a control that counts lengths in `linear`."""
+        return "deg" if self.rotary else linear
+
     @property
     def fine_unit(self) -> str:
         """The unit in which deviations are shown."""

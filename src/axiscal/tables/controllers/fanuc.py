@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -18,7 +18,7 @@ from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, 
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
-from axiscal.units import format_quantity
+from axiscal.units import format_quantity, shortened
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
@@ -40,7 +40,7 @@ _NEEDED = range(3620, 3625)
 """By FANUC's manual: the parameters that say which points an axis has."""
 _WIDEST = 1000.0
 """m or rad, of an interval: longer than any travel, so that any near would do."""
-_DIGITS = 4
+_MOST = 9999
 """Of a number of a point: those beyond have no entry, since 10000 and it name one."""
 
 
@@ -125,7 +125,6 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
         what = "there are no parameters {shown} for {name} (axis {number})"
         raise TableError(what, EXPECTED, file, shown=shown, name=name, number=number)
     reference, first, last, magnification, interval = (value or "0" for value in values)
-    _refuse_long(name, (reference, first, last, magnification), file)
     width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
     if width <= 0:
         return None
@@ -136,10 +135,13 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
     _refuse_second_set(records, file, name, number)
     kind = axis.rotary, axis.cyclic
     plan = PitchParameters(int(reference), int(first), int(last), max(1, int(magnification)), width, *kind)
-    if not plan.begin <= plan.reference <= plan.last or plan.first == plan.last:
-        what = "{name} has points {first} to {last} and the reference point {reference}"
-        remedy = "the reference point lies between the others"
-        raise TableError(what, remedy, file, name=name, first=plan.first, last=plan.last, reference=plan.reference)
+    inside = plan.begin <= plan.reference <= plan.last and plan.first != plan.last
+    if not (inside and plan.first >= 0 and max(plan.last, plan.magnification) <= _MOST):
+        what = "{name} has points {first} to {last}, the reference point {reference}, the magnification {times}"
+        remedy = "the reference point lies between the others, and none of these is above {most}"
+        places = {"first": first, "last": last, "reference": reference, "times": magnification}
+        texts = {key: shortened(value) for key, value in places.items()}
+        raise TableError(what, remedy, file, name=name, most=_MOST, **texts)
     _refuse_part_of_a_turn(name, plan, file)
     return plan
 
@@ -151,15 +153,6 @@ def _refuse_second_set(records: Records, file: str, name: str, number: int) -> N
         what = "{name} (axis {number}) has entries of its own for the way down (3626)"
         remedy = "set 3605#0 to 0, so that one set serves both ways, and enter the reversal as backlash (1851)"
         raise TableError(what, remedy, file, name=name, number=number)
-
-
-def _refuse_long(name: str, values: Iterable[str], file: str) -> None:
-    """Raise TableError for a number that no point has: as many points would not fit into a memory."""
-    long = next((value for value in values if len(value.lstrip("+-0")) > _DIGITS), None)
-    if long is not None:
-        what = "{name} has the number {text} in its parameters 3620 to 3623"
-        remedy = "points and magnification have {most} digits at most"
-        raise TableError(what, remedy, file, name=name, text=long[:20], most=_DIGITS)
 
 
 def _refuse_part_of_a_turn(name: str, plan: PitchParameters, file: str) -> None:

@@ -142,7 +142,7 @@ def _file(layout: Layout, axis: str, tables: Sequence[CompensationTable], sign: 
     mine = [table for table in tables if table.over == axis]
     columns = {"AXISPOS": np.asarray(to_unit(mine[0].positions, mine[0].unit))}
     for table in mine:
-        unit = "deg" if table.rotary else "mm"
+        unit = table.value_unit()
         columns[table.axis] = sign * np.asarray(to_unit(table.forward, unit))
         if table.axis == axis:
             columns["BACKLASH"] = sign * np.asarray(to_unit(table.reverse - table.forward, unit))

@@ -88,20 +88,19 @@ def _understood(
     if over is None or moved is None or step <= 0:
         return None
     count = (high - low) / step + 1
-    if count > _MOST_POINTS:
-        remedy = "write a larger STEP"
-        raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
+    points = {int(key[1:]): _number(value) for key, value in values.items() if key[0] == "#"}
+    whole = count <= _MOST_POINTS and abs(count - round(count)) < 1e-6
+    if not whole or any(value for number, value in points.items() if number >= round(count)):
+        what = "the table of {moved} has {count:g} points between its ends"
+        remedy = "write a STEP that divides MAX - MIN into {most:,} parts at most, and no values beyond"
+        raise TableError(what, remedy, moved=moved, count=count, most=_MOST_POINTS)
     if int(values.get("MULT_BY_TABLE", "0")):
         what = "a CEC table of {axis} is multiplied by another one"
         raise TableError(what, "leave MULT_BY_TABLE at 0", axis=moved)
-    points = {int(key[1:]): _number(value) for key, value in values.items() if key[0] == "#"}
     if lacking := [number for number in range(round(count)) if number not in points]:
         what, remedy = "point {number} of the table of {moved} is not there", "give the files as the control saved them"
         raise TableError(what, remedy, moved=moved, number=lacking[0])
-    entries = [points.pop(number) for number in range(round(count))]
-    if abs(count - round(count)) > 1e-6 or any(points.values()):
-        remedy = "this is a defect of axiscal"
-        raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
+    entries = [points[number] for number in range(round(count))]
     units = [machine.axis(name).unit for name in (over, moved)]
     positions: Array = from_unit(np.array([low + step * i for i in range(len(entries))]), units[0])
     taken: Array = (-1.0 if flip and not enc else 1.0) * from_unit(np.array(entries), units[1])
@@ -164,12 +163,12 @@ def write(
 
 def _directions(table: CompensationTable) -> list[TableBlock]:
     half = (table.forward - table.reverse) / 2
-    seen = np.round(np.asarray(to_unit(half, _unit(table))), 6)
+    seen = np.round(np.asarray(to_unit(half, table.value_unit())), 6)
     return [] if not np.any(seen) else [TableBlock(table, half, 1), TableBlock(table, -half, -1)]
 
 
 def _enc_text(table: CompensationTable, name: str, encoder: int) -> str:
-    values = np.asarray(to_unit((table.forward + table.reverse) / 2, _unit(table)))
+    values = np.asarray(to_unit((table.forward + table.reverse) / 2, table.value_unit()))
     lines = [f"$AA_ENC_COMP[{encoder},{i},{name}]={value:.6f}" for i, value in enumerate(np.round(values, 6) + 0.0)]
     lines += [f"$AA_ENC_COMP_{key}[{encoder},{name}]={value}" for key, value in _span(table)]
     return "\n".join(lines) + "\n"
@@ -177,7 +176,7 @@ def _enc_text(table: CompensationTable, name: str, encoder: int) -> str:
 
 def _cec_text(number: int, block: TableBlock, sign: float, names: Mapping[str, str]) -> str:
     table = block.table
-    shown = np.asarray(to_unit(sign * block.values, _unit(table)))
+    shown = np.asarray(to_unit(sign * block.values, table.value_unit()))
     lines = [f"$AN_CEC[{number},{i}]={value:.6f}" for i, value in enumerate(np.round(shown, 6) + 0.0)]
     lines.append(f"$AN_CEC_INPUT_AXIS[{number}]=({names[table.over]})")
     lines.append(f"$AN_CEC_OUTPUT_AXIS[{number}]=({names[table.axis]})")
@@ -197,10 +196,6 @@ def _span(table: CompensationTable) -> list[tuple[str, str]]:
     modulo = int(table.rotary and abs(shown[-1] - shown[0] - 360) < 1e-6)
     last = shown[0] + step * (len(shown) - 1)
     return [("STEP", f"{step:.3f}"), ("MIN", f"{shown[0]:.3f}"), ("MAX", f"{last:.3f}"), ("IS_MODULO", str(modulo))]
-
-
-def _unit(table: CompensationTable) -> str:
-    return "deg" if table.rotary else "mm"
 
 
 _ROUNDING = 1e-6
@@ -308,7 +303,7 @@ def _by_axis(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, 
 
 def _sums(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
     sums = _by_axis(blocks, [float(np.max(np.abs(block.values))) for block in blocks])
-    units = {block.table.axis: "deg" if block.table.rotary else "mm" for block in blocks}
+    units = {block.table.axis: block.table.value_unit() for block in blocks}
     shown = {axis: _above(to_unit(size, units[axis]), 4) for axis, size in sums.items()}
     return ", ".join(f"{size} {units[axis]} ({names[axis]})" for axis, size in shown.items())
 

@@ -92,7 +92,7 @@ def _name(table: CompensationTable) -> str:
 
 def _points(table: CompensationTable, unit: str) -> list[tuple[float, float]]:
     """Return the points of a lincurve: minus the deviation, both directions alike."""
-    added = -np.asarray(to_unit((table.forward + table.reverse) / 2, "deg" if table.rotary else unit))
+    added = -np.asarray(to_unit((table.forward + table.reverse) / 2, table.value_unit(unit)))
     return list(zip(to_unit(table.positions, unit), np.round(added, 7) + 0.0, strict=True))
 
 

@@ -90,7 +90,7 @@ class Linuxcnc(TableFormat):
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
         files, said = dict[str, str](), dict[str, None]()
         for table in own:
-            axis, unit = machine.axis(table.axis), _unit(table, linear)
+            axis, unit = machine.axis(table.axis), table.value_unit(linear)
             files[f"{table.axis}.comp"] = write(table, unit)
             said |= dict.fromkeys(notes(table, unit, wiring.joints[table.axis], axis.acceleration))
         files |= {_HAL_FILE: cross.write(over, wiring)} if over else {}
@@ -137,13 +137,9 @@ def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
     return replace(estimate, belief=Belief(mean, estimate.belief.covariance, estimate.belief.degrees))
 
 
-def _unit(table: CompensationTable, linear: str) -> str:
-    return "deg" if table.rotary else linear
-
-
 def _resolution(own: Sequence[CompensationTable], over: Sequence[CompensationTable], linear: str) -> dict[str, float]:
     value, position = (float(from_unit(last, linear)) for last in (1e-7, 1e-6))
-    alone = [(table.axis, resolution(table, _unit(table, linear))) for table in own]
+    alone = [(table.axis, resolution(table, table.value_unit(linear))) for table in own]
     slopes = ((t.axis, float(np.max(np.abs(np.diff(t.forward) / np.diff(t.positions))))) for t in over)
     return summed([*alone, *((axis, value + steepest * position) for axis, steepest in slopes)])
 
