@@ -15,7 +15,6 @@ from benchmarks.cases import stacked
 from benchmarks.peers import evaluator
 from benchmarks.peers.features import Features
 from benchmarks.peers.problems import CASES, CRITERIA, TRAVEL, CriterionName, Posed, Stacked
-from tests.generators.known import told
 
 EVERY = [Posed(case, criterion) for case in CASES for criterion in CRITERIA]
 PUBLISHED = (5.8730, 2.3144, 8.7285, 4.1742, 1.3682, 0.0, 10.0, 7.0444, 3.1836, 5.0)
@@ -41,7 +40,7 @@ def test_agrees_with_our_belief(posed: Posed) -> None:
     taken = _somewhere(posed.case, 12)
     taken[:3] = np.array([0.0, TRAVEL, TRAVEL / 2])[:, None]
     seen = problem.observation.rows(0, taken, np.ones_like(taken))
-    belief = told(problem.belief, seen.rows, np.zeros(12), seen.variances)
+    belief = problem.belief.read(seen.rows, np.zeros(12), seen.variances)
     assert evaluator.value(posed, taken) == pytest.approx(problem.root.criterion(belief.factor), rel=1e-9)
 
 

@@ -14,7 +14,6 @@ import pytest
 
 import axiscal_core as ac
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Places, Reading
 from axiscal.numerics import Array
@@ -126,7 +125,7 @@ def test_posteriors_are_those_of_the_product(name: str) -> None:
 def _root(name: str) -> Array:
     """Return V of the campaign's own criterion, over all unknowns of the core."""
     beside = _beside(name)
-    found = root_of(beside.product, Knowledge.before(beside.product.observation).belief).matrix
+    found = root_of(beside.product, beside.product.prior).matrix
     return np.pad(found, ((0, 0), (0, beside.core.size - found.shape[1])))
 
 
@@ -137,13 +136,13 @@ def test_plans_are_as_good_as_those_of_the_product(name: str) -> None:
     """And J of each is the same by both."""
     beside, root, count = _beside(name), _root(name), PLANNED[name]
     observation = beside.product.observation
-    know = Knowledge.before(observation)
-    own = root_of(beside.product, know.belief)
+    prior = beside.product.prior
+    own = root_of(beside.product, prior)
     lattice = spread(observation.machine, observation.setups, 2000)
-    task = Task(observation, know.belief, own, beside.product.yardstick, lattice)
+    task = Task(observation, prior, own, beside.product.yardstick, lattice)
     theirs = make_plan(task, Limits(count)).places
     mine = beside.core.plan(count, criterion=root)
-    state = Covariance.from_factor(observation, know.belief.factor, own)
+    state = Covariance.from_factor(observation, prior.factor, own)
     setups = np.array([beside.core.setups.index(each) for each in mine.places.instruments])
     j = state.after_readings(theirs).value
     own_places = Places(setups, mine.places.poses, mine.places.sides)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import paths
@@ -17,6 +16,7 @@ from axiscal.estimation.judged import judged
 from axiscal.estimation.located import absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.cells import wandered
+from axiscal_core.normal import Normal
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 
@@ -67,7 +67,7 @@ def test_the_way_of_a_zero_is_what_the_readings_say_of_its_drift_and_begins_at_n
 @pytest.mark.parametrize(("left", "seen"), [(0.94, True), (0.96, False)])
 def test_a_shape_is_seen_where_its_standard_deviation_is_less_by_a_twentieth(left: float, seen: bool) -> None:
     errors = CASE.errors
-    belief = Belief(np.zeros(errors.size), left**2 * errors.covariance())
+    belief = Normal(np.zeros(errors.size), left**2 * errors.covariance())
     estimate = Estimate(errors, belief, ((0.0, 1.0),))
     rows = errors.by_name["EXX"].spline.rows(np.linspace(0, 1, 9))
     rows = np.hstack([rows, np.zeros((9, errors.size - rows.shape[1]))])

@@ -13,12 +13,12 @@ import numpy as np
 from axiscal.errors.volume import EVERY_WAY, Box, Counted, MovedErrors, deviation_of
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.estimation.belief import Belief
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 
 _SILENT = 0.95
 Grid = tuple[Array, Array]
@@ -71,7 +71,7 @@ class Estimate:
     """
 
     model: Machine
-    belief: Belief
+    belief: Normal
     box: Box
     grid: tuple[Array, Array] | None = None
     rests: Mapping[int, Array] = field(default_factory=dict)

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from axiscal.errors.volume import Box, Counted, VolumeMoments, of_rests
 from axiscal.estimation.accuracy.alignment import Alignment
-from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import corners
 from axiscal.numerics import Array, even_subset
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from axiscal_core.points import even_points
 
 _ROUNDING = 1e-15
@@ -199,7 +199,7 @@ class Yardstick:
         """E[H] in the directions in which a constant shift counts but for what of it is unseen, (3, size)."""
         return self._counts * (self.moments.mean - self._shift)
 
-    def measure(self, belief: Belief) -> Accuracy:
+    def measure(self, belief: Normal) -> Accuracy:
         """Return the figures of a belief."""
         return self.measure_factor(belief.factor)
 
@@ -229,7 +229,7 @@ class Yardstick:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
         return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.moments.rest))
 
-    def worst_root(self, belief: Belief) -> Root:
+    def worst_root(self, belief: Normal) -> Root:
         """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
         return Root(self.rows[self.variances(belief.factor).argmax()])
 
