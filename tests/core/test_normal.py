@@ -25,7 +25,7 @@ def test_a_root_multiplies_to_the_covariance(size: int, rank: int, decades: floa
     matrix, scale = half @ half.T, np.linalg.norm(half, axis=1)
     root = root_of(matrix)
     assert np.abs((root @ root.T - matrix) / scale[:, None] / scale).max() < 1e-12
-    assert rank < size or np.array_equal(root, np.tril(root))
+    assert rank < size or np.array_equal(root, np.triu(root))
 
 
 def test_variances_down_to_the_smallest_numbers() -> None:

@@ -196,7 +196,7 @@ class Case:
         """The belief before the first reading."""
         errors, found = self.errors.size, self.inherited
         factor = np.diag(np.sqrt(self.observation.prior_variances()))
-        factor[:errors, :errors] = self.errors.root() if found is None else root_of(found.covariance)
+        factor[:errors, :errors] = root_of(self.errors.covariance() if found is None else found.covariance)
         mean = np.zeros(len(factor))
         mean[:errors] = 0.0 if found is None else found.mean
         return Normal.of_factor(mean, factor)

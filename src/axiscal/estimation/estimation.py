@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ from axiscal.estimation.case import Case, Timed
 from axiscal.estimation.functionals.asked import AskedRow, rows_served
 from axiscal.estimation.judged import Doubt, objection
 from axiscal.estimation.knowledge import Innovations, Knowledge
-from axiscal.estimation.located import Absorbed, displayed
+from axiscal.estimation.located import Absorbed
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown, map_grid, rest_means, where_read
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
@@ -64,8 +64,9 @@ class Estimation:
 
     @cached_property
     def knowledge(self) -> Knowledge:
-        """What is known at the sizes as learnt."""
-        return displayed(self.absorbed)
+        """What is known at the sizes as learnt, with normal readings in the place of those that are far from it."""
+        known = self.absorbed
+        return known.knowledge if known.normal is known.readings else replace(known, readings=known.normal).knowledge
 
     @cached_property
     def printed(self) -> Knowledge:

@@ -129,15 +129,14 @@ class Estimate:
 
         poses, approaches : (m, q)
         """
-        expected = deviation_of(self.model, self.mean, poses, approaches).displacement
-        return self._with_rests(expected, poses)
+        return self._expected(poses, approaches, angular=False)
 
     def rotation(self, poses: Array, approaches: Array) -> Array:
         """Return the rotation of the tool that is expected by the exact chain, (m, 3), rad; arguments as above."""
-        expected = deviation_of(self.model, self.mean, poses, approaches).rotation
-        return self._with_rests(expected, poses, angular=True)
+        return self._expected(poses, approaches, angular=True)
 
-    def _with_rests(self, expected: Array, poses: Array, angular: bool = False) -> Array:
+    def _expected(self, poses: Array, approaches: Array, *, angular: bool) -> Array:
+        expected: Array = deviation_of(self.model, self.mean, poses, approaches)[angular]
         if self.rests:
             levers = self.model.levers(poses, angular)
             for index in self.rests:
