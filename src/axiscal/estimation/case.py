@@ -13,7 +13,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES, Target
 from axiscal.description.usual import rescaled_machine
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
-from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
+from axiscal.errors.volume import MovedErrors, VolumeMoments, volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.intervals import as_shown
@@ -228,7 +228,6 @@ class Case:
         machine, *others = self._over_what
         grounds = replace(machine, errors=tuple(replace(each, rest=0.0) for each in machine.stated)), *others
         moments, sample, alignment = self.volumes.answer(grounds, self._found_volume)
-        moments = of_rests(self.errors, moments)
         factor, left = self.prior.factor, self._left
         unseen = left[:, : factor.shape[1]]
         # Tilts count about the middle of the volume: where the machine's zero lies is no matter.

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.volume import Box, Counted, VolumeMoments, of_rests
+from axiscal.errors.volume import Box, Counted, VolumeMoments
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.measurement.candidates import corners
 from axiscal.numerics import Array, even_subset
@@ -132,10 +132,10 @@ class Yardstick:
 
         left : what endless readings leave of these errors, with what is unseen; None where both stay
         """
-        stays, moments = left is None, of_rests(errors, self.moments)
+        stays = left is None
         left = self.left if left is None else left
         unseen = self.unseen if stays else left[:, : self.unseen.shape[1]]
-        other = replace(self, errors=errors, moments=moments, unseen=unseen, left=left, like=self)
+        other = replace(self, errors=errors, unseen=unseen, left=left, like=self)
         for name in (*_BY_PLACES, *(_OF_UNSEEN if stays else ())):
             other.__dict__[name] = getattr(self, name)
         return other
@@ -161,6 +161,11 @@ class Yardstick:
         """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
         counted = self._counts * self._shift
         return Root.of_gram(self.moments.gram - counted.T @ counted)
+
+    @property
+    def rest(self) -> float:
+        """The share of rests in the mean square of the TCP over the volume, m²."""
+        return float(self.errors.rests**2 @ self.moments.squares)
 
     @cached_property
     def unseen_rms(self) -> float:
@@ -215,7 +220,7 @@ class Yardstick:
 
     def rms_of(self, total: float) -> float:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
-        return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.moments.rest))
+        return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.rest))
 
     def worst_root(self, belief: Normal) -> Root:
         """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
