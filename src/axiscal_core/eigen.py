@@ -33,6 +33,7 @@ def root_of(covariance: Array) -> Array:
     scale = np.where(std > 0, std, 1.0)
     try:
         alike = covariance / scale / scale.swapaxes(-1, -2)
+        alike = (alike + alike.swapaxes(-1, -2)) / 2
         return np.asarray(scale * np.linalg.cholesky(alike[..., ::-1, ::-1])[..., ::-1, ::-1])
     except np.linalg.LinAlgError:
         return unique_root(covariance)

@@ -238,14 +238,19 @@ def _integrals(line: AlongAxis, axis: int, first: SameAxes, second: SameAxes) ->
 
 
 def _separate_reversals(model: Machine, mean: Array, weight: Array) -> None:
-    sign = np.zeros(model.size)
-    for function in model.curves:
-        if function.kind == "reversal":
-            sign[function.columns] = function.axis + 1
-    reversal = sign > 0
-    mean[:, reversal] = 0.0
-    weight[sign[:, None] != sign[None, :]] = 0.0
-    weight[np.ix_(reversal, reversal)] /= 4.0
+    for columns in reversals_of(model):
+        own = weight[np.ix_(columns, columns)] / 4.0
+        mean[:, columns] = weight[columns] = weight[:, columns] = 0.0
+        weight[np.ix_(columns, columns)] = own
+
+
+def reversals_of(model: Machine) -> list[list[int]]:
+    """Return the columns of the reversals of each axis: the side of one axis says nothing of another's."""
+    found = dict[int, list[int]]()
+    for term in model.curves:
+        if term.kind == "reversal":
+            found.setdefault(term.axis, []).extend(range(term.columns.start, term.columns.stop))
+    return [*found.values()]
 
 
 _GAUSS = 10

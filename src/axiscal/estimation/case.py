@@ -194,12 +194,11 @@ class Case:
     @cached_property
     def prior(self) -> Normal:
         """The belief before the first reading."""
-        errors, found = self.errors.size, self.inherited
-        factor = np.diag(np.sqrt(self.observation.prior_variances()))
-        factor[:errors, :errors] = root_of(self.errors.covariance() if found is None else found.covariance)
-        mean = np.zeros(len(factor))
-        mean[:errors] = 0.0 if found is None else found.mean
-        return Normal.of_factor(mean, factor)
+        covariance, errors = self.observation.prior_covariance(), self.errors.size
+        mean = np.zeros(len(covariance))
+        if self.inherited is not None:
+            mean[:errors], covariance[:errors, :errors] = self.inherited
+        return Normal.of_factor(mean, root_of(covariance))
 
     @property
     def knowledge(self) -> Knowledge:

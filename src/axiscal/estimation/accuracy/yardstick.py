@@ -283,17 +283,32 @@ class Yardstick:
         return _squared(self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)) + self._anyway
 
     @cached_property
+    def _loose(self) -> Array:
+        """Effect of one standard deviation of each rest at each pose, counted or not, (terms, m, 3), m."""
+        return self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]
+
+    @cached_property
+    def _hidden(self) -> Array:
+        """Deviations that the allowed readings cannot see, less the constant shifts that are not counted, (m, 3, r)."""
+        return self._here - (self.moments.mean - self._shift) @ self.unseen
+
+    @cached_property
     def _anyway(self) -> Array:
         """What rests add, and shifts that are not counted take off, at each pose, (m, 3, 3), m²."""
-        loose = self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]
-        hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
-        return _squared(loose.transpose(1, 2, 0)) + _squared(hidden) - _squared(self._here)
+        return _squared(self._loose.transpose(1, 2, 0)) + _squared(self._hidden) - _squared(self._here)
+
+    @cached_property
+    def _correction(self) -> Array:
+        """The same of the directions that count, added, (m,), m²."""
+        loose, here = self._loose[:, :, list(self.counted)], self._here[:, list(self.counted)]
+        hidden = np.sum((self._counts * self._hidden) ** 2, axis=(1, 2))
+        return np.asarray(np.sum(loose**2, axis=(0, 2)) + hidden - np.sum(here**2, axis=(1, 2)))
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
         seen = self._seen(factor, self.rows)
-        spread = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3) + np.einsum("pcc->pc", self._anyway) * self.counted
-        return np.asarray(spread.sum(axis=1))
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
+        return spread
 
     def _seen(self, factor: Array, rows: Array) -> Array:
         """Return H F at each pose, (3 m, r), r no more than the errors have coefficients.

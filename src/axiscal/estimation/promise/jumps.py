@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.promise.agreement import (
     CONTRADICTS,
-    MOST_BAD,
     NAMED,
     PRIOR,
     SEVERAL,
@@ -44,7 +43,7 @@ from axiscal.estimation.promise.mistaken import (
 )
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed, sized
-from axiscal_core.left_out import BAD_SHARE, OFF
+from axiscal_core.left_out import BAD_SHARE, MOST_BAD, OFF
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
 from axiscal_core.unknowns import space_of
