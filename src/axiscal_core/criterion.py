@@ -115,7 +115,7 @@ def _rigid(points: Array, weights: Array, deviations: Array) -> Array:
 
 
 def joint(machine: Machine, size: int) -> Goal:
-    """Return V of the paper's own criterion: one Gram matrix for each spline (B&H eq. 24-26, of several axes 34-36).
+    """Return V of the paper's own criterion: one Gram matrix per spline (B&H eq. 24-26; several joints B&H eq. 34-36).
 
     A rotation counts as the displacement it makes at the machine's own reach, half the diagonal of its linear travels.
     """

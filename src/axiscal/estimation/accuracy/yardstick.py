@@ -51,11 +51,6 @@ class Root:
         """Return J of C = F Fᵀ.  factor : F (m, k) or a vector (m,), m at least n"""
         return float(np.sum(self.times(factor) ** 2))
 
-    @property
-    def weights(self) -> Array:
-        """W = VᵀV, (n, n)."""
-        return self.matrix.T @ self.matrix
-
 
 def joint_root(model: Machine) -> Root:
     """Return V of the paper's criterion over the errors of a machine."""
