@@ -9,9 +9,9 @@ from functools import partial
 
 import numpy as np
 
-from axiscal_core.draws import Weighed, as_stated, sized
+from axiscal_core.draws import Weighed, as_stated
 from axiscal_core.known import Known
-from axiscal_core.left_out import left_out, with_stated
+from axiscal_core.left_out import Judged, taken_out
 from axiscal_core.model import Model
 from axiscal_core.places import Readings
 from axiscal_core.posing import posed
@@ -22,7 +22,6 @@ from axiscal_core.unknowns import space_of
 
 _ROUNDS = 20  # of Gauss and Newton: who needs more has described another set-up
 _LINEAR = 0.01  # noises
-_MOST = 0.2  # of the readings: where more are bad, none can say which
 
 
 @one_thread()
@@ -32,25 +31,16 @@ def estimated(case: Model, *parts: Readings) -> Known:
     case.values(readings, "Case.estimate")
     if not len(readings):
         raise InputError("Case.estimate", "readings", "are none", "Give one or more")
-    bad = list[int]()
-    while True:
-        kept = np.setdiff1d(np.arange(len(readings)), bad)
+    kept = np.arange(len(readings))
+    found = Judged.of(posed(case, readings, located(case, readings)))
+    if bad := taken_out(found)[0]:
+        kept = np.setdiff1d(kept, [*bad])
         mine = only(case, readings, kept)
-        problem = posed(case, mine, located(case, mine))
-        draws = sized(space_of(problem))
-        left = with_stated(problem, draws, left_out(problem, draws))
-        worst = max(left, key=lambda i: left[i].log_odds)
-        if left[worst].log_odds <= 0 or len(bad) + 1 > _MOST * len(readings):
-            break
-        bad.append(int(kept[worst]))
+        found = Judged.of(posed(case, mine, located(case, mine)))  # a slip moves where a station is found
+    draws = found.found
     mean, covariance, moved = averaged(draws)
-    squares = np.sqrt(draws.weights @ np.exp(2 * draws.thetas))
-    sizes = {
-        f"{size.kind} {owner}": float(s)
-        for size, s in zip(problem.sizes.of, squares, strict=True)
-        for owner in size.owners
-    }
-    apart = {int(kept[i]): each.z for i, each in left.items()}
+    sizes = {f"{kind} {owner}": factor for (kind, owner), factor in found.sizes.items()}
+    apart = {int(kept[i]): each.z for i, each in found.left.items()}
     again = partial(estimated, case, readings)
     return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart, readings, again)
 
@@ -82,7 +72,7 @@ def located(case: Model, readings: Readings) -> Array | None:
     raise InputError("Case.estimate", "readings", "fit no machine near this one", "Say better where instruments stand")
 
 
-def only(case: Model, readings: Readings, kept: Array) -> Readings:
+def only(case: Model, readings: Readings, kept: np.ndarray) -> Readings:
     """Return some readings.  kept : (k,) which"""
     place = case.numbers(readings).place
     std, time = (None if each is None else each[kept] for each in (readings.std, readings.time))

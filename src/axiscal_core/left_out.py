@@ -5,24 +5,31 @@ bad with odds, sizes integrated out, of
 
     0.01/0.99 Σ w L_θ/N(r; 0, S) N(r; 0, S + (30 σ)²) / Σ w L_θ
 
-the sizes as stated among the draws, whatever their weight: a bad reading hides behind the noise that it teaches.
+the sizes as stated among the draws, whatever their weight: a bad reading hides behind the noise that it teaches. The
+worst one is taken out while its odds are above 1, with those of nearly the same odds, but no more than a fifth of all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal_core.draws import Weighed
+from axiscal_core.draws import Draws, Weighed, sized
 from axiscal_core.problem import MOST_NUMBERS, Problem
 from axiscal_core.refusals import Array
 from axiscal_core.spaces import Given, parts_of
+from axiscal_core.theta import Kind
+from axiscal_core.unknowns import space_of
 
 BAD_SHARE, OFF = 0.01, 30.0
 """Assumption: one of a hundred readings is bad, and then off by so many noises."""
+MOST_BAD = 0.2
+"""Where more than a fifth seem bad it is the model that is."""
+_ALIKE = float(np.log(2.0))  # of log odds: which of such readings is bad nobody can say, and all go
 _ODDS = BAD_SHARE / (1 - BAD_SHARE)  # of a bad reading before any is taken, by definition
 _DOUBTED = 3.0  # standard deviations from which on all draws are asked about one of many readings
 
@@ -72,6 +79,55 @@ def with_stated(problem: Problem, found: Weighed[Given], left: Mapping[int, Left
             odds = np.logaddexp(left[reading].log_odds, np.log(_ODDS) + log_stated + ratio)
             result[reading] = replace(left[reading], log_odds=float(odds - log_total))
     return result
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """Readings, and draws of the sizes that they teach."""
+
+    problem: Problem
+    found: Weighed[Given]
+
+    @classmethod
+    def of(cls, problem: Problem, apart: Sequence[int] = (), before: Draws[Given] | None = None) -> Judged:
+        """Return the readings of a problem but for some, by index.  before : draws for nearly the same ones"""
+        mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
+        return cls(mine, sized(space_of(mine), before))
+
+    @cached_property
+    def left(self) -> dict[int, LeftOut]:
+        """What the others expect of each reading, by its index."""
+        return with_stated(self.problem, self.found, left_out(self.problem, self.found))
+
+    @property
+    def sizes(self) -> dict[tuple[Kind, str], float]:
+        """Each size, by kind and owner, as a factor on what is stated: variances add up, and lengths do not."""
+        roots, logs = (
+            np.sqrt(self.found.weights @ np.exp(2 * self.found.thetas)),
+            self.found.weights @ self.found.thetas,
+        )
+        each = zip(self.problem.sizes.of, roots.tolist(), np.exp(logs).tolist(), strict=True)
+        return {
+            (size.kind, owner): middle if size.kind == "length" else root
+            for size, root, middle in each
+            for owner in size.owners
+        }
+
+
+def taken_out(first: Judged, accepted: Collection[int] = ()) -> tuple[dict[int, LeftOut], Judged]:
+    """Return bad readings, the worst first, and the others.
+
+    first : with all; accepted : are not taken out
+    """
+    bad, mine, count = dict[int, LeftOut](), first, len(np.unique(first.problem.reading))
+    while True:
+        doubtful = {i: each.log_odds for i, each in mine.left.items() if i not in accepted}
+        highest = max(doubtful.values(), default=0.0)
+        worst = [i for i, odds in doubtful.items() if odds >= highest - _ALIKE]
+        if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
+            return bad, mine
+        bad |= {i: mine.left[i] for i in worst}
+        mine = Judged.of(first.problem, [*bad])
 
 
 def _of_many(problem: Problem, found: Weighed[Given], part: NDArray[np.intp]) -> list[LeftOut]:

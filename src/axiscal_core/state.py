@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from axiscal_core.criterion import Goal
 from axiscal_core.model import Model, Numbers
-from axiscal_core.normal import sharpened
+from axiscal_core.normal import Normal, sharpened
 from axiscal_core.places import Places
 from axiscal_core.refusals import Array
 
@@ -35,7 +35,7 @@ class State:
     """
 
     def __init__(self, case: Model, goal: Goal, taken: Numbers | None = None) -> None:
-        self.case, self.goal, self.root = case, goal, case.prior.root
+        self.case, self.goal, self.root = case, goal, case.prior.factor
         self._means, self._cells = np.zeros((case.size, len(case.causes))), np.zeros((0, 2), dtype=np.intp)
         vars(self).update(vars(self.after(taken)) if taken is not None and len(taken.rows) else {})
 
@@ -44,9 +44,8 @@ class State:
         found, rests = State(self.case, self.goal), self._rests
         at, curve = np.nonzero(self._unread(n) * rests)
         more = np.unique(np.column_stack([curve, n.cell[at, curve]]), axis=0).astype(np.intp)
-        found._cells, root = np.vstack([self._cells, more]), np.zeros(np.add(self.root.shape, len(more)))
-        root[: len(self.root), : self.root.shape[1]] = self.root
-        root[len(self.root) :, self.root.shape[1] :] = np.diag(rests[more[:, 0]])
+        found._cells = np.vstack([self._cells, more])
+        root = Normal.of_factor(np.zeros(len(self.root)), self.root).wider(rests[more[:, 0]]).factor
         means = np.pad(self._means, ((0, len(more)), (0, 0)))
         found._means, found.root = sharpened(means, root, found._wide(n), n.type_b, n.noise**2)
         return found

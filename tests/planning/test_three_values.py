@@ -54,7 +54,7 @@ def dense_value(asked: Task, places: Places) -> float:
         noise = observation.setups[setup].noise ** 2 * np.eye(seen.covariances.shape[1])
         np.testing.assert_allclose(seen.covariances, np.tile(noise, (len(mine), 1, 1)), atol=1e-30)
     known = dense.DenseState(observation, observation.prior_covariance())
-    return dense.value(dense.after_readings(known, places), asked.root.weights)
+    return dense.value(dense.after_readings(known, places), asked.root.matrix.T @ asked.root.matrix)
 
 
 def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from axiscal.errors.volume import EVERY_WAY, Counted, VolumeMoments, rest_of
+from axiscal.errors.volume import EVERY_WAY, Counted, VolumeMoments, reversals_of
 from axiscal.numerics import Array
 from axiscal_core import rigid
 from axiscal_core.machine import Machine
@@ -79,7 +79,7 @@ def sampled_moments(
     poses : (m, q), those over which the part is aligned
     """
     mean, gram, squares = np.zeros((3, errors.size)), np.zeros((errors.size,) * 2), np.zeros(len(errors.terms))
-    ways, sides = list(counted), _reversals(errors)
+    ways, sides = list(counted), reversals_of(errors)
     for at in range(0, len(poses), _BLOCK):
         part = poses[at : at + _BLOCK]
         levers = errors.levers(part).transpose(2, 0, 1)
@@ -95,12 +95,4 @@ def sampled_moments(
     if alignment is not None:
         mean[:] = 0.0
     count = len(poses)
-    squares /= count
-    return VolumeMoments(mean / count, gram / count, squares, rest_of(errors, squares), counted)
-
-
-def _reversals(errors: Machine) -> list[list[int]]:
-    """Return the columns of the reversals of each axis: the side of one axis says nothing of another's."""
-    axes = range(len(errors.axes))
-    of = [[f.columns for f in errors.curves if f.kind == "reversal" and f.axis == axis] for axis in axes]
-    return [[c for columns in each for c in range(columns.start, columns.stop)] for each in of if each]
+    return VolumeMoments(mean / count, gram / count, squares / count, counted)

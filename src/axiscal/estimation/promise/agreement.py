@@ -32,9 +32,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
-from axiscal_core.draws import Weighed
+from axiscal_core.draws import Weighed, sized
 from axiscal_core.from_scipy import binomial_tail, chi_square_tail
-from axiscal_core.left_out import BAD_SHARE
+from axiscal_core.left_out import BAD_SHARE, MOST_BAD
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given, sums_of
 from axiscal_core.unknowns import space_of
@@ -45,8 +45,6 @@ AGREES = 3.0
 """Standard deviations within which a reading agrees with the others."""
 NAMED = 20.0
 """Odds from which a mistake is named, and beside the likeliest one left unnamed."""
-MOST_BAD = 0.2
-"""Where more than a fifth seem bad it is the model that is."""
 SEVERAL = 3
 """One or two bad readings are bad readings, of however few."""
 PRIOR = 0.01
@@ -244,6 +242,15 @@ class Tried(NamedTuple):
 
     mistake: Explained
     p: float
+
+    @classmethod
+    def of(cls, mistake: Explained, prior: float, without: Problem) -> Tried:
+        """Return a mistake without which readings are as a problem has them, sizes integrated out.
+
+        prior : log odds but for their evidence
+        """
+        found = sized(space_of(without))
+        return cls(mistake._replace(log_odds=prior + found.log_evidence), tail_of(without, found))
 
 
 def _explained(tried: Iterable[Tried]) -> list[Explained]:

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.promise.agreement import (
     CONTRADICTS,
-    MOST_BAD,
     NAMED,
     PRIOR,
     SEVERAL,
@@ -44,7 +43,7 @@ from axiscal.estimation.promise.mistaken import (
 )
 from axiscal.numerics import Array
 from axiscal_core.draws import Weighed, sized
-from axiscal_core.left_out import BAD_SHARE, OFF
+from axiscal_core.left_out import BAD_SHARE, MOST_BAD, OFF
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
 from axiscal_core.unknowns import space_of
@@ -156,10 +155,8 @@ def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> 
         suspect = _suspect(problem, as_stated_or_not(problem, found.drawn.stated), mine, readings, False)
         if suspect.mistake.log_odds <= -_NAMED:
             continue
-        other = suspect.make()
-        beside = sized(space_of(other))
-        odds = beside.log_evidence - found.log_evidence + float(np.log(PRIOR / suspect.places))
-        yield Tried(suspect.mistake._replace(log_odds=odds, detail=turn < 0), tail_of(other, beside))
+        prior = float(np.log(PRIOR / suspect.places)) - found.log_evidence
+        yield Tried.of(suspect.mistake._replace(detail=turn < 0), prior, suspect.make())
 
 
 def turn_of(problem: Problem, mine: NDArray[np.bool_]) -> int:

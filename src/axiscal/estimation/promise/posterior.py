@@ -7,28 +7,26 @@ multivariate t whose variance varies as much has degrees of freedom (as GUM G.4 
 
     f = 4 + 2 (Σ w s²_θ)²/Σ w (s²_θ − Σ w s²_θ)²
 
-The worst reading is taken out while its odds of being bad (`left_out`) are above 1, with those of nearly the same odds.
-At most a fifth of the readings go. One reading alone cannot tell a slip from a detail of the machine. Others at its
-place can, if none of those is bad. Where none tell, the answers with it and without it count one half each if errors
-of the stated size could be as large:
+Bad readings are taken out (`left_out`). One reading alone cannot tell a slip from a detail of the machine. Others at
+its place can, if none of those is bad. Where none tell, the answers with it and without it count one half each if
+errors of the stated size could be as large:
 
     m = ½ (m₀ + m₁),    C = ½ (C₀ + C₁) + ¼ (m₀ − m₁)(m₀ − m₁)ᵀ
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
-from axiscal.estimation.promise.agreement import MOST_BAD, SEVERAL, Agreement, Framed, Tried, Turned, agreement
+from axiscal.estimation.promise.agreement import SEVERAL, Agreement, Framed, Tried, Turned, agreement
 from axiscal.estimation.promise.jumps import at_turns, jumped, likelier
 from axiscal.estimation.promise.sick import Repeats, sick, stuck
 from axiscal.numerics import Array
-from axiscal_core.draws import Draws, Weighed, sized
-from axiscal_core.left_out import LeftOut, left_out, with_stated
+from axiscal_core.draws import sized
+from axiscal_core.left_out import Judged, LeftOut, taken_out
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given, Sources
 from axiscal_core.theta import Kind
@@ -37,8 +35,6 @@ from axiscal_core.unknowns import space_of
 
 _UNSURE = 0.01
 """Probability below which a size is not so small: of what is said never to be reached."""
-_ALIKE = float(np.log(2.0))
-"""Of log odds: which of such readings is bad nobody can say, and all go."""
 _DETAIL = 2.0
 """Stated sizes: a detail is no larger, and what is larger is a slip."""
 _SAME = 0.9999
@@ -78,14 +74,10 @@ class Posterior:
     def degrees_over(self, figures: Array) -> float:
         """Return the degrees of freedom of a t whose mean square varies as that of figures (m, k) of the unknowns."""
         found, count = list[tuple[float, float]](), figures.shape[1]
-        for drawn in self.draws:
-            space = space_of(drawn.problem)
-            for weight, theta in zip(drawn.weights.tolist(), drawn.thetas, strict=True):
-                if (given := space.given(theta)) is not None:
-                    mean, covariance = given.posterior()
-                    apart = figures @ (mean - self.mean)[:count]
-                    square = float(np.vdot(figures @ covariance[:count, :count], figures) + apart @ apart)
-                    found.append((weight, square))
+        for weight, given in (each for drawn in self.draws for each in drawn.every()):
+            mean, covariance = given.posterior()
+            apart = figures @ (mean - self.mean)[:count]
+            found.append((weight, float(np.vdot(figures @ covariance[:count, :count], figures) + apart @ apart)))
         return _degrees(*np.array(found).T)
 
 
@@ -96,6 +88,13 @@ class Drawn:
     problem: Problem
     thetas: Array
     weights: Array
+
+    def every(self) -> Iterator[tuple[float, Given]]:
+        """Yield the weight of each draw and everything at its sizes: kept it would be gigabytes."""
+        space = space_of(self.problem)
+        for weight, theta in zip(self.weights.tolist(), self.thetas, strict=True):
+            if (given := space.given(theta)) is not None:
+                yield weight, given
 
     @property
     def surely(self) -> float:
@@ -120,27 +119,8 @@ class Drawn:
 
         figures : F (k, answered), of the answered unknowns
         """
-        space = space_of(self.problem)
-        found = [given.sources(figures) for theta in self.thetas if (given := space.given(theta)) is not None]
-        return Sources(*(self.weights @ np.array(each) for each in zip(*found, strict=True)))
-
-
-@dataclass(frozen=True, eq=False)
-class _Judged:
-    """Readings, and draws of the sizes that they teach."""
-
-    problem: Problem
-    found: Weighed[Given]
-
-    @cached_property
-    def left(self) -> dict[int, LeftOut]:
-        """What the others expect of each reading, by its index."""
-        return with_stated(self.problem, self.found, left_out(self.problem, self.found))
-
-
-def _judged(problem: Problem, apart: Sequence[int], before: Draws[Given] | None = None) -> _Judged:
-    mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
-    return _Judged(mine, sized(space_of(mine), before))
+        found = [[weight * each for each in given.sources(figures)] for weight, given in self.every()]
+        return Sources(*(np.sum(each, axis=0) for each in zip(*found, strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,8 +132,8 @@ class Sorted:
     """
 
     problem: Problem
-    mine: _Judged
-    with_details: _Judged | None
+    mine: Judged
+    with_details: Judged | None
     sizes: dict[_Owned, float]
     bad: dict[int, LeftOut]
     count: int
@@ -164,9 +144,9 @@ class Sorted:
     def where(self, problem: Problem) -> Sorted:
         """Return the same readings, sorted alike, as another problem has them: linear elsewhere, or as normal ones."""
 
-        def again(judged: _Judged) -> _Judged:
+        def again(judged: Judged) -> Judged:
             apart = np.setdiff1d(problem.reading, judged.problem.reading).tolist()
-            return _judged(problem, apart, judged.found.drawn)
+            return Judged.of(problem, apart, judged.found.drawn)
 
         details = None if self.with_details is None else again(self.with_details)
         return replace(self, problem=problem, mine=again(self.mine), with_details=details)
@@ -210,39 +190,23 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
     never : are not used, unless zeros jumped; sure : are not taken out
     """
     apart, accepted, count = [*never], frozenset(sure), len(np.unique(problem.reading))
-    first = _judged(problem, apart)
-    bad, mine = _taken_out(first, accepted)
+    first = Judged.of(problem, apart)
+    bad, mine = taken_out(first, accepted)
     for among, found in dict.fromkeys([(problem, None if apart else first.found), (mine.problem, mine.found)]):
         if (moved := jumped(among, found, accepted)) is not None:
-            _, beside = _taken_out(_Judged(moved.problem, moved.found), accepted)
+            _, beside = taken_out(Judged(moved.problem, moved.found), accepted)
             if jumps := likelier(moved, (beside.problem, beside.found), (mine.problem, mine.found)):
-                sizes, bad = _sizes(among, moved.without), {i: bad[i] for i in bad if i not in among.reading}
-                return Sorted(problem, _Judged(among, moved.without), None, sizes, bad, count, accepted, jumps)
+                every, bad = Judged(among, moved.without), {i: bad[i] for i in bad if i not in among.reading}
+                return Sorted(problem, every, None, every.sizes, bad, count, accepted, jumps)
     details = [i for i, each in bad.items() if _may_be_a_detail(problem, i, each)]
     details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
-    sizes = _sizes(mine.problem, mine.found)
+    sizes = mine.sizes
     if not details:
         return Sorted(problem, mine, None, sizes, bad, count, accepted)
     others = [i for i in bad if i not in details]
-    with_details = _judged(problem, [*apart, *others]) if others else first
-    sizes = _half_and_half(sizes, _sizes(with_details.problem, with_details.found))
+    with_details = Judged.of(problem, [*apart, *others]) if others else first
+    sizes = _half_and_half(sizes, with_details.sizes)
     return Sorted(problem, mine, with_details, sizes, bad, count, accepted)
-
-
-def _taken_out(first: _Judged, accepted: Collection[int]) -> tuple[dict[int, LeftOut], _Judged]:
-    """Return bad readings, the worst first, and the others.
-
-    first : with all; accepted : are not taken out
-    """
-    bad, mine, count = dict[int, LeftOut](), first, len(np.unique(first.problem.reading))
-    while True:
-        doubtful = {i: each.log_odds for i, each in mine.left.items() if i not in accepted}
-        highest = max(doubtful.values(), default=0.0)
-        worst = [i for i, odds in doubtful.items() if odds >= highest - _ALIKE]
-        if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
-            return bad, mine
-        bad |= {i: mine.left[i] for i in worst}
-        mine = _judged(first.problem, [*bad])
 
 
 def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:
@@ -272,7 +236,7 @@ def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -
     }
 
 
-def _moments(judged: Sequence[_Judged], volume: Array) -> tuple[Array, Array, Array, float, Array]:
+def _moments(judged: Sequence[Judged], volume: Array) -> tuple[Array, Array, Array, float, Array]:
     """Return the moments over the draws.
 
     mean (k,), covariance (k, k), the part of it that is shared, degrees of freedom, means of rests (c,)
@@ -304,16 +268,3 @@ def _degrees(weights: Array, squares: Array) -> float:
     mean = float(weights @ squares)
     varied = float(weights @ (squares - mean) ** 2)
     return 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
-
-
-def _sizes(problem: Problem, found: Weighed[Given]) -> dict[tuple[Kind, str], float]:
-    """Return each size as a factor on what is stated: variances add up, and lengths do not."""
-    if not len(problem.sizes):
-        return {}
-    squares, logs = np.sqrt(found.weights @ np.exp(2 * found.thetas)), np.exp(found.weights @ found.thetas)
-    each = zip(problem.sizes.of, squares.tolist(), logs.tolist(), strict=True)
-    return {
-        (size.kind, owner): middle if size.kind == "length" else root
-        for size, root, middle in each
-        for owner in size.owners
-    }
