@@ -18,7 +18,6 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Places, Reading
 from axiscal.numerics import Array
-from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.next_readings import root_of
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
@@ -143,11 +142,10 @@ def test_plans_are_as_good_as_those_of_the_product(name: str) -> None:
     task = Task(observation, know.belief, own, beside.product.yardstick, lattice)
     theirs = make_plan(task, Limits(count)).places
     mine = beside.core.plan(count, criterion=root)
-    state = Covariance.from_factor(observation, know.belief.factor, own)
     setups = np.array([beside.core.setups.index(each) for each in mine.places.instruments])
-    j = state.after_readings(theirs).value
+    j = task.after(theirs).value
     own_places = Places(setups, mine.places.poses, mine.places.sides)
-    assert state.after_readings(own_places).value == pytest.approx(mine.J, rel=1e-9, abs=0)
+    assert task.after(own_places).value == pytest.approx(mine.J, rel=1e-9, abs=0)
     places = ac.Places([beside.core.setups[i] for i in theirs.setups], theirs.poses, theirs.approaches)
     assert pytest.approx(j, rel=1e-9, abs=0) == beside.core.evaluate(places, criterion=root).J
     assert PLAN * j > mine.J

@@ -10,7 +10,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.charts.room import has_room
 from axiscal.measurement.travel import sides_of
-from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.exchange import climb_from
 from tests.generators.campaigns import built_in
 from tests.generators.kinematics import in_travel, tip
@@ -26,8 +26,8 @@ def test_a_climb_goes_over_places_that_can_be_taken(raster: dict[str, str]) -> N
     (chart,) = (setup.chart for setup in case.description.setups)
     assert chart is not None
     lattice = spread(machine, case.description.setups, 120)
-    scorer = Covariance.from_factor(case.observation, case.prior.factor, case.yardstick.root).scorer()
-    climb = climb_from(scorer, 0, lattice.poses[[7]], lattice.approaches[[7]])
+    task = posed(case, case.knowledge, candidates=20)
+    climb = climb_from(task, task.state, 0, lattice.poses[[7]], lattice.approaches[[7]])
     before = climb.gains.copy()
     climb.uphill()
     assert np.all(climb.gains > before)
