@@ -14,9 +14,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import numpy as np
 
 import axiscal_core as ac
-from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Limits
 from axiscal_core.threads import one_thread
 from benchmarks.cases import alone, five_axis, stacked
@@ -61,9 +60,9 @@ def picks() -> None:
 def fixed_candidates() -> None:
     """Print what a pick from a fixed lattice takes, beside the time its memory traffic needs."""
     for name, problem in (("(c), 2,000", stacked(CASES[2], 2000)), ("five axes, 100,000", five_axis(100_000))):
-        scores = Scores(Pool(problem.observation, problem.lattice), problem.state)
-        pick = timed(lambda s=scores: s.enter(int(s.gains.argmax())))  # type: ignore[misc]
-        source = np.ones(int(scores.pool.numbers[scores.pool.lattice.setups].sum()) * scores.pool.size)
+        scores = Scores(problem)
+        pick = timed(lambda s=scores: s.put(int(s.gains.argmax())))  # type: ignore[misc]
+        source = np.ones(scores.count * scores.width * problem.observation.size)
         copied = np.empty_like(source)
         copy = timed(lambda a=copied, b=source: np.copyto(a, b)) / 2  # type: ignore[misc]
         size = source.nbytes / 1e6

@@ -44,7 +44,7 @@ def twelve() -> str:
 def left(case: Case, task: Task, readings: int, setups: tuple[int, ...]) -> float:
     """Return the RMS after readings of some set-ups, um."""
     places = filled(scores_among(task, setups), readings, setups).places
-    return to_unit(case.yardstick.rms_of(task.state.after_readings(places).value), "um")
+    return to_unit(case.yardstick.rms_of(task.after(places).value), "um")
 
 
 def main() -> None:

@@ -28,7 +28,7 @@ _NODES = 8  # between knots of one axis: exact
 
 
 class Goal(NamedTuple):
-    """root : V (w, size), empty where a function says it; function : of C, None where V says it"""
+    """root : V (w, n) of the first n unknowns, empty where a function says it; function : of C, None where V says it"""
 
     root: Array
     function: Callable[[Array], float] | None = None
@@ -37,7 +37,7 @@ class Goal(NamedTuple):
         """Return J.  known : F (size, k) with F Fᵀ = C"""
         if self.function is not None:
             return si(computed("criterion", "result", self.function, known @ known.T), "criterion", "result")
-        return float(np.sum((self.root @ known) ** 2))
+        return float(np.sum((self.root @ known[: self.root.shape[1]]) ** 2))
 
 
 def goal(criterion: Criterion, size: int, words: Mapping[str, Callable[[], Goal]], function: str) -> Goal:

@@ -8,18 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal_core.criterion import Criterion, Goal
-from axiscal_core.from_scipy import chi_square_quantile, solution
+from axiscal_core.from_scipy import chi_square_quantile
+from axiscal_core.gains import Gains, own_numbers
 from axiscal_core.model import Model, Numbers
 from axiscal_core.places import Places, Readings
 from axiscal_core.rank_bound import rank_bound, worth_saying
 from axiscal_core.refusals import Array, InputError, whole, within
 from axiscal_core.state import State, joined
-from axiscal_core.step import climbed
+from axiscal_core.step import begun, climbed, gains_of
 from axiscal_core.threads import one_thread
 from axiscal_core.units import METRES, Quantity, in_minutes, si
 
@@ -29,6 +31,7 @@ _EXCHANGES, _CLIMBS = 8, 4  # rounds, at most: most searches end before
 _MANY = 100  # readings in minutes that are exchanged and moved, and to which others are added: of time
 _MOST = 400  # readings: who needs more has another problem
 _SHARE, _NOTHING = 0.95, 1e-9  # of U; of J: rounding
+_ROUNDING = 1e-9  # of a gain that is kept up to date
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +130,7 @@ def evaluated(
     wanted = criterion if isinstance(criterion, Goal) else case.goal(criterion, where)
     found = case.checked(places, where)
     before = case.taken(after, where)
-    root, first = case.volume.root, State(case, wanted, before)
+    root, first = case.volume.root, begun(case, wanted).after(before)
     state = first.after(case.taken(places, where))
     spread, start = (root @ each.covariance @ root.T for each in (state, first))
     rms, moved = float(np.sqrt(np.trace(spread))), root @ state.moved
@@ -154,15 +157,21 @@ class _Search:
     def __init__(self, case: Model, goal: Goal, lattice: Places, taken: Numbers, kept: Places) -> None:
         self.case, self.goal, self.lattice, self.kept, self.taken = case, goal, lattice, kept, taken
         self.places = kept + lattice
-        self.state = State(case, goal, taken)
+        self.state = begun(case, goal).after(taken)
         self.n = case.numbers(self.places)
-        self.k, self.reach = self.state.of_numbers(self.n)
         self.own = [np.flatnonzero(self.n.place == p) for p in range(len(self.places))]
-        widths = np.array([len(each) for each in self.own])
-        self.groups = [np.flatnonzero(widths == width) for width in np.unique(widths)]
         self.fixed = list(range(len(kept)))
         self.setup = np.array([case.setups.index(name) for name in self.places.instruments], dtype=np.intp)
         self.costs, self.begins = np.array([(each.costs, each.begins) for each in case.instruments]).T / 60
+
+    @cached_property
+    def _begun(self) -> Gains:
+        return self._with(Gains(self.state, self.n, own_numbers(self.n.place, len(self.places))), self.fixed)
+
+    def _with(self, gains: Gains, chosen: Sequence[int]) -> Gains:
+        for i in chosen:
+            gains.enter(i)
+        return gains
 
     def refuse_idle(self, found: float) -> None:
         """Raise InputError where neither a plan nor a reading at every candidate lets J fall.  found : J of the plan"""
@@ -172,46 +181,42 @@ class _Search:
             remedy = "Mount others, a tool that the errors move, or give a function that falls"
             raise InputError("Case.plan", "criterion", what, remedy)
 
-    def gains(self, beside: Sequence[int]) -> Array:
-        """Return what each candidate gains beside others, (candidates,)."""
-        at = np.concatenate([np.zeros(0, dtype=np.intp), *(self.own[i] for i in (*self.fixed, *beside))])
-        root = np.linalg.cholesky(self.k[np.ix_(at, at)] + np.diag(self.n.noise[at] ** 2))
-        half, known = solution(root, self.k[at]), solution(root, self.reach[at])
-        result = np.full(len(self.own), -np.inf)
+    def _gains(self, chosen: Sequence[int], kept: Gains, slot: int | None = None) -> Array:
+        """Return what each candidate gains beside others, (candidates,).  slot : of what does not count of them"""
         if self.goal.function is not None:
-            result = self.after(beside).fallen(self.n, self.own)
-        for members in self.groups if self.goal.function is None else ():
-            mine = np.array([self.own[i] for i in members])
-            felt = half.T[mine]
-            k = self.k[mine[:, :, None], mine[:, None, :]] - felt @ felt.swapaxes(1, 2)
-            k = k + self.n.noise[mine][:, :, None] ** 2 * np.eye(mine.shape[1])
-            result[members] = self.state.gained(k, self.reach[mine] - felt @ known)
+            others = [i for j, i in enumerate(chosen) if j != slot]
+            result = self.after(others).fallen(self.n, self.own)
+        else:
+            result = kept.gains.copy() if slot is None else kept.without(len(self.fixed) + slot)[0]
         result[self.fixed] = -np.inf
         return result
 
     def grown(self, chosen: Sequence[int], count: int, limit: float | None, target: float | None) -> list[int]:
         """Return candidates with others added that gain most, per minute of a limit, until one of the ends."""
-        found = list(chosen)
+        found, kept = list(chosen), self._with(self._begun.fork(), chosen)
         while len(found) + len(self.fixed) < count and (target is None or self.rms(found) > target):
-            gains = self.gains(found)
+            gains = self._gains(found, kept)
             if limit is not None:
                 more = self._more(found, limit)
                 gains = np.where(more < np.inf, gains, -np.inf) / np.clip(more, 1e-6, 1e99)
             if not np.isfinite(gains.max()):
                 break
             found.append(int(np.argmax(gains)))
+            kept.enter(found[-1])
         return found
 
     def exchanged(self, chosen: Sequence[int], limit: float | None = None) -> list[int]:
         """Return candidates of which none can be exchanged for a better one.  limit : minutes"""
-        found = list(chosen)
+        found, kept = list(chosen), self._with(self._begun.fork(), chosen)
         for _ in range(_EXCHANGES):
             before = list(found)
             for j in range(len(found)):
-                gains = self.gains(others := found[:j] + found[j + 1 :])
+                gains, others = self._gains(found, kept, j), found[:j] + found[j + 1 :]
                 allowed = gains if limit is None else np.where(np.isfinite(self._more(others, limit)), gains, -np.inf)
                 best = int(np.argmax(allowed))
-                found[j] = best if gains[best] > gains[found[j]] else found[j]
+                if gains[best] > gains[found[j]] * (1 + _ROUNDING):
+                    found[j] = best
+                    kept.exchange(len(self.fixed) + j, best)
             if found == before:
                 break
         return found
@@ -248,8 +253,8 @@ class _Search:
             gained, before = 0.0, self.state.after(joined([self.case.none, *numbers[: len(self.fixed)]]))
             for j in range(len(self.fixed), len(places)):
                 state = before.after(joined([self.case.none, *numbers[j + 1 :]]))
-                start = float(state.gains(places[j])[0])
-                there, gain = climbed(state, places[j])
+                start = float(gains_of(self.case, state, places[j])[0])
+                there, gain = climbed(self.case, state, places[j])
                 gained += (gain - start) / max(state.value, 1e-300)
                 places[j], numbers[j] = there, self.case.numbers(there)
                 before = before.after(numbers[j])

@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal_core.criterion import Goal
-from axiscal_core.model import Model, Numbers
-from axiscal_core.normal import Normal, sharpened
-from axiscal_core.places import Places
+from axiscal_core.from_scipy import solution, solution_of_product
+from axiscal_core.model import Numbers
+from axiscal_core.normal import sharpened
 from axiscal_core.refusals import Array
 
-_BLOCK = 4096  # places at once: of memory, not of the result
 _LOST = 1e-13  # of the largest variance: below it rounding may be a thousandth of what is divided by it, or more
+_MODERATE = 1e13  # of |R^-½ H F|²: all at once by Cholesky, which would lose the prior beside sharper readings
+_SINGLY = 8  # numbers up to which one after another is as fast
 
 
 def joined(parts: list[Numbers]) -> Numbers:
@@ -30,52 +31,83 @@ def joined(parts: list[Numbers]) -> Numbers:
 class State:
     """What is known after readings, as a root: a difference of covariances loses the digits of sharp readings.
 
-    taken : the numbers of readings that are there
     root : R (size + c, k), R Rᵀ the covariance of the unknowns and of the rests of c cells that were read
+    rests : (e,) standard deviations, of what numbers reach; causes : how many of type B
     """
 
-    def __init__(self, case: Model, goal: Goal, taken: Numbers | None = None) -> None:
-        self.case, self.goal, self.root = case, goal, case.prior.factor
-        self._means, self._cells = np.zeros((case.size, len(case.causes))), np.zeros((0, 2), dtype=np.intp)
-        vars(self).update(vars(self.after(taken)) if taken is not None and len(taken.rows) else {})
+    root: Array
+    goal: Goal
+    size: int
+
+    def __init__(self, root: Array, goal: Goal, rests: Array, causes: int = 0) -> None:
+        self.root, self.goal, self.size, self._rests = root, goal, len(root), rests
+        self._means, self._cells = np.zeros((self.size, causes)), np.zeros((0, 2), dtype=np.intp)
+
+    def opened(self, n: Numbers) -> State:
+        """Return the state in which the rests of the cells that numbers reach are unknowns."""
+        at, column = np.nonzero(self.unread(n))
+        more = np.unique(np.column_stack([column % self.terms, n.cell[at, column]]), axis=0)
+        found, (size, rank) = State(self.root, self.goal, self._rests), self.root.shape
+        found.size = self.size
+        found._cells = np.vstack([self._cells, more.astype(np.intp)])
+        found._means = np.pad(self._means, ((0, len(more)), (0, 0)))
+        found.root = np.zeros((size + len(more), rank + len(more)))
+        found.root[:size, :rank], found.root[size:, rank:] = self.root, np.diag(self._rests[more[:, 0].astype(np.intp)])
+        return found
 
     def after(self, n: Numbers) -> State:
         """Return the state after more readings."""
-        found, rests = State(self.case, self.goal), self._rests
-        at, curve = np.nonzero(self._unread(n) * rests)
-        more = np.unique(np.column_stack([curve, n.cell[at, curve]]), axis=0).astype(np.intp)
-        found._cells = np.vstack([self._cells, more])
-        root = Normal.of_factor(np.zeros(len(self.root)), self.root).wider(rests[more[:, 0]]).factor
-        means = np.pad(self._means, ((0, len(more)), (0, 0)))
-        found._means, found.root = sharpened(means, root, found._wide(n), n.type_b, n.noise**2)
+        if not len(n.rows):
+            return self
+        found = self.opened(n)
+        rows, noise = found.wide(n), n.noise
+        scaled = rows @ found.root / np.where(noise > 0, noise, np.nan)[:, None]
+        if len(rows) > _SINGLY and np.sum(scaled**2) < _MODERATE:
+            found.root = informed(found.root, scaled)
+            away = (n.type_b - rows @ found._means) / noise[:, None] ** 2
+            found._means = found._means + found.root @ (found.root.T @ (rows.T @ away))
+        else:
+            found._means, found.root = sharpened(found._means, found.root, rows, n.type_b, noise**2)
         return found
 
-    @cached_property
-    def _rests(self) -> Array:
-        """The standard deviation of each error's rest, (terms,)."""
-        return np.array([term.rest for term in self.case.machine.terms])
+    def of_first(self, size: int) -> State:
+        """Return what is known of the first unknowns, as if no cell had been read."""
+        root = self.root[:size]
+        if root.shape[1] > size:
+            root = np.asarray(np.linalg.qr(root.T, mode="r")).T
+        return State(root, self.goal, self._rests)
 
-    def _wide(self, n: Numbers) -> Array:
+    def wide(self, n: Numbers) -> Array:
         """Return the rows of numbers over the unknowns and the cells that were read, (n, size + c)."""
-        curve, cell = self._cells.T
-        return np.hstack([n.rows, n.reach[:, curve] * (n.cell[:, curve] == cell)])
+        column, cell = self._cells.T
+        rests = [
+            n.reach[:, first + column] * (n.cell[:, first + column] == cell)
+            for first in range(0, n.reach.shape[1], self.terms)
+        ]
+        return np.hstack([n.rows, sum(rests, np.zeros((len(n.rows), len(cell))))])
 
-    def _unread(self, n: Numbers) -> Array:
-        """Return the reach of numbers where their cell was not read, and nought elsewhere, (n, curves)."""
-        result = n.reach.copy()
-        for curve, cell in self._cells:
-            result[n.cell[:, curve] == cell, curve] = 0.0
+    def unread(self, n: Numbers) -> Array:
+        """Return what rests that were not read, one standard deviation each, do to numbers, (n, columns)."""
+        result: Array = n.reach * np.tile(self._rests, n.reach.shape[1] // self.terms)
+        for column, cell in self._cells:
+            for each in range(column, result.shape[1], self.terms):
+                result[n.cell[:, each] == cell, each] = 0.0
         return result
+
+    @property
+    def terms(self) -> int:
+        """The number of columns of rests; where a reading stands on several feet it has as many for each."""
+        return max(len(self._rests), 1)
 
     @property
     def moved(self) -> Array:
         """G B (size, c): by what one standard deviation of each cause of type B moves what readings say."""
-        return self._means[: self.case.size]
+        return self._means[: self.size]
 
     @cached_property
     def known(self) -> Array:
         """F (size, k) with F Fᵀ the covariance of all unknowns."""
-        return self.root[: self.case.size]
+        return self.root[: self.size]
 
     @cached_property
     def covariance(self) -> Array:
@@ -83,53 +115,86 @@ class State:
         return np.asarray(self.known @ self.known.T)
 
     @cached_property
+    def weighted(self) -> Array:
+        """V R (w, k): its squared length is J, where V says J."""
+        return self.goal.root @ self.root[: self.goal.root.shape[1]]
+
+    @cached_property
     def value(self) -> float:
         """J."""
         return self.goal.value(self.known)
 
-    def of_numbers(self, n: Numbers) -> tuple[Array, Array]:
-        """Return K without noise, (n, n), and H C, (n, size), of numbers after what is there."""
-        seen, apart = self._wide(n) @ self.root, n._replace(reach=self._unread(n))
-        return seen @ seen.T + self.case.shared(apart, apart), seen @ self.known.T
+    def whitened(self, n: Numbers) -> Array:
+        """Return R^-½ H R of numbers, (n, k), with rests that were not read as noise."""
+        variances = n.noise**2 + np.sum(self.unread(n) ** 2, axis=1)
+        return np.asarray((self.wide(n) @ self.root) / np.sqrt(variances)[:, None])
 
     def of_places(self, n: Numbers, each: int) -> tuple[Array, Array]:
-        """Return K with noise in blocks, (m, k, k), and H C, (m, k, size), of places of `each` numbers.
+        """Return K with noise in blocks, (m, k, k), and G, (m, k, w), of places of `each` numbers.
 
-        As `of_numbers`, without what different places have in common.
+        Without what different places have in common.
         """
-        shape, seen = (len(n.rows) // each, each, -1), self._wide(n) @ self.root
-        apart = (self._unread(n) * self._rests).reshape(*shape[:2], len(self._rests))
-        felt = seen.reshape(shape)
-        k = felt @ felt.swapaxes(1, 2) + apart @ apart.swapaxes(1, 2)
-        return k + n.noise.reshape(shape[:2])[:, :, None] ** 2 * np.eye(each), (seen @ self.known.T).reshape(shape)
+        shape, apart = (len(n.rows) // each, each, -1), self.unread(n)
+        apart = apart.reshape(*shape[:2], apart.shape[1])
+        noise = n.noise.reshape(shape[:2])[:, :, None] ** 2 * np.eye(each)
+        return self.forms(self.wide(n).reshape(*shape[:2], len(self.root)), apart @ apart.swapaxes(1, 2) + noise)
 
-    def gains(self, places: Places) -> Array:
-        """Return by how much J falls with each place alone, (m,).  places : of one instrument"""
-        parts = list[Array]()
-        for start in range(0, len(places), _BLOCK):
-            block = places.at(np.arange(start, min(start + _BLOCK, len(places))))
-            n = self.case.numbers(block)
-            each = np.arange(len(n.rows)).reshape(len(block), -1)
-            linear = self.goal.function is None
-            parts.append(self.gained(*self.of_places(n, each.shape[1])) if linear else self.fallen(n, each))
-        return np.concatenate(parts)
+    def forms(self, rows: Array, noise: Array) -> tuple[Array, Array]:
+        """Return the same of rows (m, k, size + c).  noise : (m, k, k), with rests that were not read"""
+        felt = (rows.reshape(-1, rows.shape[2]) @ self.root).reshape(*rows.shape[:2], self.root.shape[1])
+        return felt @ felt.swapaxes(1, 2) + noise, felt @ self.weighted.T
 
-    def gained(self, k: Array, reach: Array) -> Array:
-        """Return the same of places, where V says J.  k : (m, k, k) with noise; reach : (m, k, size)"""
-        g = reach @ self.goal.root.T
-        if g.shape[1] == 1:  # sums of squares are faster so
-            return joint_gains(np.einsum("mkw,mkw->m", g, g)[:, None, None], k)
-        return joint_gains(g @ g.swapaxes(1, 2), k)
+    def gains(self, n: Numbers, each: NDArray[np.intp]) -> Array:
+        """Return by how much J falls with each place alone, (m,).  each : (m, k) which of the numbers are its own"""
+        if self.goal.function is not None:
+            return self.fallen(n, each)
+        return gained(*self.of_places(n.at(each.ravel()), each.shape[1]))
 
     def fallen(self, n: Numbers, each: Iterable[NDArray[np.intp]]) -> Array:
         """Return the same of places, whatever says J.  each : (m) which of the numbers are theirs"""
-        wide, apart, values = self._wide(n), self._unread(n) * self._rests, list[float]()
+        wide, apart, values = self.wide(n), self.unread(n), list[float]()
         none = np.zeros((len(self.root), 0))
         for mine in each:
             noise, turn = np.linalg.eigh(apart[mine] @ apart[mine].T + np.diag(n.noise[mine] ** 2))
             _, root = sharpened(none, self.root, turn.T @ wide[mine], none[: len(noise)], noise)
-            values.append(self.goal.value(root[: self.case.size]))
+            values.append(self.goal.value(root[: self.size]))
         return self.value - np.array(values)
+
+
+def unexplained(target: Array, scaled: Array) -> Array:
+    """Return Φ (I + BᵀB)⁻¹, (w, k), what readings leave of Φ = V F: times Φ it is J.  scaled : B = R^-½ H F, (m, k)
+
+    In the room of the numbers where these are fewer; only columns that a reading feels are solved for.
+    """
+    felt, left = np.any(scaled, axis=0), target.copy()
+    told, own = scaled[:, felt], target[:, felt]
+    if np.sum(told**2) >= _MODERATE:
+        _, values, right = np.linalg.svd(told, full_matrices=False)
+        left[:, felt] = own - (own @ right.T * (values**2 / (1 + values**2))) @ right
+    elif len(told) < told.shape[1]:
+        left[:, felt] = own - solution_of_product(_root_of(told.T), told @ own.T).T @ told
+    else:
+        left[:, felt] = solution_of_product(_root_of(told), own.T).T
+    return left
+
+
+def informed(factor: Array, scaled: Array) -> Array:
+    """Return F T with T Tᵀ = (I + BᵀB)⁻¹: a root after readings.  scaled : B = R^-½ H F, (m, k)"""
+    return solution(_root_of(scaled), factor.T).T
+
+
+def _root_of(scaled: Array) -> Array:
+    """Return L (k, k) with L Lᵀ = I + BᵀB."""
+    information: Array = scaled.T @ scaled
+    information[np.diag_indices(len(information))] += 1.0
+    return np.asarray(np.linalg.cholesky(information), dtype=float)
+
+
+def gained(k: Array, g: Array) -> Array:
+    """Return by how much J falls, where V says J.  k : (m, k, k) with noise; g : (m, k, w)"""
+    if g.shape[1] == 1:  # sums of squares are faster so
+        return joint_gains(np.einsum("mkw,mkw->m", g, g)[:, None, None], k)
+    return joint_gains(g @ g.swapaxes(1, 2), k)
 
 
 def joint_gains(above: Array, below: Array) -> Array:

@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal_core.climb import Climb
-from axiscal_core.criterion import Criterion
+from axiscal_core.criterion import Criterion, Goal
+from axiscal_core.gains import own_numbers
 from axiscal_core.instrument import Instrument
 from axiscal_core.model import Model
 from axiscal_core.places import Places, Readings
@@ -39,6 +40,7 @@ _POINTS, _FINEST, _EVEN = 20_000, 16, 1000  # of the lattice; parts of a stretch
 _LOOKS, _STRETCHES = np.array([1, 3, 5]) / 6, 8  # shares of each stretch between knots; as many stretches at least
 _ROUNDS = 60  # rounds end where none rises
 _SETTLED = 1e-9  # of the gain: less is no rise
+_BLOCK = 4096  # places at once: of memory, not of the result
 
 
 class _Sieve(NamedTuple):
@@ -56,32 +58,38 @@ _SIEVES = (_Sieve(240, 0.5, 1), _Sieve(120, 0.7, 2), _Sieve(40, 0.8, 40), _Sieve
 @one_thread()
 def best_step(case: Model, after: Readings | Places | None, criterion: Criterion) -> Places:
     """Return the one reading that serves most (B&H eq. 37)."""
-    state = State(case, case.goal(criterion, "Case.next"), case.taken(after, "Case.next"))
-    found = [_best_of(Ground(state, instrument)) for instrument in case.instruments]
+    state = begun(case, case.goal(criterion, "Case.next")).after(case.taken(after, "Case.next"))
+    found = [_best_of(Ground(case, state, instrument)) for instrument in case.instruments]
     return max(found, key=lambda pair: pair[1])[0]
+
+
+def begun(case: Model, goal: Goal) -> State:
+    """Return what is known before any reading."""
+    return State(case.prior.factor, goal, np.array([term.rest for term in case.machine.terms]), len(case.causes))
 
 
 @dataclass(frozen=True, eq=False)
 class Ground:
     """The axes that an instrument moves, as coordinates of a climb."""
 
+    case: Model
     state: State
     instrument: Instrument
 
     @cached_property
     def axes(self) -> list[int]:
         """Their indices."""
-        return [self.state.case.machine.axis_names.index(name) for name in self.instrument.moves]
+        return [self.case.machine.axis_names.index(name) for name in self.instrument.moves]
 
     @cached_property
     def ends(self) -> Array:
         """From where to where each goes, (size, 2)."""
-        return np.array([self.state.case.machine.axes[k].travel for k in self.axes])
+        return np.array([self.case.machine.axes[k].travel for k in self.axes])
 
     @cached_property
     def spans(self) -> Array:
         """The travel of every axis of the machine, (q,)."""
-        return np.array([axis.length for axis in self.state.case.machine.axes])
+        return np.array([axis.length for axis in self.case.machine.axes])
 
     @cached_property
     def continuous(self) -> list[int]:
@@ -91,13 +99,13 @@ class Ground:
     @cached_property
     def sided(self) -> NDArray[np.intp]:
         """The axes with a reversal, where they may come from either side."""
-        turning = self.state.case.machine.reversing
+        turning = self.case.machine.reversing
         both = len(self.instrument.sides) > 1
         return np.flatnonzero([both and k in turning for k in self.axes])
 
     @cached_property
     def _parked(self) -> Array:
-        return self.state.case.lattice_of(self.instrument, 1).poses
+        return self.case.lattice_of(self.instrument, 1).poses
 
     def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
         """Return poses and sides, (m, q) each."""
@@ -109,12 +117,12 @@ class Ground:
     def looks(self, number: int) -> Array:
         """Return a few values in each stretch between knots, (p,): where there are none, of an eighth of the travel."""
         low, high = self.ends[number].tolist()
-        knots = np.union1d(_knots(self.state.case, self.axes[number]), np.linspace(low, high, _STRETCHES + 1))
+        knots = np.union1d(_knots(self.case, self.axes[number]), np.linspace(low, high, _STRETCHES + 1))
         return np.ravel(knots[:-1, None] + np.diff(knots)[:, None] * _LOOKS)
 
     def gained(self, places: Array, sides: Array) -> Array:
         """Return what readings gain, (m,)."""
-        return self.state.gains(self.placed(places, sides))
+        return gains_of(self.case, self.state, self.placed(places, sides))
 
     def placed(self, places: Array, sides: Array) -> Places:
         """Return the places."""
@@ -139,17 +147,17 @@ class Ground:
         Where not even the knots alone fit, the points are spread evenly, and the shape is ().
         """
         for parts in range(_FINEST, 0, -1):
-            along = [_parted(_knots(self.state.case, k), parts) for k in self.axes]
+            along = [_parted(_knots(self.case, k), parts) for k in self.axes]
             shape = tuple(len(each) for each in along)
             if math.prod(shape) <= _POINTS:
                 return np.stack([each.ravel() for each in np.meshgrid(*along, indexing="ij")], axis=1), shape
-        return self.state.case.lattice_of(self.instrument, _EVEN).poses[:, self.axes], ()
+        return self.case.lattice_of(self.instrument, _EVEN).poses[:, self.axes], ()
 
     def exactly(self, place: Array, side: Array, gain: float) -> tuple[Array, float]:
         """Return a place moved along one axis after another to the best on its line, and what it gains."""
         for number in self.continuous if len(self.instrument.names) == 1 else []:
-            breaks = _breaks(self.state.case, self.axes[number])
-            turning = self.state.case.machine.axes[self.axes[number]].rotary
+            breaks = _breaks(self.case, self.axes[number])
+            turning = self.case.machine.axes[self.axes[number]].rotary
             nodes = node_count(6, 2 * float(np.diff(breaks).max())) if turning else node_count(8)
             found = largest(self._along(number, place, side), breaks, nodes, gain)
             if found is not None and found[1] > gain:
@@ -163,17 +171,22 @@ class Ground:
         def forms(values: Array) -> tuple[Array, Array]:
             tried = np.tile(place, (len(values), 1))
             tried[:, number] = values
-            n = self.state.case.numbers(self.placed(tried, np.tile(side, (len(values), 1))))
-            block, reach = self.state.of_places(n, 1)
-            return np.sum((reach[:, 0] @ self.state.goal.root.T) ** 2, axis=1), block[:, 0, 0]
+            n = self.case.numbers(self.placed(tried, np.tile(side, (len(values), 1))))
+            block, g = self.state.of_places(n, 1)
+            return np.sum(g[:, 0] ** 2, axis=1), block[:, 0, 0]
 
         return forms
 
 
-def climbed(state: State, place: Places) -> tuple[Places, float]:
+def gains_of(case: Model, state: State, places: Places) -> Array:
+    """Return by how much J falls with each place alone, (m,).  places : of one instrument"""
+    parts = [case.numbers(places.at(np.arange(i, min(i + _BLOCK, len(places))))) for i in range(0, len(places), _BLOCK)]
+    return np.concatenate([state.gains(n, own_numbers(n.place, int(n.place[-1]) + 1)) for n in parts])
+
+
+def climbed(case: Model, state: State, place: Places) -> tuple[Places, float]:
     """Return a place moved uphill, and what it gains.  place : one"""
-    case = state.case
-    ground = Ground(state, case.instruments[case.setups.index(place.instruments[0])])
+    ground = Ground(case, state, case.instruments[case.setups.index(place.instruments[0])])
     climb = Climb.begun(ground, ground.gained, place.poses[:, ground.axes], place.sides[:, ground.axes])
     climb.uphill()
     return ground.placed(climb.places, climb.sides), float(climb.gains[0])

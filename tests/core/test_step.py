@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import axiscal_core as ac
+from axiscal_core import step
 from axiscal_core.criterion import Goal
 from axiscal_core.roots import largest
 from axiscal_core.state import State, joint_gains
-from axiscal_core.step import best_step
 from tests.core.strangers import Arm, Probe
 
 
@@ -37,7 +37,7 @@ class Begun:
     def state(self) -> State:
         """What is known."""
         wanted = self.case.goal(self.criterion, "a test")
-        return State(self.case, wanted, self.case.taken(self.after, "a test"))
+        return step.begun(self.case, wanted).after(self.case.taken(self.after, "a test"))
 
 
 def random_case(generator: np.random.Generator, joints: int) -> Begun:
@@ -57,8 +57,9 @@ def random_case(generator: np.random.Generator, joints: int) -> Begun:
 
 def shortfall(begun: Begun, points: int) -> float:
     """Return by how much the best of an exhaustive lattice beats the chosen reading, as a share of its gain."""
-    chosen = best_step(begun.case, begun.after, begun.criterion)
-    return max(float(gains.max()) for gains in _exhaustive(begun, points)) / float(begun.state.gains(chosen)[0]) - 1
+    chosen = step.best_step(begun.case, begun.after, begun.criterion)
+    gain = float(step.gains_of(begun.case, begun.state, chosen)[0])
+    return max(float(gains.max()) for gains in _exhaustive(begun, points)) / gain - 1
 
 
 def _exhaustive(begun: Begun, points: int) -> list[ac.Array]:
@@ -66,7 +67,8 @@ def _exhaustive(begun: Begun, points: int) -> list[ac.Array]:
     grid = np.meshgrid(*(np.linspace(*axis.travel, round(points ** (1 / len(axes)))) for axis in axes), indexing="ij")
     poses = np.stack([g.ravel() for g in grid], axis=1)
     signs = itertools.product([1.0, -1.0], repeat=len(axes)) if begun.case.machine.reversing else [(1.0,) * len(axes)]
-    return [state.gains(ac.Places("s", poses, np.tile(side, (len(poses), 1)))) for side in signs]
+    places = [ac.Places("s", poses, np.tile(side, (len(poses), 1))) for side in signs]
+    return [step.gains_of(begun.case, state, each) for each in places]
 
 
 def _machine(generator: np.random.Generator, count: int) -> ac.Machine:
@@ -124,11 +126,13 @@ def test_nothing_gains_more_where_axes_turn_and_readings_have_three_numbers(move
     case = _robot()
     begun = ac.Places(["arm", "dial", "arm"], [[0.3, 0.2], [-1.0, 0.3], [2.0, 0.45]], [[1, 1]] * 3)
     best = case.next(begun)
-    state, low, high = State(case, case.volume, case.numbers(begun)), *np.array([a.travel for a in case.machine.axes]).T
+    state = step.begun(case, case.volume).after(case.numbers(begun))
+    low, high = np.array([a.travel for a in case.machine.axes]).T
     tried = low + np.random.default_rng(1).random((30_000, 2)) * (high - low)
     if moves[0] == "dial":
         tried[:, 1] = (low + high)[1] / 2
-    assert state.gains(ac.Places(moves[0], tried)).max() <= state.gains(best)[0] * (1 + 1e-9)
+    gains, gain = (step.gains_of(case, state, each) for each in (ac.Places(moves[0], tried), best))
+    assert gains.max() <= gain[0] * (1 + 1e-9)
 
 
 @pytest.mark.parametrize("noise", [1e-3, 1e-9])
@@ -148,15 +152,15 @@ def test_the_next_place_is_that_of_sixty_digits(noise: float) -> None:
         inverse = np.array(digits.inverse(digits.matrix(k.tolist())).tolist())
         half, across = taken.rows @ prior, taken.rows @ prior @ n.rows.T + exact(case.shared(taken, n))
         covariance = prior - half.T @ inverse @ half
-        state = State(case, goal, taken)
+        state = step.begun(case, goal).after(taken)
         np.testing.assert_allclose(np.diag(state.covariance), np.diag(covariance).astype(float), rtol=1e-9)
         alone = [x @ prior @ x for x in n.rows] + np.diag(exact(case.shared(n, n))) + exact(n.noise) ** 2
         alone -= np.sum(across * (inverse @ across), axis=0)
         reach = weight @ (prior @ n.rows.T - half.T @ inverse @ across)
         gains = (np.sum(reach**2, axis=0) / alone).astype(float)
-        np.testing.assert_allclose(state.gains(along), gains, rtol=1e-9, atol=1e-13)  # of J before, 1
+        np.testing.assert_allclose(step.gains_of(case, state, along), gains, rtol=1e-9, atol=1e-13)  # of J before, 1
         best = case.next(read)
-        assert state.gains(best)[0] >= gains.max() * (1 - 1e-9)
+        assert step.gains_of(case, state, best)[0] >= gains.max() * (1 - 1e-9)
         read = read + best
 
 
@@ -173,7 +177,7 @@ def test_gains_are_falls_of_the_criterion() -> None:
     case = _robot()
     places = case.lattice_of(case.instruments[1], 7)
     weight = np.random.default_rng(2).normal(size=(3, case.size))
-    for i, gain in enumerate(State(case, Goal(weight)).gains(places)):
+    for i, gain in enumerate(step.gains_of(case, step.begun(case, Goal(weight)), places)):
         n = case.numbers(places.at([i]))
         after = case.prior.read(n.rows, n.shown, n.noise**2).covariance
         fallen = weight @ (case.prior.covariance - after) @ weight.T

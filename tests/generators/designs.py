@@ -90,7 +90,7 @@ def rms_of(asked: Task, rms: float, unsure: float = 1.0) -> Goal:
     """Return whether readings bring an RMS, m.  unsure : factor by which it may yet become larger"""
 
     def left(places: Places) -> float:
-        factor = asked.state.after_readings(places).factor
+        factor = asked.after(places).known
         return asked.yardstick.measure_factor(factor).rms
 
     return Goal(lambda places: left(places) <= rms, lambda places: unsure * left(places) <= rms)

@@ -12,10 +12,9 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import placed, posed, rows_root
 from axiscal.planning.plan.greedy import openings
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from tests.generators.campaigns import built_in
@@ -68,10 +67,10 @@ def test_three_readings_open_a_square() -> None:
     """Two zeros, and how the square lies turned: a single reading after these tells of the squareness."""
     of = dial("readings = 12")
     task = posed(of, of.knowledge)
-    scores = Scores(Pool(task.observation, task.lattice), task.state)
+    scores = Scores(task)
     opened, found = openings(scores, (0, 1), 12)
     assert len(found) == 3
-    assert task.state.value - opened.state.value < 1e-4 * task.state.value
+    assert task.state.value - opened.value < 1e-4 * task.state.value
     assert opened.gains.max() > 0.05 * task.state.value
     assert openings(opened, (0, 1), 12)[1] == []
     assert openings(scores, (0, 1), 2) == (scores, [])

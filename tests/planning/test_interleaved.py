@@ -24,10 +24,11 @@ def passing(task: Task, order: Places) -> Array:
 
 def left(task: Task, order: Places) -> float:
     """Return J with what passes: all unknowns at once."""
-    state = task.state.opened(order)
-    seen = state.rows(order)
-    both = np.hstack([seen.rows @ state.factor, passing(task, order)]) / np.sqrt(seen.variances)[:, None]
-    covariance = np.linalg.inv(np.eye(both.shape[1]) + both.T @ both)[: state.factor.shape[1], : state.factor.shape[1]]
+    n = task.numbers(order)
+    state = task.state.opened(n)
+    both = np.hstack([state.wide(n) @ state.root, passing(task, order)]) / n.noise[:, None]
+    count = state.root.shape[1]
+    covariance = np.linalg.inv(np.eye(both.shape[1]) + both.T @ both)[:count, :count]
     return float(np.trace(state.weighted @ covariance @ state.weighted.T))
 
 

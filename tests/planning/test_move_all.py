@@ -36,8 +36,8 @@ def drawn(asked: Task, seed: int, count: int) -> Places:
 def test_readings_of_random_plans_come_to_lie_better(seed: int) -> None:
     asked = levered(50)
     places = drawn(asked, seed, 6)
-    found = relocated(asked.state, places)
-    assert asked.state.after_readings(found).value < 0.98 * asked.state.after_readings(places).value
+    found = relocated(asked, places)
+    assert asked.after(found).value < 0.98 * asked.after(places).value
     np.testing.assert_array_equal(found.setups, places.setups)
     np.testing.assert_array_equal(found.approaches, places.approaches)
     for axis, at in zip(asked.observation.machine.axes, found.poses.T, strict=True):
@@ -56,4 +56,4 @@ def test_what_stands_on_a_raster_stays() -> None:
     setups = tuple(replace(s, raster=(0.1, 0.05, 0.05)) for s in asked.observation.setups)
     asked = replace(asked, observation=Observation(asked.observation.errors, setups))
     places = drawn(asked, 0, 5)
-    assert relocated(asked.state, places) is places
+    assert relocated(asked, places) is places

@@ -7,12 +7,11 @@ import pytest
 
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
-from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.beginnings import evenly_spaced, space_filling
 from axiscal.planning.plan.greedy import chosen_setups, filled, scores_among
 from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Limits, Task
 from tests.generators.campaigns import built_in
 from tests.generators.designs import levered, read, rms_of, splines
@@ -23,10 +22,10 @@ OPEN = {"zero": "100 mm", "station_x": "300 mm", "station_y": "300 mm", "station
 
 def greedy(asked: Task, count: int) -> float:
     """Return J after the best candidates one at a time."""
-    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    scores = Scores(asked)
     for _ in range(count):
         scores.enter(int(scores.gains.argmax()))
-    return scores.state.value
+    return scores.value
 
 
 def test_seven_readings_on_seven_knots_together() -> None:
@@ -44,9 +43,9 @@ def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
     counts = [(s, int(np.sum(plan.places.setups == s))) for s in (0, 1)]
     assert len(plan.readings) == 9
     for design in (evenly_spaced, space_filling):
-        assert plan.value <= asked.state.after_readings(design(asked, counts)).value * (1 + 1e-9)
+        assert plan.value <= asked.after(design(asked, counts)).value * (1 + 1e-9)
     assert plan.value <= greedy(asked, 9) * (1 + 1e-9)
-    assert plan.value == pytest.approx(asked.state.after_readings(plan.places).value, rel=1e-8)
+    assert plan.value == pytest.approx(asked.after(plan.places).value, rel=1e-8)
 
 
 def test_a_target_is_just_reached() -> None:
@@ -89,4 +88,4 @@ def test_of_places_where_a_tracer_may_stand_those_are_taken_that_leave_least() -
 
 def left_by(asked: Task, setups: tuple[int, ...]) -> float:
     """Return J after sixty picks from some set-ups."""
-    return asked.state.after_readings(filled(scores_among(asked, setups), 60, setups).places).value
+    return asked.after(filled(scores_among(asked, setups), 60, setups).places).value

@@ -42,7 +42,7 @@ def same(places: Places, others: Places) -> bool:
 
 def worth(asked: Task, places: Places) -> float:
     """Return J after readings."""
-    return asked.state.after_readings(places).value
+    return asked.after(places).value
 
 
 def way(asked: Task, places: Places) -> float:

@@ -12,14 +12,13 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
-from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import criterion_after
-from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan import greedy
 from axiscal.planning.plan.greedy import Setups, scores_among
 from axiscal.planning.plan.minutes import quickest
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Goal, Limits, Task
+from axiscal_core.state import unexplained
 from tests.generators.campaigns import on
 from tests.generators.designs import levered, read
 from tests.generators.texts import machine_text, setup_text
@@ -59,13 +58,14 @@ def sharing() -> Task:
 @pytest.mark.parametrize("asked", [read(levered(90), np.random.default_rng(0), 6), drifting(), sharing()])
 @pytest.mark.parametrize("setups", [(1,), (0, 1)])
 def test_gains_and_what_readings_leave_are_those_among_all(asked: Task, setups: Setups) -> None:
-    every, some = Scores(Pool(asked.observation, asked.lattice), asked.state), scores_among(asked, setups)
-    mine = np.flatnonzero(np.isin(every.pool.lattice.setups, setups))
-    assert some.pool.lattice.same_as(every.pool.lattice.within(mine))
+    every, some = Scores(asked), scores_among(asked, setups)
+    mine = np.flatnonzero(np.isin(every.lattice.setups, setups))
+    assert some.lattice.same_as(every.lattice.within(mine))
     for index in (2, 7, len(mine) - 1):
         np.testing.assert_allclose(some.gains, every.gains[mine], rtol=1e-6)
-        assert some.enter(index) == pytest.approx(every.enter(int(mine[index])), rel=1e-6, abs=0.0)
-    assert some.state.value == pytest.approx(every.state.value, rel=1e-9, abs=0.0)
+        some.put(index)
+        every.put(int(mine[index]))
+    assert some.value == pytest.approx(every.value, rel=1e-9, abs=0.0)
 
 
 def test_only_others_unknowns_are_left_out() -> None:
@@ -102,10 +102,10 @@ def test_many_set_ups_alike_leave_no_more_than_one() -> None:
 def test_of_set_ups_that_are_alike_one_is_looked_at_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
     case, looked = lasers(40), list[int]()
 
-    def counted(weighted: Array, told: Array) -> float:
+    def counted(weighted: Array, told: Array) -> Array:
         looked.append(len(told))
-        return criterion_after(weighted, told)
+        return unexplained(weighted, told)
 
-    monkeypatch.setattr(greedy, "criterion_after", counted)
+    monkeypatch.setattr(greedy, "unexplained", counted)
     assert greedy.chosen_setups(posed(case, case.knowledge), Limits(readings=8)) == (0,)
     assert len(looked) == 4

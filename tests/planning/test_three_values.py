@@ -13,9 +13,8 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
-from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import exchange
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Task
 from tests.generators import dense_gains as dense
 from tests.generators.designs import levered, random_poses
@@ -57,10 +56,10 @@ def dense_value(asked: Task, places: Places) -> float:
     return dense.value(dense.after_readings(known, places), asked.root.matrix.T @ asked.root.matrix)
 
 
-def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
+def _falls(asked: Task, places: Places, indices: Array) -> Array:
     before = dense_value(asked, places)
     return np.array(
-        [before - dense_value(asked, Places.joined([places, pool.lattice.single(int(i))])) for i in indices]
+        [before - dense_value(asked, Places.joined([places, asked.lattice.single(int(i))])) for i in indices]
     )
 
 
@@ -69,16 +68,14 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     three: tuple[int, ...], beams: dict[int, int]
 ) -> None:
     asked = mixed(120, three, beams)
-    pool = Pool(asked.observation, asked.lattice)
-    scores, rng = Scores(pool, asked.state), np.random.default_rng(0)
-    looked_at = np.concatenate([np.arange(0, len(pool), 29), [3]])
-    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, Places.none(3), pool, looked_at), rtol=1e-6)
+    scores, rng = Scores(asked), np.random.default_rng(0)
+    looked_at = np.concatenate([np.arange(0, scores.count, 29), [3]])
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, Places.none(3), looked_at), rtol=1e-6)
     for index in (3, 100, 40, 41, 90):
-        value, gain = scores.state.value, scores.enter(index)
-        assert value - scores.state.value == pytest.approx(gain, rel=1e-9)
-    scores.enter(Places.of_setup((*three, 0)[0], *random_poses(asked, rng, 1)))
-    assert scores.state.value == pytest.approx(dense_value(asked, scores.places), rel=1e-7)
-    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-5)
+        scores.put(index)
+    scores.put(Places.of_setup((*three, 0)[0], *random_poses(asked, rng, 1)))
+    assert scores.value == pytest.approx(dense_value(asked, scores.places), rel=1e-7)
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, looked_at), rtol=1e-5)
 
     losses = scores.losses()
     for slot in range(6):
@@ -87,18 +84,19 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
         assert losses[slot] == pytest.approx(rise, rel=1e-5)
         gains, own = scores.without(slot)
         assert own == pytest.approx(rise, rel=1e-5)
-        np.testing.assert_allclose(gains[looked_at], _falls(asked, others, pool, looked_at), rtol=1e-4)
+        np.testing.assert_allclose(gains[looked_at], _falls(asked, others, looked_at), rtol=1e-4)
 
     gains, _ = scores.without(1)
     fewer = scores.fork()
-    assert fewer.leave(1) == pytest.approx(losses[1], rel=1e-8)
+    fewer.leave(1)
+    assert fewer.value - scores.value == pytest.approx(losses[1], rel=1e-8)
     np.testing.assert_allclose(fewer.gains, gains, rtol=1e-7, atol=1e-13 * gains.max())  # by tables and by rows
-    scores.exchange(1, int(pool.lattice.setups[100] == 0) * (len(pool) - 1))  # another count of values
-    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
+    scores.put(int(asked.lattice.setups[100] == 0) * (scores.count - 1), 1)  # another count of values
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, looked_at), rtol=1e-4)
     scores.without(3)
     scores.leave(0)
     assert len(scores.places) == 5
-    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, looked_at), rtol=1e-4)
     assert scores.losses()[2] > 0
 
 
@@ -110,8 +108,8 @@ def test_a_reading_that_alone_holds_an_unknown_keeps_its_place(open_by: float, a
     observation = Observation(asked.observation.errors, (four, *asked.observation.setups[1:]))
     belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
     task = Task(observation, belief, asked.root, asked.yardstick, asked.lattice)
-    scores = Scores(Pool(observation, asked.lattice), task.state)
-    scores.enter(int(np.flatnonzero(asked.lattice.setups == 0)[0]))
+    scores = Scores(task)
+    scores.put(int(np.flatnonzero(asked.lattice.setups == 0)[0]))
     assert scores.held_alone(0) == alone
     before = scores.places.poses.copy()
     exchange(scores)

@@ -79,7 +79,7 @@ def test_the_set_up_that_takes_most_per_second_comes_first() -> None:
     expected, state, left = list[int](), task.state, dict(task.lattice.by_setup())
     while left:
         groups = {setup: task.lattice.within(mine) for setup, mine in left.items()}
-        after = {setup: state.after_readings(group) for setup, group in groups.items()}
+        after = {setup: state.after(task.numbers(group)) for setup, group in groups.items()}
         rates = {s: (state.value - after[s].value) / seconds_along(task, group) for s, group in groups.items()}
         expected.append(max(rates, key=lambda setup: rates[setup]))
         state = after[expected[-1]]

@@ -9,9 +9,8 @@ import numpy as np
 
 import axiscal_core as ac
 from axiscal.measurement.reading import Places
-from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Limits, Task
 from benchmarks.cases import alone, stacked
 from benchmarks.peers.problems import CANDIDATES, Array, Posed
@@ -38,11 +37,11 @@ def candidate_picker(posed: Posed) -> Callable[[Array], Array]:
     problem, poses = _problem(posed), posed.candidates
     lattice = Places(np.zeros(len(poses), dtype=np.intp), poses, np.ones_like(poses))
     problem = replace(problem, lattice=lattice)
-    scores = Scores(Pool(problem.observation, lattice), problem.state)
+    scores = Scores(problem)
 
     def pick(taken: Array) -> Array:
         best = int(scores.gains.argmax())
-        scores.enter(best)
+        scores.put(best)
         chosen: Array = poses[best]
         return chosen
 

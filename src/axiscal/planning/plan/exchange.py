@@ -24,13 +24,12 @@ from axiscal.measurement.charts.room import Chart, has_room
 from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
-from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, Scorer, unexplained
-from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.plan.task import Patience, work_of_climb
-from axiscal.planning.step.ground import ground_of
+from axiscal.planning.plan.ground import ground_of
+from axiscal.planning.plan.scores import Scores
+from axiscal.planning.plan.task import Patience, Task, work_of_climb
 from axiscal_core.climb import Climb
 from axiscal_core.from_scipy import lowest
+from axiscal_core.state import State, gained, unexplained
 from axiscal_core.ties import ALIKE, first_best, ranked
 
 _STEP = 1e-6
@@ -121,14 +120,14 @@ class Minutes(NamedTuple):
         return share, slopes / self.budget
 
 
-def relocated(state: Covariance, places: Places, timed: Minutes | None = None) -> Places:
+def relocated(task: Task, places: Places, timed: Minutes | None = None) -> Places:
     """Return the readings, of the same set-ups and from the same sides, where J is lower; the same where it is not.
 
-    state : before the first; timed : the time that they may take, in their order; what takes little more is returned
+    timed : the time that they may take, in their order; what takes little more is returned
     Coordinates on a raster stay; what leaves what its chart can give goes back.
     """
-    free = _free(state, places)
-    if not len(free.reading) or not np.any(state.weighted):  # or the tool point moves by no error
+    free = _free(task, places)
+    if not len(free.reading) or not np.any(task.state.weighted):  # or the tool point moves by no error
         return places
     span = free.high - free.low
 
@@ -138,24 +137,24 @@ def relocated(state: Covariance, places: Places, timed: Minutes | None = None) -
     def value(shares: Array) -> tuple[float, Array]:
         at = placed(shares)
         beside = _Beside.of(at, free)
-        left, slopes = _value(state, at, free, beside)
+        left, slopes = _value(task, at, free, beside)
         if timed is None:
             return left, slopes
         over, slower = timed.over(at, free, beside)
         weight = _DEAR * begun * max(over, 0.0)
         return left + weight * over, slopes + 2 * weight * slower
 
-    begun = state.after_readings(places).value / state.value
+    begun = task.after(places).value / task.state.value
     start = (free.coordinates(places) - free.low) / span
     ended = placed(np.clip(lowest(value, start, 0.0, 1.0, _ITERATIONS), 0.0, 1.0))
-    ended = _that_can_be_taken(state, places, ended)
-    return ended if state.after_readings(ended).value < state.after_readings(places).value else places
+    ended = _that_can_be_taken(task, places, ended)
+    return ended if task.after(ended).value < task.after(places).value else places
 
 
-def _that_can_be_taken(state: Covariance, before: Places, after: Places) -> Places:
+def _that_can_be_taken(task: Task, before: Places, after: Places) -> Places:
     """Return places on charts as they can be come to from their sides; those that cannot are as they were before."""
     poses, approaches = after.poses.copy(), after.approaches.copy()
-    machine, setups = state.observation.machine, state.observation.setups
+    machine, setups = task.observation.machine, task.observation.setups
     for i, number in enumerate(after.setups.tolist()):
         chart = setups[number].chart
         if chart is None or np.array_equal(poses[i], before.poses[i]):
@@ -170,15 +169,15 @@ def _that_can_be_taken(state: Covariance, before: Places, after: Places) -> Plac
     return Places(after.setups, poses, approaches)
 
 
-def _free(state: Covariance, places: Places) -> _Free:
-    found = [each for i, number in enumerate(places.setups.tolist()) for each in _coordinates(state, i, number)]
+def _free(task: Task, places: Places) -> _Free:
+    found = [each for i, number in enumerate(places.setups.tolist()) for each in _coordinates(task, i, number)]
     reading, axis, low, high = np.array([each[:4] for each in found]).reshape(-1, 4).T
     return _Free(reading.astype(np.intp), axis.astype(np.intp), low, high, tuple(each[4] for each in found))
 
 
-def _coordinates(state: Covariance, reading: int, number: int) -> Iterator[tuple[int, int, float, float, Chart | None]]:
+def _coordinates(task: Task, reading: int, number: int) -> Iterator[tuple[int, int, float, float, Chart | None]]:
     """Yield the coordinates of a reading that are on no raster, with their ends, and the chart that they are of."""
-    setup, axes = state.observation.setups[number], state.observation.machine.axes
+    setup, axes = task.observation.setups[number], task.observation.machine.axes
     if setup.chart is None:
         for k in setup.moves:
             if setup.raster[k] == 0:
@@ -189,10 +188,10 @@ def _coordinates(state: Covariance, reading: int, number: int) -> Iterator[tuple
             yield reading, k, low, high, setup.chart
 
 
-def _value(state: Covariance, places: Places, free: _Free, beside: _Beside) -> tuple[float, Array]:
+def _value(task: Task, places: Places, free: _Free, beside: _Beside) -> tuple[float, Array]:
     """Return J over what there was before, and its gradient with respect to shares of the free coordinates."""
-    target, count = state.weighted, len(free.reading)
-    every, owner = state.whitened(Places.joined([places, beside.both]))
+    target, count = task.state.weighted, len(free.reading)
+    every, owner = task.whitened(Places.joined([places, beside.both]))
     first = np.searchsorted(owner, np.arange(len(places) + 2 * count + 1))
     own, middle = first[len(places)], first[len(places) + count]
     rows, total = every[:own], float(np.sum(target**2))
@@ -232,7 +231,7 @@ def exchange(scores: Scores, sweeps: int = SWEEPS, better: float = _BETTER) -> f
     """
     work, changes, looked = 0.0, 0, dict[int, int]()
     for _ in range(sweeps):
-        value, least = scores.state.value, _NOTHING * scores.state.value
+        value, least = scores.value, _NOTHING * scores.value
         for slot in ranked(-scores.losses(), ALIKE).tolist():
             if looked.get(slot) == changes or scores.held_alone(slot):
                 continue
@@ -241,35 +240,36 @@ def exchange(scores: Scores, sweeps: int = SWEEPS, better: float = _BETTER) -> f
             looked[slot] = changes
             gains, own = scores.without(slot)
             best = first_best(gains, ALIKE)
-            work += 4.0 * len(scores.pool)
+            work += 4.0 * scores.count
             if gains[best] > own + max(better * own, least):  # the others have to be looked at anew
-                scores.exchange(slot, best)
-                products = len(scores.pool) * (6.0 * len(scores.places) + 2.0 * scores.pool.size)
-                work, changes = work + products + 20.0 * scores.state.factor.size, changes + 1
-        if value - scores.state.value <= _SETTLED * value:
+                scores.put(best, slot)
+                work += scores.count * (6.0 * scores.slots + 2.0 * scores.task.observation.size)
+                changes += 1
+        if value - scores.value <= _SETTLED * value:
             break
     return work
 
 
 def polish(scores: Scores, rounds: int, patience: Patience) -> None:
     """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
-    work = work_of_climb(scores.pool.size, scores.pool.size + len(scores.begun.root.matrix))
-    least = _WORTH if scores.pool.size <= _FEW else _WORTH_OF_MANY  # rounds are dear with many unknowns
+    size = scores.task.observation.size
+    work = work_of_climb(size, size + len(scores.state.weighted))
+    least = _WORTH if size <= _FEW else _WORTH_OF_MANY  # rounds are dear with many unknowns
     for _ in range(rounds):
-        before = scores.state.value
+        before = scores.value
         if not patience.spent:
             _move(scores)
             patience.take(work * len(scores.places))
         _climb_all(scores, patience, work)
-        if patience.spent or before - scores.state.value <= least * before:
+        if patience.spent or before - scores.value <= least * before:
             return
 
 
 def _move(scores: Scores) -> None:
-    found = relocated(scores.begun, scores.places)
+    found = relocated(scores.task, scores.places)
     for slot in np.flatnonzero(np.any(found.poses != scores.places.poses, axis=1)).tolist():
         if not scores.held_alone(slot):
-            scores.exchange(slot, found.single(slot))
+            scores.put(found.single(slot), slot)
 
 
 def _climb_all(scores: Scores, patience: Patience, work: float) -> None:
@@ -283,50 +283,57 @@ def _climb_all(scores: Scores, patience: Patience, work: float) -> None:
         patience.take(work)
         found = _better(scores, slot)
         if found is not None:
-            scores.exchange(slot, found)
+            scores.put(found, slot)
         idle = 0 if found is not None else idle + 1
 
 
 def _better(scores: Scores, slot: int) -> Places | None:
     """Return the best reading for a slot, or None where none is better than what it holds."""
-    state, change = scores.known_without(slot)
-    found = _climbed(scores.pool, scores.pool.scorer(state), scores.without(slot)[0], scores.places.single(slot))
-    more = state.entered(found)[1].gain > -change.gain * (1 + _BETTER)  # tables are changed for what is better only
+    task, (gains, own) = scores.task, scores.without(slot)
+    state = task.after(scores.places.without(slot))
+    found = _climbed(task, state, scores.lattice.within(ranked(gains, ALIKE, _CANDIDATES)), scores.places.single(slot))
+    n = task.numbers(found)
+    more = state.gains(n, np.arange(len(n.rows))[None])[0] > own * (1 + _BETTER)  # tables are changed for it only
     return found if more else None
 
 
-def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
+def _climbed(task: Task, state: State, candidates: Places, old: Places) -> Places:
     """Return the best reading found from a reading and the best candidates, by Newton's steps and looks.
 
-    scorer : without the reading
+    state : without the reading
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
     """
-    starts = Places.joined([old, pool.lattice.within(ranked(gains, ALIKE, _CANDIDATES))])
-    found = [(setup, _climb(scorer, setup, *starts.in_setup(setup))) for setup, _ in starts.by_setup()]
+    starts, bare = Places.joined([old, candidates]), state.of_first(task.observation.bare.size)
+    found = [(setup, _climb(task, bare, setup, *starts.in_setup(setup))) for setup, _ in starts.by_setup()]
     if not (climbs := [each for each in found if len(each[1].gains)]):  # places of a raster may leave nothing to climb
         return old
     setup, climb = climbs[first_best(np.array([each.gains.max() for _, each in climbs]), ALIKE)]
     return Places.one(setup, *(part[first_best(climb.gains, ALIKE)] for part in climb.readings))
 
 
-def climb_from(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
-    """Return the climb from readings of a set-up.  poses, approaches : (n, q)"""
-    ground = ground_of(scorer.observation, setup)
+def climb_from(task: Task, state: State, setup: int, poses: Array, approaches: Array) -> Climb:
+    """Return the climb from readings of a set-up.  state : as if no cell had been read; poses, approaches : (n, q)"""
+    observation = task.observation.bare
+    ground = ground_of(observation, setup)
 
-    def gained(places: Array, sides: Array) -> Array:
-        taken = ground.approachable(places, sides)
-        if taken is None:
-            return scorer.gains_at(setup, *ground.as_poses(places, sides))
-        gains = np.full(len(places), -np.inf)
-        if taken.any():
-            gains[taken] = scorer.gains_at(setup, *ground.as_poses(places[taken], sides[taken]))
-        return gains
+    def gains(places: Array, sides: Array) -> Array:
+        seen = observation.numbers(setup, *ground.as_poses(places, sides))
+        return gained(*state.forms(seen.rows, seen.covariances))
 
-    return Climb.begun(ground, gained, *ground.as_places(poses, approaches))
+    def taken(places: Array, sides: Array) -> Array:
+        can = ground.approachable(places, sides)
+        if can is None:
+            return gains(places, sides)
+        found = np.full(len(places), -np.inf)
+        if can.any():
+            found[can] = gains(places[can], sides[can])
+        return found
+
+    return Climb.begun(ground, taken, *ground.as_places(poses, approaches))
 
 
-def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
-    climb = climb_from(scorer, setup, poses, approaches)
+def _climb(task: Task, state: State, setup: int, poses: Array, approaches: Array) -> Climb:
+    climb = climb_from(task, state, setup, poses, approaches)
     climb.newton(3)
     climb = climb.distinct().best(1, 0.0, 1.0)
     climb.uphill()

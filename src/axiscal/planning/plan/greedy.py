@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from axiscal.measurement.reading import Places
 from axiscal.numerics import even_subset
 from axiscal.numerics.remembered import remembered
-from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import criterion_after
-from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.run import first_seconds
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
+from axiscal_core.state import unexplained
 from axiscal_core.ties import ALIKE, first_best
 
 _TRIED = 150
@@ -46,7 +45,7 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
     coarse, most = task.coarse, min(limits.readings or _TRIED, _TRIED)
 
     def left(setups: Setups) -> float:
-        return filled(scores_among(coarse, setups), most, setups).state.value
+        return filled(scores_among(coarse, setups), most, setups).value
 
     return of_best_size(_growing(coarse, _parts(task, everything), limits, clock(task)), left)
 
@@ -66,8 +65,8 @@ def sets_within(task: Task, limits: Limits) -> Iterator[Setups]:
 
 def worth_most(task: Task) -> int:
     """Return the set-up of the candidate with the most gain in its time, mounting included where it is not mounted."""
-    times, scores = clock(task), Scores(Pool(task.observation, task.coarse.lattice), task.state)
-    of = scores.pool.lattice.setups
+    times, scores = clock(task), Scores(task.coarse)
+    of = scores.lattice.setups
     return int(of[first_best(scores.gains / (times.mounting(of) + times.reading(of)), ALIKE)])
 
 
@@ -82,7 +81,7 @@ def _growing(task: Task, parts: Sequence[Setups], limits: Limits, times: Clock) 
     """Yield sets that grow part by part: by the part with which readings, dealt out evenly, leave least."""
     state, lattice = task.state, task.lattice
     every = {setup: _in_a_row(lattice, setup) for setup in np.unique(lattice.setups).tolist()}
-    weighted, (rows, owner) = state.weighted, state.whitened(lattice)
+    weighted, (rows, owner) = state.weighted, task.whitened(lattice)
     numbers = np.searchsorted(owner, np.arange(len(lattice) + 1))
 
     def remaining(setups: Setups) -> float:
@@ -92,7 +91,7 @@ def _growing(task: Task, parts: Sequence[Setups], limits: Limits, times: Clock) 
             at = (np.arange(share) + turn / len(setups)) * len(every[setup]) / max(share, 1)
             dealt.append(every[setup][at.astype(np.intp)])
         told = [rows[numbers[index] : numbers[index + 1]] for index in np.concatenate(dealt)]
-        return criterion_after(weighted, np.concatenate(told)) if told else state.value
+        return float(np.sum(unexplained(weighted, np.concatenate(told)) * weighted)) if told else state.value
 
     found: Setups = ()
     now, gained, setups_of = state.value, dict.fromkeys(parts, np.inf), task.observation.setups
@@ -149,14 +148,13 @@ def filled(scores: Scores, readings: int, setups: Setups) -> Scores:
     """Return the gains after so many readings: those that open the set-ups, then the candidate with the most gain."""
     scores, _ = (scores, []) if len(scores.places) else openings(scores, setups, readings)
     while len(scores.places) < readings:
-        scores.enter(first_best(scores.gains, ALIKE))
+        scores.put(first_best(scores.gains, ALIKE))
     return scores
 
 
 def scores_among(task: Task, setups: Setups) -> Scores:
     """Return the gains of the candidates of some set-ups, before the first reading of a plan."""
-    alone = task.among(setups)
-    return Scores(Pool(alone.observation, alone.lattice), alone.state)
+    return Scores(task.among(setups))
 
 
 def openings(scores: Scores, setups: Sequence[int], readings: int) -> tuple[Scores, list[int]]:
@@ -166,16 +164,16 @@ def openings(scores: Scores, setups: Sequence[int], readings: int) -> tuple[Scor
     would ever open them. One unknown alone is opened by any reading.
     readings : so many there may be at most; where more are needed there are none
     """
-    columns = np.unique(np.concatenate([scores.state.observation.unknowns_of(setup) for setup in setups]))
+    columns = np.unique(np.concatenate([scores.task.observation.unknowns_of(setup) for setup in setups]))
     if len(columns) < 2:
         return scores, []
-    ahead, found = scores.fork(), list[int]()
-    while True:
-        told = ahead.told(columns)
-        best = first_best(told, ALIKE)
-        if not told[best] > _TOLD:
-            return ahead, found
+    told, found = scores.telling(columns), list[int]()
+    while (gains := told.gains)[best := first_best(gains, ALIKE)] > _TOLD:
         if len(found) == readings:
             return scores, []
-        ahead.enter(best)
+        told.enter(best)
         found.append(best)
+    ahead = scores.fork()
+    for best in found:
+        ahead.put(best)
+    return ahead, found

@@ -39,13 +39,13 @@ def shaken(task: Task, places: Places) -> Places:
     The best plan is nearly regular, and hides what repeats. Shaking costs about 4 % of J; without it an error with a
     period near the distance of the places is missed as a whole.
     """
-    reach, state = _reach(task, places), task.state
+    reach = _reach(task, places)
     if not np.any(reach):
         return places
     rng = np.random.default_rng(_SEED)
     drawn = [places.poses + reach * rng.uniform(-1.0, 1.0, places.poses.shape) for _ in range(_SHAKES)]
     found = [replace(places, poses=_within(task, places, poses)) for poses in drawn]
-    return min(found, key=lambda each: state.after_readings(each).value)
+    return min(found, key=lambda each: task.after(each).value)
 
 
 def spread_if_as_good(task: Task, goal: Goal | None, places: Places) -> Places:
@@ -58,14 +58,14 @@ def spread_if_as_good(task: Task, goal: Goal | None, places: Places) -> Places:
     setups, axes = task.observation.setups, task.observation.machine.axes
     if not np.all(np.any(_reach(task, places), axis=1)) or any(len(setups[s].moves) > 1 for s in places.setups):
         return places
-    before = task.state.after_readings(places).value
+    before = task.after(places).value
     for shares in (_twice_at_ends, _from_end_to_end):
         even = evenly_spaced(task, [(setup, len(mine)) for setup, mine in places.by_setup()])
         for setup, mine in even.by_setup():
             (axis,) = setups[setup].moves
             low, high = setups[setup].span(axes[axis], axis)
             even.poses[mine, axis] = low + (high - low) * shares(len(mine))
-        after = task.state.after_readings(even)
+        after = task.after(even)
         if after.value <= _AS_GOOD * before and (goal is None or goal.reached(even)):
             return even
     return places

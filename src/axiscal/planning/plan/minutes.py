@@ -18,11 +18,11 @@ from functools import partial
 import numpy as np
 
 from axiscal.measurement.reading import Places
-from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import Minutes, relocated
 from axiscal.planning.plan.greedy import Setups, of_best_size, openings, scores_among
 from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_in_order
 from axiscal.planning.plan.run import Ways
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Goal, Limits, Patience, Task, work_of_climb
 from axiscal.planning.plan.tour import Tour
 from axiscal_core.ties import ALIKE, first_best, ranked
@@ -64,7 +64,7 @@ def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) 
 
     def left(setups: Setups) -> float:
         first[setups] = first.get(setups) or begun(setups)(0)
-        return first[setups].scores.state.value
+        return first[setups].scores.value
 
     setups = of_best_size(sets, left)
     left(setups)
@@ -84,7 +84,7 @@ def _climbed(task: Task, limits: Limits, tours: Sequence[Tour], patience: float)
             break
         found.append(retoured(task, limits, tuple(tour.runs), tour.places, patience))
         done += climb * len(tour.places)
-    return found[first_best(-np.array([task.state.after_readings(each).value for each in found]), ALIKE)]
+    return found[first_best(-np.array([task.after(each).value for each in found]), ALIKE)]
 
 
 def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, patience: float) -> Places | None:
@@ -103,7 +103,7 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
             break
         found = _grown(opened, goal, longest)
         if found is None:
-            before, short = short, opened.scores.state.value
+            before, short = short, opened.scores.value
             if not limits.rows and before - short <= _STALLED * short:
                 break  # a row may need a set-up that hardly lowers J
         elif found.seconds < longest:
@@ -151,19 +151,19 @@ def retoured(
         tour.budget = tour.seconds
     kept = goal.reached if goal is not None and goal.reached(tour.places) else None
     for _ in range(_ROUNDS):
-        before, settled = tour.scores.state.value, tour.within(tour.budget)
+        before, settled = tour.scores.value, tour.within(tour.budget)
         settle(settled)
         if kept is None or kept(settled.places):  # a swap that lowers J may lose a row
             tour = settled
         if patient.spent or not len(tour.scores.places):
             break
-        patient.take(work_of_climb(scores.pool.size, scores.pool.size) * len(tour.scores.places))
-        moved = relocated(task.state, tour.places, Minutes(tour.budget, partial(seconds_around, task)))
+        patient.take(work_of_climb(task.observation.size, task.observation.size) * len(tour.scores.places))
+        moved = relocated(task, tour.places, Minutes(tour.budget, partial(seconds_around, task)))
         climbed = through(scores.fork(), setups, replace(limits, budget=tour.budget), moved)
         fits = climbed.left >= 0 and (goal is None or goal.reached(climbed.places))
         if fits:
-            tour = (tour, climbed)[first_best(-np.array([each.scores.state.value for each in (tour, climbed)]), ALIKE)]
-        if before - tour.scores.state.value <= _SETTLED * before:
+            tour = (tour, climbed)[first_best(-np.array([each.scores.value for each in (tour, climbed)]), ALIKE)]
+        if before - tour.scores.value <= _SETTLED * before:
             break
     if goal is not None:
         tour = _shortest(tour, goal, partial(_settled, better=max(better, _WORTH)))
@@ -189,14 +189,14 @@ def stretched(task: Task, setups: Setups, left: Places, most: int, budgets: Sequ
 
 def _base(task: Task, setups: Setups) -> tuple[Ways, Scores]:
     scores, whole = scores_among(task, setups), np.sort(task.lattice.setups)
-    return Ways(task, scores.pool.lattice, np.isin(whole, setups)), scores
+    return Ways(task, scores.lattice, np.isin(whole, setups)), scores
 
 
 def _all_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> list[Tour]:
     """Return tours and further ones, the best first.  begun : the one of a number; work : after which none is"""
     while len(tried) < _STARTS and sum(tour.work for tour in tried) < work:
         tried.append(begun(len(tried)))
-    return [tried[k] for k in ranked(-np.array([tour.scores.state.value for tour in tried]), ALIKE)]
+    return [tried[k] for k in ranked(-np.array([tour.scores.value for tour in tried]), ALIKE)]
 
 
 def _begun(settled: bool, limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: int) -> Tour:
@@ -231,7 +231,7 @@ def _grown(tour: Tour, goal: Goal, longest: float) -> Tour | None:
     rng, most, earlier = np.random.default_rng(_SEED), tour.most, dict[int, float]()
     tour.budget = longest
     while not goal.reached(tour.places):
-        count, value = len(tour.scores.places), tour.scores.state.value
+        count, value = len(tour.scores.places), tour.scores.value
         half = max((before for before in earlier if 2 * before <= count), default=None)
         if half is not None and count > _FEW and earlier[half] - value <= _STALLED * value:
             return None
@@ -279,10 +279,10 @@ def _settle(tour: Tour, rng: np.random.Generator, power: float, shaken: float, b
     """Swap and fill until a sweep gains little, or there was much to do."""
     most = tour.work + _WORK / _SHARES
     for _ in range(_SWEEPS):
-        before = tour.scores.state.value
+        before = tour.scores.value
         if better < np.inf:
             tour.swap(better, most)
         tour.shorten()
         tour.fill(rng, power, shaken)
-        if before - tour.scores.state.value <= _SETTLED * before or tour.work > most:
+        if before - tour.scores.value <= _SETTLED * before or tour.work > most:
             return

@@ -27,9 +27,9 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way, way_seconds
 from axiscal.numerics import Array
-from axiscal.planning.gains.covariance import criterion_after
 from axiscal.planning.plan.task import Limits, Task
 from axiscal_core import causes
+from axiscal_core.state import unexplained
 from axiscal_core.ties import ALIKE, first_best
 
 
@@ -98,14 +98,15 @@ def set_ups_in_order(task: Task, places: Places) -> Places:
     groups = {setup: places.within(mine) for setup, mine in places.by_setup()}
     if len(groups) <= 1:
         return places
-    state, order = task.state.opened(places), list[int]()
-    rows, owner = state.whitened(places)
-    told = {setup: rows[places.setups[owner] == setup] for setup in groups}
+    n, order = task.numbers(places), list[int]()
+    state = task.state.opened(n)
+    told, weighted = {setup: state.whitened(n)[n.setup == setup] for setup in groups}, state.weighted
     seconds = {setup: seconds_along(task, group) for setup, group in groups.items()}
     now, first = state.value, -1 if task.here is None else int(task.here.setups[0])
     while left := [setup for setup in groups if setup not in order]:
         next_ones = [first] if first in left and not order else left
-        after = [criterion_after(state.weighted, np.concatenate([told[s] for s in (*order, one)])) for one in next_ones]
+        kept = [unexplained(weighted, np.concatenate([told[s] for s in (*order, one)])) for one in next_ones]
+        after = [float(np.sum(each * weighted)) for each in kept]
         rates = [(now - value) / seconds[one] for value, one in zip(after, next_ones, strict=True)]
         best = first_best(np.array(rates), ALIKE)
         order.append(next_ones[best])
@@ -334,12 +335,11 @@ def _way(task: Task, order: Places, where: NDArray[np.intp]) -> _OneSetup:
     mine, index = order.within(where), int(order.setups[where[0]])
     setup, machine = task.observation.setups[index], task.observation.machine
     others = order.within(np.setdiff1d(np.arange(len(order)), where))
-    state = task.state.after_readings(others).opened(mine)
-    rows, variances, owner = state.rows(mine)
-    seen = rows @ state.factor
+    n = task.numbers(mine)
+    state = task.after(others).opened(n)
+    seen, owner, inside = state.wide(n) @ state.root, n.place, n.part
     lasting, crossed = seen @ seen.T, state.weighted @ seen.T
     weights = crossed.T @ crossed
-    inside = np.arange(len(rows)) - np.searchsorted(owner, owner)
     grown = [axis[inside, owner] for axis in growing(task.observation, index, mine.poses)]
     counted = counting(task, mine)
     here = task.here if task.here is not None and int(task.here.setups[0]) == index else None
@@ -347,11 +347,11 @@ def _way(task: Task, order: Places, where: NDArray[np.intp]) -> _OneSetup:
     return _OneSetup(
         _AtTurns.timed(setup, np.cumsum(seconds_each(task, order)[where])),
         float(np.sum(np.linalg.pinv(lasting, _SAME, hermitian=True) * weights)),
-        lasting + np.diag(variances),
+        lasting + np.diag(n.noise**2),
         weights,
         owner,
         inside[:, None] == inside,
-        sum((np.outer(each, each) for each in grown), np.zeros((len(rows), len(rows)))),
+        sum((np.outer(each, each) for each in grown), np.zeros(lasting.shape)),
         turning(task.observation, index, mine.poses, mine.approaches),
         inside,
         mine.poses,

@@ -4,8 +4,8 @@
     plan.places.poses[0], plan.accuracy.rms, plan.seconds
 
 Tours of `minutes` plan for a budget, and for an accuracy in the fewest minutes. For so many readings exchange chooses
-them together. It improves a greedy, a space-filling, an evenly spaced and the best random design; the best result is
-the plan. So no such plan is worse than one of these.
+them together. It improves a greedy, a space-filling and an evenly spaced design; the best result is the plan. So no
+such plan is worse than one of these.
 
 While measuring, `renewed` plans the rest: from the readings that are still open, by what exchanges still help. Readings
 of linear instruments sharpen a belief by their places, not by their values. So the rest of a plan is still the plan, as
@@ -15,7 +15,7 @@ plan is no worse than the old one, and little has to be looked at.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,17 +26,17 @@ from axiscal.language.stages import stage
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import reading_seconds
-from axiscal.planning.gains.covariance import after_each
-from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.plan.beginnings import best_of_random, plain_designs
+from axiscal.planning.plan.beginnings import plain_designs
 from axiscal.planning.plan.exchange import ROUNDS, SWEEPS, exchange, polish
 from axiscal.planning.plan.greedy import Setups, chosen_setups, filled, scores_among, sets_within
 from axiscal.planning.plan.irregular import irregular
 from axiscal.planning.plan.minutes import grown, quickest, retoured, toured
 from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds_along, seconds_each
 from axiscal.planning.plan.run import first_seconds
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import PATIENCE, Goal, Limits, Patience, Task, clock
 from axiscal.planning.promise import FEW
+from axiscal_core.normal import condition
 from axiscal_core.rank_bound import rank_bound, worth_saying
 from axiscal_core.threads import one_thread
 from axiscal_core.ties import ALIKE, first_best, ranked
@@ -117,7 +117,7 @@ def _those_of(places: Places) -> Setups:
 def _renewed(task: Task, limits: Limits, setups: Setups, left: Places, patience: float) -> Places:
     """Return as many readings to come of these set-ups as there may be, in any order."""
     scores = scores_among(task, setups)
-    scores.enter_all(left)
+    scores.put_all(left)
     most = len(left) if limits.readings is None else limits.readings
     while len(scores.places) > most:
         scores.leave(first_best(-scores.losses(), ALIKE))
@@ -159,8 +159,6 @@ def _mountable(task: Task, limits: Limits, left: Places) -> Places:
 
 MANY = 150
 """Readings of a plan at most that nothing else ends: what is known by then plans the others."""
-_RANDOM = 0.2
-"""Share of the patience that random starts may take besides."""
 _MUCH = 1e9
 """Operations of exchange from which on only the best beginning is swept, or goes on after its first sweep."""
 
@@ -239,7 +237,7 @@ def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Place
         setups = chosen_setups(task, limits)
     task = task.among(setups)
     with stage("readings chosen together"):
-        scores = _together(task, within.readings or MANY, setups, _RANDOM * patience)
+        scores = _together(task, within.readings or MANY, setups)
     with stage("places between the steps"):
         polish(scores, ROUNDS, Patience(patience))
     order = in_order(task, irregular(task, limits, scores.places) if usual and len(scores.places) else scores.places)
@@ -276,22 +274,15 @@ def refuse_unplannable(task: Task, limits: Limits) -> None:
         raise PlanError(what, remedy, given=limits.budget / 60, needed=first[quickest] / 60, setup=setup)
 
 
-def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
-    """Return the best of what exchange makes of several beginnings with the same number of readings per set-up.
-
-    work : operations that random starts may take
-    """
+def _together(task: Task, readings: int, setups: Setups) -> Scores:
+    """Return the best of what exchange makes of several beginnings with the same number of readings per set-up."""
     base = scores_among(task, setups)
     tried = [filled(base.fork(), readings, setups)]
     if not task.patience:
         exchange(tried[0], 1)
         return tried[0]
     counts = [(s, int(np.sum(tried[0].places.setups == s))) for s in setups]
-    random = best_of_random(task, counts, work)
-    for begun in [*plain_designs(task, counts), *([] if random is None else [random])]:
-        scores = base.fork()
-        scores.enter_all(begun)
-        tried.append(scores)
+    tried += [base.fork().put_all(begun) for begun in plain_designs(task, counts)]
     done = 0.0
     for sweeps in (1, SWEEPS):
         for place, scores in enumerate(_best_first(tried)):
@@ -301,19 +292,39 @@ def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
 
 
 def _best_first(tried: Sequence[Scores]) -> list[Scores]:
-    return [tried[k] for k in ranked(-np.array([scores.state.value for scores in tried]), ALIKE)]
+    return [tried[k] for k in ranked(-np.array([scores.value for scores in tried]), ALIKE)]
 
 
 def judged(task: Task, places: Places) -> Plan:
     """Return the plan of readings in their order: what each leaves, and what no plan could beat."""
     state = task.state
-    before = task.yardstick.measure_factor(state.factor)
+    before = task.yardstick.measure_factor(state.known)
     ends = np.cumsum(seconds_each(task, places)).tolist()
-    known = zip(after_each(state, task.yardstick, places), ends, strict=True)
+    known = zip(_after_each(task, places), ends, strict=True)
     readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)
     value = readings[-1].value if readings else state.value
-    seen = task.yardstick.root.times(state.factor)
+    seen = task.yardstick.root.times(state.known)
     numbers = len(places) * max(values_of(setup) for setup in task.observation.setups)
     bound = task.yardstick.rms_of(rank_bound(seen @ seen.T, numbers))
     rms = readings[-1].accuracy.rms if readings else before.rms
     return Plan(places, readings, value, before, worth_saying(bound, rms))
+
+
+_TOGETHER = 80
+"""Readings that are taken in at once: of speed, not of the result."""
+
+
+def _after_each(task: Task, order: Places) -> Iterator[tuple[float, Accuracy]]:
+    """Yield J and the accuracy after each of many readings."""
+    state = task.state
+    for start in range(0, len(order), _TOGETHER):
+        part = order.within(slice(start, start + _TOGETHER))
+        n = task.numbers(part)
+        state = state.opened(n)
+        rows, none = state.wide(n), np.zeros(len(n.rows), dtype=np.intp)
+        root, *_, losses = condition(state.root, np.zeros(len(state.root)), rows, np.zeros(len(rows)), n.noise**2, none)
+        ends = np.searchsorted(n.place, np.arange(len(part)), side="right")
+        values = state.value - np.cumsum(np.sum(task.root.times(losses.T) ** 2, axis=0))[ends - 1]
+        yield from zip(values.tolist(), task.yardstick.accuracies(state.root, losses, ends), strict=True)
+        state = state.opened(n)
+        state.root = root

@@ -10,19 +10,24 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Root, Yardstick
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
+from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
-from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.plan.numbers import numbers_at, rests_of
+from axiscal_core.criterion import Goal as Criterion
 from axiscal_core.machine import Machine
+from axiscal_core.model import Numbers
 from axiscal_core.normal import Normal
+from axiscal_core.state import State
 
 PATIENCE = 1e11
 """Operations that climbing off the lattice may take unless said otherwise: half a minute."""
@@ -71,10 +76,27 @@ class Task:
 
     @property
     @remembered
-    def state(self) -> Covariance:
-        """The covariance before the first reading of the plan, with those beside it."""
-        state = Covariance.from_factor(self.observation, self.belief.factor, self.root)
-        return state if self.beside is None else state.after_readings(self.beside)
+    def state(self) -> State:
+        """What is known before the first reading of the plan, with those beside it."""
+        return self.begun(Criterion(self.root.matrix))
+
+    def begun(self, goal: Criterion) -> State:
+        """Return the same by any criterion."""
+        state = State(self.belief.factor, goal, rests_of(self.observation))
+        return state if self.beside is None else state.after(self.numbers(self.beside))
+
+    def numbers(self, places: Places) -> Numbers:
+        """Return what readings at places would tell."""
+        return numbers_at(self.observation, places)
+
+    def after(self, places: Places) -> State:
+        """Return what is known after readings."""
+        return self.state.after(self.numbers(places))
+
+    def whitened(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
+        """Return R^-½ H F (m, r) of all numbers of readings, rests as noise, and whose each is (m,), in order."""
+        rows, variances, owner = rows_at(self.observation, places)
+        return (rows / np.sqrt(variances)[:, None]) @ self.state.root[: self.observation.size], owner
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,9 @@ import numpy as np
 
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.greedy import Setups
 from axiscal.planning.plan.run import Run, Ways
+from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Limits
 from axiscal_core.ties import ALIKE, first_best, ranked
 
@@ -43,7 +43,7 @@ class Tour:
     def through(cls, ways: Ways, scores: Scores, setups: Setups, limits: Limits, places: Places) -> Self:
         """Return the tour of places in their order.  scores : before the first, taken over"""
         tour = cls(ways, scores, setups, limits)
-        tour.scores.enter_all(places)
+        tour.scores.put_all(places)
         for setup, mine in places.by_setup():
             tour.runs[setup] = tour.runs[setup].through(mine, places.within(mine))
         return tour
@@ -76,7 +76,7 @@ class Tour:
 
     def enter(self, index: int) -> None:
         """Take in a candidate where it costs least."""
-        self.scores.enter(index)
+        self.scores.put(index)
         self._put(index, len(self.scores.places) - 1)
 
     def shorten(self) -> None:
@@ -110,14 +110,14 @@ class Tour:
                 continue
             if self.work > most:
                 return
-            self.work += _CALLS + _EACH * len(self.scores.pool) * len(self.scores.places)
+            self.work += _CALLS + _EACH * self.scores.count * self.scores.slots
             gains, own = self.scores.without(slot)
             run, others = self._leaving(slot)
             runs = {**self.runs, run.setup: others}
             fits = self._extra(runs) <= self.left + run.seconds - others.seconds
             best = first_best(np.where(fits, gains, -np.inf), ALIKE)
             if fits[best] and gains[best] > own * (1 + better):
-                self.scores.exchange(slot, best)
+                self.scores.put(best, slot)
                 self.runs = runs
                 self._put(best, slot)
 
@@ -144,20 +144,19 @@ class Tour:
         return run, run.without(int(np.flatnonzero(run.slots == slot)[0]))
 
     def _put(self, index: int, slot: int) -> None:
-        run = self.runs[int(self.scores.pool.lattice.setups[index])]
+        run = self.runs[int(self.scores.lattice.setups[index])]
         candidate = index - int(self.ways.of[run.setup][0])
         longer = run.gaps()[:, candidate]
         at = int((longer <= longer.min() + _INSTANT).argmax())
         run.insert(at, slot, candidate)
         if len(run.slots) <= _SHORT:
             run.shorten()
-        pool, state = self.scores.pool, self.scores.state
-        products = len(pool) * (_EACH * len(self.scores.places) + 2.0 * pool.size) + 20.0 * state.factor.size
-        self.work += 2 * _CALLS + products
+        scores = self.scores
+        self.work += 2 * _CALLS + scores.count * (_EACH * scores.slots + 2.0 * scores.task.observation.size)
 
     def _extra(self, runs: dict[int, Run]) -> Array:
         """Return the seconds more of each candidate, infinite in other set-ups, (M,)."""
-        extra = np.full(len(self.scores.pool), np.inf)
+        extra = np.full(self.scores.count, np.inf)
         for setup, run in runs.items():
             extra[self.ways.of[setup]] = run.gaps().min(axis=0) + run.reading
         return extra

@@ -1,1 +1,0 @@
-"""What a reading brings: the formula, and the fast ways to it."""
