@@ -141,7 +141,7 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
         remedy = "the reference point lies between the others, and none of these is above {most}"
         places = {"first": first, "last": last, "reference": reference, "times": magnification}
         texts = {key: shortened(value) for key, value in places.items()}
-        raise TableError(what, remedy, file, name=name, most=_MOST, **texts)
+        raise TableError(what, remedy, file, None, name=name, most=_MOST, **texts)
     _refuse_part_of_a_turn(name, plan, file)
     return plan
 
