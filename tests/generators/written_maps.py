@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -45,22 +44,6 @@ def _cell(value: float, none: str, form: str = "{:+.3f}") -> str:
 
 def _rows(found: DrawnMap, none: str, between: str, form: str = "{:.3f}") -> list[str]:
     return [between.join(_cell(value, none, form) for value in row) for row in found.z]
-
-
-def _topography(found: DrawnMap) -> str:
-    low, high = (f"({found.x[0]:3.0f},{at:3.0f})      ({found.x[-1]:3.0f},{at:3.0f})" for at in found.y[[0, -1]])
-    labels = "        " + "       ".join(str(i) for i in range(len(found.x)))
-    rows = [f"{j:2} |{row}\n   |" for j, row in enumerate(_rows(found, "  .   ", "  ", "{:+.3f}"))][::-1]
-    return "\n".join(["Recv: echo:busy", "Bed Topography Report:", "", high, labels, *rows, labels, low, "ok"]) + "\n"
-
-
-def _topography_of_marlin_1(found: DrawnMap) -> str:
-    (left, right), (front, back) = found.x[[0, -1]], found.y[[0, -1]]
-    nodes = [f"(0,{j})       ({len(found.x) - 1},{j})" for j in (len(found.y) - 1, 0)]
-    ends = [f"({left:.0f},{y:.0f})        ({right:.0f},{y:.0f})" for y in (back, front)]
-    rows = [f" {row}  \n " for row in _rows(found, "  .  ", "   ")][::-1]
-    rows[-1] = re.sub(r"(\S+)", r"[ \1]", rows[-1], count=1)
-    return "\n".join(["Bed Topography Report:", "", nodes[0], ends[0], *rows, ends[1], nodes[1], "ok P7 B5"])
 
 
 def _unlabelled(found: DrawnMap, height: str, way: int) -> str:
@@ -130,9 +113,6 @@ def _height_map(found: DrawnMap) -> str:
 
 
 FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
-    "a UBL map": _topography,
-    "a UBL map, copied without its title": lambda found: _topography(found).partition("Report:")[2],
-    "a UBL map, of Marlin 1": _topography_of_marlin_1,
     "a Marlin map (M420 V)": _bilinear,
     "a Marlin map (M421, M503)": lambda found: _nodes(found, "echo:  G29 W"),
     "a Marlin map (M421, M503), as G-code": lambda found: _nodes(found, "N7 M421", " ; from a slicer"),

@@ -76,16 +76,6 @@ def test_klipper_corrects_by_the_cells_that_it_filled() -> None:
     assert 1e3 * mesh.added == pytest.approx(np.array(rows), abs=1e-6)
 
 
-@pytest.mark.parametrize("cell", ["0", "      0", "nan", "NaN", ".", ""])
-def test_a_cell_of_a_duet_that_was_not_probed_is_no_reading(tmp_path: Path, cell: str) -> None:
-    text = duet_file(X, Y, bed(X, Y))
-    *head, last = text.splitlines()
-    (tmp_path / "heightmap.csv").write_text("\n".join([*head, ",".join([cell, *last.split(",")[1:]])]) + "\n")
-    found = places(tmp_path / "heightmap.csv")
-    assert len(found) == X.size * Y.size - 1
-    assert (X[0], Y[-1]) not in found
-
-
 def test_what_lies_outside_the_radius_of_a_duet_is_no_reading(tmp_path: Path) -> None:
     at = np.linspace(-100.0, 100.0, 5)
     z = np.array([[height(x, y) if np.hypot(x, y) < 105 else 0.0 for x in at] for y in at])
@@ -122,25 +112,3 @@ def test_a_profile_of_a_file_without_meshes_is_refused(tmp_path: Path) -> None:
         read_any(tmp_path / "r.csv#hot")
     (tmp_path / "r#1.csv").write_text("setup,X_mm,value_um\na,1,2\n")
     assert len(read_any(tmp_path / "r#1.csv")) == 1
-
-
-def test_what_stands_around_a_mesh_does_not_count(tmp_path: Path) -> None:
-    path, text = tmp_path / "printer.cfg", klipper_file(X, Y, bed(X, Y))
-    path.write_text(text)
-    plain = places(path)
-    for around in (text.replace("#*# version = 1", "#*#\n#*# version = 1\n#*# 1, 2, 3"), text + "[gcode_macro]\n"):
-        path.write_text(around)
-        assert places(path) == plain
-
-
-def test_a_mesh_in_a_file_that_is_included_is_read(tmp_path: Path) -> None:
-    (tmp_path / "mesh.cfg").write_text(klipper_file(X, Y, bed(X, Y)).partition("#*#\n")[2].replace("#*# ", ""))
-    assert len(places(tmp_path / "mesh.cfg")) == X.size * Y.size
-
-
-def test_touches_of_an_earlier_gantry_are_no_map(tmp_path: Path) -> None:
-    map_of_four = "".join(f"// probe at {x},{y} is z=0.0{x}\n" for x in (10, 20) for y in (30, 40))
-    before = "// probe at 10,30 is z=9\n// Making the following Z adjustments:\n// stepper_z = 0.1\n"
-    end, path = "// Mesh Bed Leveling Complete\n", tmp_path / "console.txt"
-    path.write_text(before + map_of_four + end)
-    assert places(path) == {(x, y): pytest.approx(x / 1000) for x in (10, 20) for y in (30, 40)}

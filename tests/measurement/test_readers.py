@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from dataclasses import replace
-from math import pi, radians
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -15,17 +14,11 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
-from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import RawPose, csv_text, read_poses, table_of, unshielded
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.text_file import TextFile, lines_of
 from axiscal.measurement.simulation import read_truth
 
-READINGS = """setup,X_mm,Y_mm,B_deg,approach,value_um,value_arcsec,std_um
-laser along X,120,250,,X+,1.7,,
-laser along X,130,250,90,X+ Y-,-1.5,,0.4
-level,130,,,,,3.5,
-"""
 TRUTH = """error,position_mm,position_deg,value_um,value_urad
 EXX,0,,1.5,
 EXX,100.5,,-2,
@@ -41,32 +34,6 @@ def written(tmp_path: Path, text: str) -> Path:
     path = tmp_path / "file.csv"
     path.write_text(text)
     return path
-
-
-def test_readings_are_in_si_units(tmp_path: Path) -> None:
-    first, second, third = read_any(written(tmp_path, READINGS))
-    place, rounding = {"X": 0.12, "Y": 0.25}, {"X": 0.5 / 1e3, "Y": 0.5 / 1e3}
-    assert first == RawReading("laser along X", place, {"X": 1}, 1.7 / 1e6, None, "length", 2, rounding=rounding)
-    assert second.position == {"X": 0.13, "Y": 0.25, "B": pytest.approx(pi / 2)}
-    assert second.approach == {"X": 1, "Y": -1}
-    assert second.std == pytest.approx(4e-7)
-    assert third.dimension == "angle"
-    assert third.value == pytest.approx(radians(3.5 / 3600))
-    assert third.position == {"X": 0.13}
-
-
-def test_readings_of_an_iso_230_2_test(tmp_path: Path) -> None:
-    text = "# one slide\ndirection,target_mm,deviation_um,run\n-,-20,4.5,3\n+,0,1,1\n"
-    first, second = read_any(written(tmp_path, text))
-    raw = RawReading("", {"": -0.02}, {"": -1}, 4.5 / 1e6, None, "length", 3, test="positioning", run=3)
-    assert first == replace(raw, rounding={"": 0.5 / 1e3})
-    assert (second.position, second.approach) == ({"": 0.0}, {"": 1})
-
-
-@pytest.mark.parametrize("approach", ["X+ Y-", "X+;Y-", " X+ ;  Y- ", '"X+ Y-"'])
-def test_spellings_of_an_approach(approach: str, tmp_path: Path) -> None:
-    (reading,) = read_any(written(tmp_path, f"setup,approach,value_um\ns,{approach},2\n"))
-    assert reading.approach == {"X": 1, "Y": -1}
 
 
 def test_poses(tmp_path: Path) -> None:
@@ -146,21 +113,6 @@ def test_no_cell_is_a_formula(name: str) -> None:
     assert back(csv_text([[name]])) == [[name]]
 
 
-@pytest.mark.parametrize("number", ["-1.5", "+2", "0.0", "-1e-6", "-.5"])
-def test_numbers_are_left_alone(number: str) -> None:
-    assert csv_text([[number, "x"]]) == f"{number},x\n"
-
-
 @given(st.lists(st.lists(st.text(st.characters(exclude_characters="\r\n")), min_size=1), min_size=1))
 def test_every_text_comes_back(rows: list[list[str]]) -> None:
     assert back(csv_text(rows)) == rows
-
-
-@pytest.mark.parametrize(
-    "name", ["+X laser", "=1+2", "-probe", "@home", "'+X laser", "laser, along X", 'the "long" one']
-)
-def test_a_set_up_comes_back_as_itself(name: str, tmp_path: Path) -> None:
-    path = tmp_path / "readings.csv"
-    path.write_text(csv_text([["setup", "X_mm", "value_um"], [name, "10", "-1.5"]]))
-    (reading,) = read_any(path)
-    assert (reading.setup, reading.value) == (name, -1.5e-6)

@@ -171,13 +171,6 @@ def test_nothing_is_written_where_one_reading_is_refused(tmp_path: Path) -> None
     assert not (tmp_path / "out").exists()
 
 
-def test_the_way_back_after_jogging_at_the_mounting_is_slow_too() -> None:
-    events = READERS["linuxcnc"](text_of("linuxcnc", UP, driving=Driving(feed=0.01)))
-    quick, slow = (k for k, event in enumerate(events[:-1]) if event == Halt() and isinstance(events[k + 1], Move))
-    assert [event.feed for event in events[quick:slow] if isinstance(event, Move)] == [6000, 5400]
-    assert {event.feed for event in events[slow:] if isinstance(event, Move)} == {600}
-
-
 def test_over_a_clearance_only_the_end_of_the_way_back_is_slow() -> None:
     """X goes clear at 400 mm quickly, and comes down to its start at 99 mm slowly from 102 mm on."""
     events = READERS["linuxcnc"](text_of("linuxcnc", UP, driving=Driving(feed=0.01, clearance=("X", 0.4))))

@@ -2,37 +2,19 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
-from axiscal.ports.printers import contents, marlin
+from axiscal.ports.printers import contents
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.sampling import axis_tables, backlash
-from axiscal.tables.surface import Skew, skew_control, skew_of
+from axiscal.tables.surface import skew_control, skew_of
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import known as drawn_machine
 from tests.tables.test_sampling import machine as linear_machine
 
 SMALL = known("small")[0]
 MACHINE = SMALL.machine
-
-
-@pytest.mark.parametrize(
-    ("skew", "play", "needs", "off"),
-    [
-        ({"XY": 0.01}, {"X": 1e-5}, "SKEW_CORRECTION, BACKLASH_COMPENSATION", "M425 F0, M852 I0 J0 K0"),
-        ({"YZ": 0.03}, {}, "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
-        ({}, {"X": 1e-5}, "BACKLASH_COMPENSATION", "M425 F0"),
-    ],
-)
-def test_marlin_is_told_what_it_was_built_with_and_how_to_switch_it_off(
-    skew: Skew, play: dict[str, float], needs: str, off: str
-) -> None:
-    notes = " ".join(marlin._notes(None, skew, play))
-    assert set(re.findall(r"[A-Z_]{10,}", notes)) == set(needs.split(", "))
-    assert f"Before measuring again take it off: {off}." in notes
 
 
 def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_below() -> None:

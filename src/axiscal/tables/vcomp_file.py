@@ -5,8 +5,10 @@ A file of the component, read as the component reads it, from the layout of the 
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -15,9 +17,19 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
-from axiscal.tables.exporter import Exporter, ExportOptions
+from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written
 from axiscal.tables.loaded import Loaded, OldFile
-from axiscal.tables.vcomp_applying import KNOTS, MOTIONS, VcompAxis, VcompFile, at_zero, component_control, fnv1a
+from axiscal.tables.offer import spread_poses
+from axiscal.tables.vcomp_applying import (
+    KNOTS,
+    MOTIONS,
+    VcompAxis,
+    VcompFile,
+    at_zero,
+    component_control,
+    fnv1a,
+    whole_control,
+)
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
@@ -25,6 +37,8 @@ from axiscal_core.terms import Term
 
 _FORM = "axiscal-vcomp 1"
 _AGAIN = "export it again; nothing in it may be changed"
+_NOTHING = 1e-12
+"""m or rad: rounding."""
 
 
 def read(text: str, name: str = "axiscal.vcomp") -> VcompFile:
@@ -48,9 +62,34 @@ def read(text: str, name: str = "axiscal.vcomp") -> VcompFile:
 
 
 class VolumetricFormat(Exporter):
-    """A control that knows the chain and reads one such file."""
+    """A control that knows the chain and reads one such file.
+
+    step : m or rad, that digits and rounds of it may leave of any axis
+    """
 
     tried = True
+    step: ClassVar[float]
+
+    @abstractmethod
+    def seconds(self, estimate: Estimate) -> list[float]:
+        """Return how long the reversal of each axis takes, s."""
+
+    @abstractmethod
+    def write(self, file: VcompFile) -> Written:
+        """Return the files that hold it."""
+
+    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+        """Return the files; raises TableError."""
+        machine, wanted = estimate.machine, whole_control(estimate.machine, estimate.mean)
+        poses, _ = spread_poses(estimate)
+        largest = np.max([np.abs(wanted(poses, way * np.ones_like(poses))) for way in (1.0, -1.0)], axis=(0, 1))
+        if np.max(largest) <= _NOTHING:
+            return Draft({}, {}, (), self.holds, self.left_out, control=wanted, wanted=wanted)
+        numbers, unit = options.joints(machine), options.unit_of(machine) if "--unit" in self.takes else "mm"
+        given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, self.seconds(estimate), strict=True)]
+        written = self.write(content_of(estimate, given, unit, largest, options.origin))
+        steps = {axis.name: self.step for axis in machine.axes}
+        return self.draft(replace(written, steps=steps), wanted, machine, options)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of files that are called .vcomp; raises TableError where none is."""

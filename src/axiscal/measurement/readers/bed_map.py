@@ -97,9 +97,7 @@ def _profiles(file: TextFile) -> dict[int, str]:
 
 def height_map(file: TextFile, around: Around) -> Found:
     """Return the readings of the probed nodes of a RepRapFirmware map, any version of it; raises ReadingError."""
-    if len(file.lines) < 4:
-        raise file.fail("the height map is cut off", "copy the whole heightmap.csv", len(file.lines))
-    texts = [line.rstrip(",;\t ") for line in file.lines]  # a spreadsheet fills lines up
+    texts = [line.rstrip(",;\t ") for line in (*file.lines, "", "")]  # a spreadsheet fills lines up
     if not texts[1].count(","):
         texts = [re.sub("[;\t]", ",", line.replace(",", ".")) for line in texts]
     head = dict(zip(_cells(texts[1]), _cells(texts[2]), strict=False))
@@ -175,15 +173,17 @@ def console(file: TextFile, around: Around) -> Found:
 
 def rows_below(file: TextFile, title: re.Pattern[str]) -> tuple[Rows, int]:
     """Return the first lines of nothing but numbers below a title, and its line; raises ReadingError for two maps."""
-    begin, below = below_title(file, title)
-    rows = Rows()
-    for number, text in below:
+    begins, rows = [number for number, text in file.told if title.match(text)], Rows()
+    if len(begins) > 1:
+        what = "there are {count} maps in this file"
+        raise file.fail(what, "keep the one that is to count", begins[1], count=len(begins))
+    for number, text in file.told[begins[0] :]:
         cells = text.split()
         if cells and all(map(LINES["number"].fullmatch, cells)):
             rows.append((number, cells))
         elif rows:
             break
-    return rows, begin
+    return rows, begins[0]
 
 
 def touched(file: TextFile, around: Around) -> Found:
@@ -217,15 +217,6 @@ def noted(file: TextFile, found: Found) -> Found:
     if not file.unit and (line := next(named, 0)):
         raise file.fail("this line names inches, and the numbers name no unit", "say it: --unit inch or mm", line)
     return replace(found, note=said("in {unit}", unit=file.unit or "mm"))
-
-
-def below_title(file: TextFile, title: re.Pattern[str]) -> tuple[int, Sequence[tuple[int, str]]]:
-    """Return the line of a title, and the numbered lines below it; raises ReadingError for more than one map."""
-    begins = [number for number, text in file.told if title.match(text)]
-    if len(begins) > 1:
-        what = "there are {count} maps in this file"
-        raise file.fail(what, "keep the one that is to count", begins[1], count=len(begins))
-    return begins[0], file.told[begins[0] :]
 
 
 is_height_map, is_console = (partial(has_line, [LINES[name]]) for name in ("height_map", "console"))

@@ -61,7 +61,6 @@ FORMATS = (
     Format(later("a Klipper mesh"), bed_map.is_mesh, bed_map.mesh),
     Format(later("a Moonraker mesh"), bed_map.is_moonraker, bed_map.moonraker),
     Format(later("a mesh of the Klipper console"), bed_map.is_console, bed_map.console),
-    Format(later("a UBL map"), marlin_map.is_topography, marlin_map.topography),
     Format(later("touches as a firmware printed them"), bed_map.is_touched, bed_map.touched, True),
     Format(later("a Marlin map (M420 V)"), marlin_map.is_printed, marlin_map.printed),
     Format(later("a Marlin map (M421, M503)"), marlin_map.is_nodes, marlin_map.nodes),

@@ -1,4 +1,4 @@
-"""Bed maps as Marlin prints them: topographies, grids of M420 V, nodes of M421 and M503, points of G29 V4.
+"""Bed maps as Marlin prints them: grids of M420 V, nodes of M421 and M503.
 
 Lines of a terminal's log around the map do not count. Cells that nobody probed are `.`, `=====` or NAN, and nodes that
 no line sets where the set-up says how many there are.
@@ -6,69 +6,34 @@ no line sets where the set-up says how many there are.
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from functools import partial
 
 from axiscal.document.file import number_or_none
 from axiscal.language.spoken import said
-from axiscal.measurement.readers.bed_map import LINES, Rows, below_title, grid, rows_below
+from axiscal.measurement.readers.bed_map import Rows, grid, rows_below
 from axiscal.measurement.readers.csv_readings import Around, Found
 from axiscal.measurement.readers.text_file import LINES_OF, TextFile, has_line
 from axiscal.units import from_unit
 
 _LINES = LINES_OF["marlin"]
-_WHOLE = "copy the whole map as Marlin printed it"
-_HAS = {name: partial(has_line, [pattern]) for name, pattern in _LINES.items()}
-is_printed, is_nodes = _HAS["printed"], _HAS["node"]
-
-
-def is_topography(file: TextFile) -> bool:
-    """Return whether this is a topography of UBL, with its title or copied without it."""
-    return _HAS["topography"](file) or (_HAS["corner"](file) and _HAS["row"](file))
-
-
-def topography(file: TextFile, around: Around) -> Found:
-    """Return the readings of a topography: its corners are printed, or the set-up states them; raises ReadingError."""
-    begin, below = below_title(file, _LINES["topography"]) if _HAS["topography"](file) else (1, file.told)
-    rows, unlabelled, corners = dict[int, tuple[int, list[str]]](), Rows(), list[tuple[str, str]]()
-    for number, text in below:
-        cells = re.sub(r"[\[\]]", " ", text)
-        if row := _LINES["row"].match(cells):
-            if int(row[1]) in rows:
-                raise file.fail("row {row} stands here twice", _WHOLE, number, row=row[1])
-            rows[int(row[1])] = number, row[2].split()
-        elif cells.strip() and all(map(LINES["number"].fullmatch, cells.split())):
-            unlabelled.append((number, cells.split()))
-        corners += _LINES["corner"].findall(text)
-    if not rows:
-        rows = dict(enumerate(reversed(unlabelled)))  # of Marlin 1, which prints nodes around the corners in mm
-        right, top = str(len(rows[0][1]) - 1) if rows else "", str(len(rows) - 1)
-        ends = [("0", top), (right, top), ("0", "0"), (right, "0")]
-        corners = corners[2:6] if corners[:2] + corners[6:] == ends else corners
-    if len(corners) != 4 or rows.keys() != set(range(len(rows))) or not rows:
-        what = "the map has {rows} rows that follow each other from 0 on, and {corners} of 4 corners"
-        whole = next((count for count in range(len(rows) + 1) if count not in rows), 0)
-        raise file.fail(what, _WHOLE, begin, rows=whole, corners=len(corners))
-    x, y = ({file.length(corner[k], "corner", begin) for corner in corners} for k in (0, 1))
-    if len(x) != 2 or len(y) != 2:
-        raise file.fail("the corners are those of no rectangle", _WHOLE, begin)
-    sides = (min(x), max(x), len(rows[0][1])), (min(y), max(y), len(rows))
-    return grid(file, sides, [rows[j] for j in range(len(rows))], begin)
+is_printed, is_nodes = (partial(has_line, [_LINES[name]]) for name in ("printed", "node"))
+"""Whether a line is that by which a grid begins, or sets a node."""
 
 
 def printed(file: TextFile, around: Around) -> Found:
     """Return the readings of a grid, rows along y, those of a Prusa backwards; raises ReadingError."""
     rows, begin = rows_below(file, _LINES["printed"])
     numbered = [(line, cells[1:]) for j, (line, cells) in enumerate(rows[1:]) if cells[0] == str(j)]
-    if len(numbered) < len(rows) - 1 and _HAS["unlabelled"](file):
-        note = said("as if all were probed") if (prusa := _HAS["prusa"](file)) else ""
-        return replace(grid(file, around, rows[:: -1 if prusa else 1], begin), note=note)
-    if len(numbered) < len(rows) - 1:
+    if len(numbered) >= len(rows) - 1:
+        return grid(file, around, _visited(numbered), begin)
+    if not has_line([_LINES["unlabelled"]], file):
         what = "these heights lie between the probed ones: they are those that the printer corrects by"
         remedy = "give what was probed: the mesh of printer.cfg, or the answer to BED_MESH_OUTPUT or to M420 V"
         raise file.fail(what, remedy, begin)
-    return grid(file, around, _visited(numbered), begin)
+    prusa = has_line([_LINES["prusa"]], file)
+    found = grid(file, around, rows[:: -1 if prusa else 1], begin)
+    return replace(found, note=said("as if all were probed") if prusa else "")
 
 
 def _visited(rows: Rows) -> Rows:
@@ -77,17 +42,12 @@ def _visited(rows: Rows) -> Rows:
     return [(line, ["nan"] * len(cells) if zero else cells) for (line, cells), zero in zip(rows, zeros, strict=True)]
 
 
-def in_unit(file: TextFile) -> TextFile:
-    """Return an answer to M503 with the unit that its lengths are in: inches behind G20."""
-    return replace(file, unit="in" if any(_LINES["inches"].match(text) for _, text in file.told) else "mm")
-
-
 def nodes(file: TextFile, around: Around, zeros: bool = False) -> Found:
     """Return the readings of commands that set nodes; raises ReadingError.  zeros : with their rows, too
 
     A node that no command sets was not probed, where the set-up says how many there are; else it is refused.
     """
-    file = in_unit(file)
+    file = replace(file, unit="in" if has_line([_LINES["inches"]], file) else "mm")  # inches behind G20
     found = dict[tuple[int, int], tuple[int, str]]()
     for number, text in file.told:
         if command := _LINES["node"].match(text):

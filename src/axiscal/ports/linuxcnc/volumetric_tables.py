@@ -13,25 +13,20 @@ from typing import ClassVar
 
 import numpy as np
 
-from axiscal import tables
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later
 from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
-from axiscal.tables.exporter import Draft, ExportOptions, Written, paragraphs
+from axiscal.tables.exporter import Written, paragraphs
 from axiscal.tables.offer import spread_poses
 from axiscal.tables.vcomp_applying import CORE, VcompFile, whole_control
 from axiscal.units import format_quantity
 
 _COMPONENT = "axiscal_vcomp.comp"
-_NOTHING = 1e-12
-"""m or rad: rounding."""
 _SHARE, _QUICKEST, _SLOWEST = 0.2, 5e-3, 5.0
 """Of a joint's acceleration that a reversal may take, and how many s it takes at least and at most."""
 _EVERY = 5
 """Of the poses at which files are tried, for a time that may be a few percent off."""
-_AWAY = 1e-9
-"""m or rad: what twelve digits may leave."""
 
 
 class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
@@ -46,6 +41,7 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
         "and errors that one tool length cannot show."
     )
     takes = frozenset({"--unit", "--number", "--coordinates", "--ini"})
+    step = 1e-9  # by twelve digits
     instead: ClassVar = {
         "--pivots": later("leave it out: this file holds location errors; the kinematics keep machine.toml's origins"),
         "--on-top-of": later(
@@ -54,24 +50,18 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
         ),
     }
 
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
-        """Return the files; raises TableError."""
-        wanted, machine = whole_control(estimate.machine, estimate.mean), estimate.machine
-        poses, _ = spread_poses(estimate)
-        sides = [wanted(poses, way * np.ones_like(poses)) for way in (1.0, -1.0)]
-        largest = np.max(np.abs(sides), axis=(0, 1))
-        if np.max(largest) <= _NOTHING:
-            return Draft({}, {}, (), self.holds, self.left_out, control=wanted, wanted=wanted)
-        numbers = options.joints(machine)
-        given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, reversal_times(estimate), strict=True)]
-        file = vcomp_file.content_of(estimate, given, options.unit_of(machine), largest, options.origin)
+    def seconds(self, estimate: Estimate) -> list[float]:
+        """Return how long the reversal of each axis takes, s."""
+        return reversal_times(estimate)
+
+    def write(self, file: VcompFile) -> Written:
+        """Return the file, the HAL text, and the source of the component."""
         joints = [n for axis in file.axes for n in axis.joints]
-        sources = {_COMPONENT: resources.files(__package__), CORE: resources.files(tables)}
         files = {FILE: vcomp_file.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}
-        files |= {name: place.joinpath(name).read_text(encoding="ascii") for name, place in sources.items()}
+        for name, place in ((_COMPONENT, __package__), (CORE, "axiscal.tables")):
+            files[name] = resources.files(place).joinpath(name).read_text(encoding="ascii")
         notes, first = (_said(file, f"volumetric_{part}.jinja") for part in ("notes", "first"))
-        steps = {axis.name: _AWAY for axis in machine.axes}
-        return self.draft(Written(files, steps, notes, first=first), wanted, machine, options)
+        return Written(files, {}, notes, first=first)
 
 
 def reversal_times(estimate: Estimate) -> list[float]:
