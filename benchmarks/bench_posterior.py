@@ -129,7 +129,7 @@ def rests_left_out(count: int) -> None:
     every = posed(case, readings)
     estimate_problem.MOST_COLUMNS = most
     kinds, volume = [size.kind for size in few.sizes.of], case.yardstick
-    stated = volume.moments.rest
+    stated = volume.rest
     for factor in (1.0, 3.0):
         theta = np.log(factor) * np.array([kind == "rest" for kind in kinds])
         true, promised = _squares(every, few, theta, volume.root.matrix) + factor**2 * stated

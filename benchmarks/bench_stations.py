@@ -51,7 +51,7 @@ def main() -> None:
     machine = load_machine("three-axis-mill")
     case = Case(campaign_from_texts(twelve(), "campaign.toml", machine.text, "three-axis-mill"))
     task, rng = posed(case, case.knowledge), np.random.default_rng(SEED)
-    print(f"details alone: {to_unit(math.sqrt(case.yardstick.moments.rest), 'um'):.2f} um")
+    print(f"details alone: {to_unit(math.sqrt(case.yardstick.rest), 'um'):.2f} um")
     print("readings  by hand  chosen  all twelve  by chance: best, median, worst   seconds to choose   chosen")
     for readings in (48, 80, 160):
         begun = time.process_time()

@@ -8,7 +8,6 @@ import axiscal_core as ac
 from axiscal.errors.gauge import unseen_factor
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
-from axiscal.estimation.belief import Belief
 from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
@@ -17,6 +16,7 @@ from axiscal.measurement.setup import Setup, Unknown
 from axiscal.planning.plan.task import Task
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from benchmarks.peers.problems import Stacked
 
 
@@ -57,7 +57,7 @@ def five_axis(candidates: int) -> Task:
 def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint: bool) -> Task:
     model = machine
     observation = Observation(model, setups)
-    belief = Belief(np.zeros(observation.size), observation.prior_covariance())
+    belief = Normal(np.zeros(observation.size), observation.prior_covariance())
     coarse = spread(machine, setups, 1000)
     parts = [observation.rows(s, *coarse.in_setup(s)) for s in range(len(setups))]
     rows = np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for seen in parts])

@@ -33,7 +33,7 @@ def read(truth: NDArray[np.float64], at: list[float], rng: np.random.Generator) 
 def main() -> dict[str, object]:
     """Return J, and the mean squared error of 500 splines after seven readings."""
     (at, J), t, rng = chosen(10), np.linspace(0, 10 * MM, 201), np.random.default_rng(2)
-    truths, rows = rng.standard_normal((500, 7)) @ BEFORE.known.root.T, BEFORE.spline.rows(t)
+    truths, rows = rng.standard_normal((500, 7)) @ BEFORE.known.factor.T, BEFORE.spline.rows(t)
     missed = np.array([read(truth, at[:7], rng).mean - truth for truth in truths])
     squared = np.sum((missed @ BEFORE.spline.gram()) * missed, axis=1) / MM**3
     known, values = read(truths[0], at[:7], rng).through(rows), BEFORE.spline.rows(np.array(at[:7])) @ truths[0]

@@ -174,14 +174,6 @@ class TargetError(InputError):
     """A target that cannot be reached, or targets that contradict each other."""
 
 
-class CovarianceError(AxiscalError, ValueError):
-    """A covariance that is not finite, not symmetric or not positive semidefinite."""
-
-
-class ShapeError(AxiscalError, ValueError):
-    """An array whose shape, or whose values, do not fit the call."""
-
-
 class SummaryError(AxiscalError, ValueError):
     """Figures for the report that are not finite, or whose lengths do not fit together."""
 

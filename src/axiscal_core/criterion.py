@@ -115,20 +115,28 @@ def _rigid(points: Array, weights: Array, deviations: Array) -> Array:
 
 
 def joint(machine: Machine, size: int) -> Goal:
-    """Return V of the paper's own criterion: one Gram matrix for each spline."""
-    reach = float(np.linalg.norm([axis.length for axis in machine.axes if not axis.rotary])) / 2
-    total = np.zeros((machine.size, machine.size))
-    for term in machine.curves:
-        total[term.columns, term.columns] = term.spline.gram() * (reach**2 if term.angular else 1.0)
+    """Return V of the paper's own criterion: one Gram matrix for each spline (B&H eq. 24-26, of several axes 34-36).
+
+    A rotation counts as the displacement it makes at the machine's own reach, half the diagonal of its linear travels.
+    """
+    travels, total = [axis.length for axis in machine.axes if not axis.rotary], np.zeros((machine.size, machine.size))
+    reach = float(np.linalg.norm(travels)) / 2 if travels else 1.0
+    for term in machine.terms:
+        total[term.columns, term.columns] = (reach if term.angular else 1.0) ** 2 * term.gram()
     return _rooted(total, size)
 
 
 def _rooted(weight: Array, size: int) -> Goal:
     """Return V with VᵀV = W over the machine's coefficients."""
-    values, vectors = np.linalg.eigh(weight)
-    kept = values > 1e-15 * values[-1]
-    root = (vectors[:, kept] * np.sqrt(values[kept])).T
+    root = root_of_gram(weight)
     return Goal(np.hstack([root, np.zeros((len(root), size - len(weight)))]))
+
+
+def root_of_gram(gram: Array) -> Array:
+    """Return V (r, n) with VᵀV = W, for W of any rank r.  gram : W (n, n), symmetric"""
+    values, vectors = np.linalg.eigh(gram)
+    kept = values > 1e-15 * values[-1]
+    return np.asarray((vectors[:, kept] * np.sqrt(values[kept])).T)
 
 
 def _over(machine: Machine) -> tuple[Array, Array]:

@@ -65,7 +65,7 @@ class Curve:
     @property
     def J(self) -> float:  # noqa: N802 (the paper's letter)
         """The integral of the variance over the travel (B&H eq. 24-26)."""
-        root = self.known.root
+        root = self.known.factor
         return float(np.sum(self.spline.gram() @ root * root))
 
     @property
@@ -76,7 +76,7 @@ class Curve:
     def next(self, noise: Quantity) -> float:
         """Return where a reading lets J fall most, exactly (B&H eq. 27)."""
         variance = within("Curve.next", "noise", si(noise, "Curve.next", "noise"), 0.0, open_end=True) ** 2
-        root, weight = self.known.root, self.spline.gram()
+        root, weight = self.known.factor, self.spline.gram()
 
         def forms(t: Array) -> tuple[Array, Array]:
             seen = self.spline.rows(t) @ root

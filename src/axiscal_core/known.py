@@ -139,7 +139,7 @@ class Known:
     @property
     def rms(self) -> float:
         """The RMS standard deviation of the tool point over the volume, m; `aligned`, less a motion of it all."""
-        return float(np.sqrt(self.case.volume.value(self.normal.root)))
+        return float(np.sqrt(self.case.volume.value(self.normal.factor)))
 
     @property
     def U(self) -> float:  # noqa: N802 (the field's letter)

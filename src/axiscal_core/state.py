@@ -35,7 +35,7 @@ class State:
     """
 
     def __init__(self, case: Model, goal: Goal, taken: Numbers | None = None) -> None:
-        self.case, self.goal, self.root = case, goal, case.prior.root
+        self.case, self.goal, self.root = case, goal, case.prior.factor
         self._means, self._cells = np.zeros((case.size, len(case.causes))), np.zeros((0, 2), dtype=np.intp)
         vars(self).update(vars(self.after(taken)) if taken is not None and len(taken.rows) else {})
 

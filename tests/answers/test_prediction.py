@@ -12,12 +12,12 @@ import pytest
 
 from axiscal.answers.prediction import predict_poses, tcp_prediction
 from axiscal.errors.volume import deviation_of
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.readers.csv_table import RawPose
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from tests.generators.texts import machine_text
 
 TEXT = machine_text(
@@ -40,7 +40,7 @@ class Known:
     """What of an estimation a prediction looks at."""
 
     errors: Machine
-    belief: Belief
+    belief: Normal
 
     def estimation(self) -> Estimation:
         """Return it as one."""
@@ -53,7 +53,7 @@ def known(seed: int = 1) -> Known:
     """Return a belief whose numbers are any."""
     rng = np.random.default_rng(seed)
     root = 2e-6 * rng.standard_normal((ERRORS.size, ERRORS.size))
-    return Known(ERRORS, Belief(4e-6 * rng.standard_normal(ERRORS.size), root @ root.T))
+    return Known(ERRORS, Normal(4e-6 * rng.standard_normal(ERRORS.size), root @ root.T))
 
 
 POSES = np.array([[-0.1, 0.3], [0.05, -0.5], [0.3, 1.5], [0.12, 0.0]])
@@ -85,7 +85,7 @@ def test_what_two_axes_do_together_is_in_the_band_and_its_rest_as_well() -> None
     low, high = np.array([axis.travel for axis in errors.axes]).T
     poses = rng.uniform(low, high, (4, len(low)))
     sides, prior = np.ones_like(poses), errors.covariance()
-    mean, std = tcp_prediction(Known(errors, Belief(np.zeros(errors.size), prior)).estimation(), poses, sides)
+    mean, std = tcp_prediction(Known(errors, Normal(np.zeros(errors.size), prior)).estimation(), poses, sides)
     rows, levers = errors.rows_at(poses, sides), errors.levers(poses)
     variances = np.einsum("mci,ij,mcj->mc", rows, prior, rows)
     variances += np.einsum("t,tmc->mc", [term.rest**2 for term in errors.terms], levers**2)

@@ -12,16 +12,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-import axiscal_core as ac
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.knowledge import Knowledge
-from axiscal.measurement.candidates import spread
-from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.gains.covariance import Covariance
-from axiscal.planning.next_readings import root_of
-from axiscal.planning.plan.plan import make_plan
-from axiscal.planning.plan.task import Limits, Task
 from axiscal_core.numbers import Numbers
 from axiscal_core.posing import posed
 from axiscal_core.problem import Problem
@@ -32,11 +25,6 @@ from tests.generators.dense_posterior import Dense
 ROWS, POSTERIOR, PLAN = 1e-12, 1e-8, 1.002
 DESCRIBED = ["mill", "one_spline", *READ]
 WITH_PLANES = ["plane_map", "printer"]
-PLANNED = {"one_spline": 7, "outlier": 6, "tracker": 5, "rotary": 5}
-"""Campaigns, and of how many readings the plan is."""
-QUICK = {"one_spline", "outlier"}
-BETTER = {"rotary": 1.01}
-"""J of the product's plan may be so many times the core's, which finds better ones where three axes move."""
 
 
 @cache
@@ -121,37 +109,6 @@ def test_posteriors_are_those_of_the_product(name: str) -> None:
             scale = np.sqrt(np.diag(one.covariance))
             assert np.abs((other.mean - one.mean) / scale).max() < POSTERIOR
             assert np.abs((other.covariance - one.covariance) / np.outer(scale, scale)).max() < POSTERIOR
-
-
-def _root(name: str) -> Array:
-    """Return V of the campaign's own criterion, over all unknowns of the core."""
-    beside = _beside(name)
-    found = root_of(beside.product, Knowledge.before(beside.product.observation).belief).matrix
-    return np.pad(found, ((0, 0), (0, beside.core.size - found.shape[1])))
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.long) for name in PLANNED]
-)
-def test_plans_are_as_good_as_those_of_the_product(name: str) -> None:
-    """And J of each is the same by both."""
-    beside, root, count = _beside(name), _root(name), PLANNED[name]
-    observation = beside.product.observation
-    know = Knowledge.before(observation)
-    own = root_of(beside.product, know.belief)
-    lattice = spread(observation.machine, observation.setups, 2000)
-    task = Task(observation, know.belief, own, beside.product.yardstick, lattice)
-    theirs = make_plan(task, Limits(count)).places
-    mine = beside.core.plan(count, criterion=root)
-    state = Covariance.from_factor(observation, know.belief.factor, own)
-    setups = np.array([beside.core.setups.index(each) for each in mine.places.instruments])
-    j = state.after_readings(theirs).value
-    own_places = Places(setups, mine.places.poses, mine.places.sides)
-    assert state.after_readings(own_places).value == pytest.approx(mine.J, rel=1e-9, abs=0)
-    places = ac.Places([beside.core.setups[i] for i in theirs.setups], theirs.poses, theirs.approaches)
-    assert pytest.approx(j, rel=1e-9, abs=0) == beside.core.evaluate(places, criterion=root).J
-    assert PLAN * j > mine.J
-    assert j < BETTER.get(name, PLAN) * mine.J
 
 
 @pytest.mark.parametrize("name", ["learnt", "outlier", "rotary", "vcomp"])

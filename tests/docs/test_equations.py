@@ -14,7 +14,6 @@ from scipy import stats
 from scipy.interpolate import CubicSpline
 
 from axiscal.estimation.accuracy.yardstick import joint_root
-from axiscal.estimation.belief import Belief
 from axiscal.machine import machine_from_text
 from axiscal.machine.kinematics import small_motions, tool_motion
 from axiscal.measurement.observation import Observation
@@ -240,7 +239,7 @@ def test_overall_variance_of_stacked_vectorial_splines() -> None:
             rows = function.spline.rows(node)
             variance = np.einsum("ij,jk,ik->i", rows, covariance[function.columns, function.columns], rows)
             total += float(weight @ variance)
-    belief = Belief(np.zeros(model.size), covariance)
+    belief = Normal(np.zeros(model.size), covariance)
     assert joint_root(model).criterion(belief.factor) == pytest.approx(total, rel=1e-12, abs=0.0)
 
 

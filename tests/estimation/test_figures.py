@@ -9,9 +9,9 @@ import pytest
 
 from axiscal.errors.volume import Counted
 from axiscal.estimation.accuracy.yardstick import Yardstick
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.numerics import Array
+from axiscal_core.normal import Normal
 from tests.generators.campaigns import on
 from tests.generators.texts import machine_text, setup_text
 
@@ -44,10 +44,10 @@ def yardstick_of(zeroed: tuple[bool, bool, bool], counted: Counted) -> Yardstick
     return replace(own, moments=replace(own.moments, counted=counted), zeroed=zeroed, unseen=unseen)
 
 
-def belief() -> Belief:
+def belief() -> Normal:
     rng, count = np.random.default_rng(4), CASE.knowledge.belief.size
     root = 5e-6 * rng.standard_normal((count, count))
-    return Belief(np.zeros(count), root @ root.T)
+    return Normal(np.zeros(count), root @ root.T)
 
 
 def defined(stick: Yardstick, covariance: Array) -> Array:

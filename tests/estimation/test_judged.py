@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import paths
-from axiscal.estimation.intervals import sited
 from axiscal.estimation.judged import judged
-from axiscal.estimation.located import absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.cells import wandered
+from axiscal_core.normal import Normal
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 
@@ -27,20 +25,6 @@ def test_errors_that_are_to_be_learnt_may_be_four_times_as_large() -> None:
     well = Case(campaign_from_texts(f'sure = "well"\n{CAMPAIGN}', "c.toml", MACHINE, "m"))
     assert list(judged(well, readings)) == [11]
     assert judged(CASE, readings) == {}
-
-
-def test_readings_of_a_coarse_display_are_taken_for_what_they_say() -> None:
-    coarse, size = f'{CAMPAIGN}resolution = "20 um"\n', CASE.errors.size
-    case = Case(campaign_from_texts(coarse, "c.toml", MACHINE, "m"))
-    readings = [replace(r, value=20e-6 * round(r.value / 20e-6)) for r in read(machine(3), 12)]
-    readings[5] = replace(readings[5], value=0.9)
-    known = absorbed(case, readings, [5])
-    found = displayed(known)
-    kept = [r for i, r in enumerate(readings) if i != 5]
-    expected = absorbed(case, sited(case.observation, kept), {}).knowledge.belief
-    assert found.belief.mean[:size] == pytest.approx(expected.mean[:size], abs=1e-10)
-    one, other = (each.covariance[:size, :size] for each in (found.belief, expected))
-    assert np.abs(one - other).max() < 1e-6 * other.max()
 
 
 def test_the_way_of_a_zero_is_what_the_readings_say_of_its_drift_and_begins_at_nothing() -> None:
@@ -67,7 +51,7 @@ def test_the_way_of_a_zero_is_what_the_readings_say_of_its_drift_and_begins_at_n
 @pytest.mark.parametrize(("left", "seen"), [(0.94, True), (0.96, False)])
 def test_a_shape_is_seen_where_its_standard_deviation_is_less_by_a_twentieth(left: float, seen: bool) -> None:
     errors = CASE.errors
-    belief = Belief(np.zeros(errors.size), left**2 * errors.covariance())
+    belief = Normal(np.zeros(errors.size), left**2 * errors.covariance())
     estimate = Estimate(errors, belief, ((0.0, 1.0),))
     rows = errors.by_name["EXX"].spline.rows(np.linspace(0, 1, 9))
     rows = np.hstack([rows, np.zeros((9, errors.size - rows.shape[1]))])

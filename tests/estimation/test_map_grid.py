@@ -49,26 +49,6 @@ def test_a_grid_is_what_has_three_columns_and_rows_and_half_of_its_nodes(
 
 
 @pytest.mark.parametrize(
-    ("columns", "grid"),
-    [
-        ((0.1, 0.2, 0.3), True),
-        ((0.1, 0.2), False),
-        ((0.1, 0.2, 0.3 + 0.9e-4), True),
-        ((0.1, 0.2, 0.3 + 1.1e-4), False),
-        ((0.1, 0.2, 0.2 + 0.9e-6, 0.3), True),
-        ((0.1, 0.2, 0.2 + 1.1e-6, 0.3), False),
-    ],
-)
-def test_columns_are_even_within_a_thousandth_and_those_a_micrometre_apart_are_one(
-    columns: tuple[float, ...], grid: bool
-) -> None:
-    for places in (full(columns, (0.1, 0.2, 0.3)), full((0.1, 0.2, 0.3), columns)):
-        found = map_grid(MACHINE, [probing()], at(places))
-        assert (found is not None) == grid
-        assert found is None or (len(found[0]), len(found[1])) == (3, 3)
-
-
-@pytest.mark.parametrize(
     ("setup", "grid"),
     [
         (probing((0.0, 0.0, -1.0)), True),

@@ -82,7 +82,7 @@ def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:
     numbers = numbers_of_setups(case.observation.setups)[places.setups]
     reading = np.repeat(np.arange(len(readings)), numbers)
     clock, found = times_of(readings), dict[str, list[Array]]()
-    for kind, _, columns in passing_columns(case.observation, places, reading, clock, case.description.usual):
+    for kind, _, columns in passing_columns(case.observation, places, reading, clock, case.description.usual)[0]:
         found.setdefault(kind, []).append(columns)
     return {kind: np.hstack(parts) for kind, parts in found.items()}
 

@@ -7,22 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path, paths
-from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.knowledge import Innovations, Knowledge
 from axiscal.estimation.located import absorbed
-from axiscal.exceptions import ShapeError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
-from axiscal_core.normal import Normal
 from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed
-from tests.generators.known import told
 
 
 class Twin(NamedTuple):
@@ -37,9 +31,9 @@ def _after_one(before: Twin, reading: Reading, counts: bool) -> Twin:
     """What is known after one reading more, by one plain update."""
     opened = before.knowledge.opened([reading])
     numbers = seen(opened.observation, [reading])
-    expected = Normal(opened.belief.mean, opened.belief.covariance, opened.belief.factor).through(numbers.rows)
+    expected = opened.belief.through(numbers.rows)
     surprise = Innovations(numbers.values - expected.mean, np.hypot(expected.std, np.sqrt(numbers.variances)))
-    belief = told(opened.belief, numbers.rows, numbers.values, numbers.variances) if counts else opened.belief
+    belief = opened.belief.read(numbers.rows, numbers.values, numbers.variances) if counts else opened.belief
     case = before.case
     if reading.setup not in case.both and not case.came_as_allowed(reading):
         case = replace(case, both=case.both | {reading.setup})
@@ -82,40 +76,3 @@ def test_the_surprise_of_the_last_reading_is_by_what_it_differs_from_all_before(
     known = absorbed(laser_axis.CASE, readings, [3])
     last = known.blocks[-1].innovations[-1]
     assert known.surprise(11) == pytest.approx(float(np.abs(last.value[0]) / last.std[0]), rel=1e-6)
-
-
-@given(st.integers(0, 10_000), st.floats(-3.0, 8.0), st.integers(0, 3))
-def test_a_belief_told_of_readings_is_one_updated_by_each(seed: int, decades: float, fixed: int) -> None:
-    """With priors that are very wide, variables that are known exactly, and readings that do not count."""
-    rng = np.random.default_rng(seed)
-    size, count = 5, int(rng.integers(1, 12))
-    root = rng.standard_normal((size, size)) * 10.0 ** (decades / 2 * rng.random(size))[:, None]
-    root[:fixed] = 0.0
-    belief, rows = Belief(rng.standard_normal(size), root @ root.T), rng.standard_normal((count, size))
-    values, noise = rng.standard_normal(count), rng.uniform(0.5, 2.0, count)
-    reading = np.sort(rng.integers(0, count, count))
-    used = np.where(rng.random(count) < 0.3, np.inf, noise * rng.uniform(1.0, 5.0, count))
-    told, surprises, losses = belief.update_many(rows, values, noise, used, reading)
-    twin = Normal(belief.mean, belief.covariance, belief.factor)
-    for each in np.unique(reading):
-        mine = reading == each
-        expected = twin.through(rows[mine])
-        surprise = surprises.std[mine]
-        np.testing.assert_allclose(surprise, np.sqrt(expected.std**2 + noise[mine]), rtol=1e-6)
-        np.testing.assert_allclose(
-            surprises.value[mine], values[mine] - expected.mean, rtol=1e-6, atol=1e-6 * float(surprise.max())
-        )
-        mine &= np.isfinite(used)
-        twin = twin.read(rows[mine], values[mine], used[mine]) if mine.any() else twin
-    spread = np.maximum(np.sqrt(np.diag(twin.covariance)), 1e-100)
-    assert np.max(np.abs(told.covariance - twin.covariance) / np.outer(spread, spread)) < 1e-7
-    assert np.max(np.abs(told.mean - twin.mean) / spread) < 1e-6
-    np.testing.assert_allclose(
-        belief.covariance - losses.T @ losses, twin.covariance, atol=1e-9 * float(np.max(belief.covariance) + 1.0)
-    )
-
-
-def test_readings_that_cannot_be_are_refused() -> None:
-    belief = Belief([0.0], [[1.0]])
-    with pytest.raises(ShapeError):
-        belief.update_many(np.ones((2, 1)), np.zeros(2), np.array([1.0, np.nan]), np.ones(2), np.arange(2))

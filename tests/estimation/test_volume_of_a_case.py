@@ -52,7 +52,7 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     assert found["temperature", ""] == pytest.approx(of([growth]), rel=1e-4)
     assert found["set-up", ""] == pytest.approx(of([each for each in unknowns if each != growth]), rel=1e-4)
     assert found["drift", ""] == pytest.approx(of(drifts), rel=1e-4)
-    rest = known.case.yardstick.moments.rest
+    rest = known.case.yardstick.rest
     assert found["detail", ""] == pytest.approx(np.sqrt(of(cells) ** 2 + rest), rel=1e-4)
     sized = known.case.yardstick_as_sized
     never = float(np.linalg.norm(sized.root.matrix @ sized.unseen))  # shifts that do not count too

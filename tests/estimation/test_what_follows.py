@@ -12,10 +12,10 @@ from scipy import stats
 
 from axiscal.answers.changes import _change
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
+from axiscal_core.normal import Normal
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
 
@@ -26,7 +26,7 @@ def known_with(seed: int, rest: float = 0.3e-6) -> Estimation:
     case = Case(replace(described, machine=replace(described.machine, errors=tuple(errors))))
     size = case.knowledge.belief.size
     root = 1e-6 * rng.standard_normal((size, size))
-    knowledge = Knowledge(case.observation, Belief(2e-6 * rng.standard_normal(size), root @ root.T))
+    knowledge = Knowledge(case.observation, Normal(2e-6 * rng.standard_normal(size), root @ root.T))
     return cast("Estimation", SimpleNamespace(case=case, printed=knowledge))
 
 

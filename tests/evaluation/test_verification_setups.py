@@ -14,7 +14,6 @@ from scipy.stats import chi2
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import first_files, of_builtin
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.machine_estimate import Estimate
@@ -27,6 +26,7 @@ from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from axiscal.tables.surface import Control
+from axiscal_core.normal import Normal
 from tests.evaluation.said import said_of
 from tests.generators.campaigns import on
 from tests.generators.texts import machine_text, setup_text
@@ -99,7 +99,7 @@ def test_one_of_twenty_machines_as_promised_is_called_worse_and_most_that_are_tw
     rng, worse = np.random.default_rng(4), list[bool]()
     root, mean = estimate.factor[function.columns], estimate.mean[function.columns]
     wide = 1.0 if np.isinf(degrees) else np.sqrt((degrees - 2) / chi2.rvs(degrees, size=400, random_state=rng))
-    believed = replace(estimate, belief=Belief(estimate.belief.mean, estimate.belief.covariance, degrees))
+    believed = replace(estimate, belief=Normal(estimate.belief.mean, estimate.belief.covariance, degrees))
     for seed, size in enumerate(np.broadcast_to(wide, 400).tolist()):
         drawn = mean + times * size * root @ rng.standard_normal(root.shape[1])
         curve = CubicSpline(function.spline.control_positions, drawn, bc_type="natural")

@@ -6,7 +6,6 @@ import numpy as np
 
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
-from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
@@ -17,7 +16,7 @@ from axiscal.numerics import Array
 from axiscal.planning.plan.task import Goal, Task
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
-from tests.generators.known import told
+from axiscal_core.normal import Normal
 
 
 def splines(axes: int, knots: int, noise: float, candidates: int = 2000) -> Task:
@@ -61,7 +60,7 @@ def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint:
     nothing = np.zeros((model.size, 0))
     yardstick = Yardstick(model, box, volume_moments(model, box), nothing, nothing)
     root = joint_root(model) if joint else yardstick.root
-    belief = Belief(np.zeros(observation.size), observation.prior_covariance())
+    belief = Normal(np.zeros(observation.size), observation.prior_covariance())
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))
 
 
@@ -80,11 +79,11 @@ def read(asked: Task, generator: np.random.Generator, count: int) -> Task:
     return Task(observation, belief, asked.root, asked.yardstick, asked.lattice)
 
 
-def read_at(observation: Observation, belief: Belief, places: Places) -> tuple[Observation, Belief]:
+def read_at(observation: Observation, belief: Normal, places: Places) -> tuple[Observation, Normal]:
     """Return map and belief after readings at places, one number after another; their values are nought."""
     wider = visited(observation, places)
     rows, variances, _ = rows_at(wider, places)
-    return wider, told(belief.extended(observation.rest_variances(wider)), rows, np.zeros(len(rows)), variances)
+    return wider, belief.wider(np.sqrt(observation.rest_variances(wider))).read(rows, np.zeros(len(rows)), variances)
 
 
 def rms_of(asked: Task, rms: float, unsure: float = 1.0) -> Goal:

@@ -5,22 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 
 
-def sure(mean: Array) -> Belief:
+def sure(mean: Array) -> Normal:
     """Return the belief that control values are these, (n,)."""
-    return Belief(mean, 1e-20 * np.eye(len(mean)))
-
-
-def told(belief: Belief, rows: Array, values: Array, variances: Array | float) -> Belief:
-    """Return the belief after readings, one after another.  rows : (m, n); values : (m,)"""
-    noise = np.broadcast_to(variances, values.shape)
-    return belief.update_many(rows, values, noise, noise, np.arange(len(values))).belief
+    return Normal(mean, 1e-20 * np.eye(len(mean)))
 
 
 def known_to_be(model: Machine, mean: Array) -> Estimate:

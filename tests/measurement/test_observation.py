@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import axiscal_core as ac
-from axiscal.estimation.belief import Belief
 from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import breaks_along
@@ -22,8 +21,9 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from tests.core.beside import instrument_of, machine_of
-from tests.generators.known import known_to_be, told, truth_of
+from tests.generators.known import known_to_be, truth_of
 from tests.generators.machines import random_machine, random_poses
 
 
@@ -78,15 +78,15 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: st
         assert np.abs((up - down) / (2 * step) - rows @ towards).max() < 1e-8
 
 
-def _fed(observation: Observation, poses: Array, approaches: Array, values: Array) -> tuple[Belief, Observation]:
+def _fed(observation: Observation, poses: Array, approaches: Array, values: Array) -> tuple[Normal, Observation]:
     """Return the belief after these readings of the only set-up, one by one, as a campaign takes them in."""
     covariance = observation.prior_covariance()
-    belief = Belief(np.zeros(len(covariance)), covariance)
+    belief = Normal(np.zeros(len(covariance)), covariance)
     for pose, approach, value in zip(poses, approaches, values, strict=True):
         wider = visited(observation, at(*pose))
-        belief = belief.extended(observation.rest_variances(wider))
+        belief = belief.wider(np.sqrt(observation.rest_variances(wider)))
         seen = wider.rows(0, pose[None], approach[None])
-        belief, observation = told(belief, seen.rows, np.atleast_1d(value), seen.variances), wider
+        belief, observation = belief.read(seen.rows, np.atleast_1d(value), seen.variances), wider
     return belief, observation
 
 

@@ -7,14 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimation.belief import Belief
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Simulator, TruthCurve
 from axiscal.numerics import Array
 from axiscal_core.machine import Machine
-from tests.generators.known import told
+from axiscal_core.normal import Normal
 from tests.generators.machines import random_machine, random_poses
 from tests.generators.one_axis import observed
 
@@ -54,7 +53,7 @@ def test_samples_of_a_belief_scatter_as_its_covariance(readings: int) -> None:
     poses, approaches = random_poses(model, readings, rng)
     rows = model.rows_at(poses, approaches)[:, 0]
     values = 1e-6 * rng.standard_normal(readings)
-    belief = told(Belief(np.zeros(model.size), model.covariance()), rows, values, 1e-14)
+    belief = Normal(np.zeros(model.size), model.covariance()).read(rows, values, np.full(len(values), 1e-14))
     drawn = belief.mean + rng.standard_normal((20_000, belief.size)) @ belief.factor.T
     assert _scatter(drawn, belief.covariance) < 5.5
     spread = np.sqrt(np.diagonal(belief.covariance) / 20_000)

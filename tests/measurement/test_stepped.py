@@ -11,7 +11,6 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_pose
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import ReadingError
@@ -25,9 +24,9 @@ from axiscal.numerics import Array
 from axiscal.present.curves import errors
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from tests.generators.campaigns import on
 from tests.generators.designs import problem
-from tests.generators.known import told
 from tests.generators.machines import random_machine, random_poses
 from tests.generators.texts import machine_text
 from tests.measurement.test_observation import virtual
@@ -101,14 +100,14 @@ def test_breaks_stand_where_a_foot_meets_a_knot_or_a_visited_cell() -> None:
     assert edges <= {round(float(b), 9) for b in breaks_along(wider, 0, 0)}
 
 
-def _read(observation: Observation, places: Array) -> tuple[Observation, Belief]:
+def _read(observation: Observation, places: Array) -> tuple[Observation, Normal]:
     covariance = observation.prior_covariance()
-    belief = Belief(np.zeros(len(covariance)), covariance)
+    belief = Normal(np.zeros(len(covariance)), covariance)
     for place in places:
         wider = visited(observation, along([place]))
-        belief, observation = belief.extended(observation.rest_variances(wider)), wider
+        belief, observation = belief.wider(np.sqrt(observation.rest_variances(wider))), wider
         seen = observation.rows(0, np.array([[place]]), np.ones((1, 1)))
-        belief = told(belief, seen.rows, np.full(1, 1e-5 * np.cos(7 * place)), seen.variances)
+        belief = belief.read(seen.rows, [1e-5 * np.cos(7 * place)], seen.variances)
     return observation, belief
 
 

@@ -18,7 +18,7 @@ from tests.planning.test_out_and_back import apart, one_axis, planned
 def passing(task: Task, order: Places) -> Array:
     """Return the columns of what passes but for a cycle, three times as large as usual, (m, q)."""
     ends = np.cumsum(seconds_each(task, order))
-    found = passing_columns(task.observation, order, np.arange(len(order)), ends)
+    found, _ = passing_columns(task.observation, order, np.arange(len(order)), ends)
     return 3.0 * np.hstack([columns for kind, _, columns in found if kind != "cycle"])
 
 

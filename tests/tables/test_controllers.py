@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
 from axiscal.machine.description import load_machine, machine_from_text
@@ -25,6 +24,7 @@ from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import Effect, effect_of_control, rms, tour
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from tests.generators.known import known_to_be, truth_of
 from tests.generators.texts import machine_text
 
@@ -135,7 +135,7 @@ def test_the_wrong_sign_is_never_offered(controller: str) -> None:
 @pytest.mark.parametrize("controller", controllers())
 def test_nothing_is_written_when_nothing_is_known(controller: str) -> None:
     model = known("small")[0].model
-    blank = Estimate(model, Belief(np.zeros(model.size), model.covariance()), whole_travel(model))
+    blank = Estimate(model, Normal(np.zeros(model.size), model.covariance()), whole_travel(model))
     options = OPTIONS.get(controller, ExportOptions())
     if controller in _ALWAYS_WHOLE:
         assert export(blank, controller, options).effect == (0, 0)
@@ -150,7 +150,7 @@ def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
     So much of the volume as U says is within it, in the mean over the machines.
     """
     estimate, _ = known("small")
-    estimate = replace(estimate, belief=Belief(estimate.belief.mean, 1e8 * estimate.belief.covariance))
+    estimate = replace(estimate, belief=Normal(estimate.belief.mean, 1e8 * estimate.belief.covariance))
     apart = np.random.default_rng(5).standard_normal((400, estimate.factor.shape[1])) @ estimate.factor.T
     low, high = np.array(estimate.box).T
     poses, approaches = tour(np.random.default_rng(6).uniform(low, high, (3000, 3)), estimate.box)
@@ -192,7 +192,7 @@ def test_a_constant_that_nothing_shows_is_not_in_a_table() -> None:
     prior, ones = model.covariance(), np.zeros(model.size)
     ones[model.by_name["EXX"].columns] = 1.0
     estimates = [
-        Estimate(model, Belief(np.ones(model.size), c), whole_travel(model))
+        Estimate(model, Normal(np.ones(model.size), c), whole_travel(model))
         for c in (prior, prior + 1e-6 * np.outer(ones, ones))
     ]
     before, after = (axis_tables(e)[0] for e in estimates)

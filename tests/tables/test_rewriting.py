@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine import load_machine
@@ -20,6 +19,7 @@ from axiscal.numerics import Array
 from axiscal.programs.part_program import read_program
 from axiscal.tables.rewriting import Rewritten, Sent, rewrite
 from axiscal.tables.round_trip import drawn_and_known
+from axiscal_core.normal import Normal
 from tests.programs.readers import canonical_calls, interpreter
 
 ORIGIN = (0.25, 0.2, 0.15)
@@ -57,7 +57,7 @@ def known(seed: int = 1) -> Estimate:
     for function in drawn.model.curves:
         if function.kind == "reversal":
             mean[function.columns] = -PLAY * drawn.machine.axes[function.axis].sign
-    return replace(drawn, belief=Belief(mean, drawn.belief.factor))
+    return replace(drawn, belief=Normal(mean, drawn.belief.factor))
 
 
 def written(text: str, estimate: Estimate, chord: float = 0.2e-6) -> Rewritten:

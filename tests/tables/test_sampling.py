@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import load_machine, machine_from_text
 from axiscal.measurement.simulation import VirtualMachine
@@ -21,8 +20,9 @@ from axiscal.tables.surface import Effect, effect_of_control
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.tables.volumetric import curves, tip_control
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from axiscal_core.splines import NaturalSpline
-from tests.generators.known import known_to_be, told, truth_of
+from tests.generators.known import known_to_be, truth_of
 from tests.generators.texts import Std, machine_text
 
 STRAIGHT: dict[str, Std] = {
@@ -119,15 +119,15 @@ def test_the_stated_distance_is_the_largest_there_is(seed: int) -> None:
 
 def test_where_nothing_was_read_the_table_says_so() -> None:
     model = machine(CHAINS[0])
-    prior = Belief(np.zeros(model.size), model.covariance())
+    prior = Normal(np.zeros(model.size), model.covariance())
     half = model.by_name["EXX"]
     rows = np.zeros((1, model.size))
     rows[0, model.by_name["EXX_reversal"].columns] = 1.0
-    read = told(prior, rows, np.full(1, 1e-6), 1e-14)
+    read = prior.read(rows, [1e-6], [1e-14])
     rows[:] = 0.0
     for t in np.linspace(-0.1, 0.1, 6):
         rows[0, half.columns] = half.spline.rows(np.array([t]))[0]
-        read = told(read, rows, np.full(1, 5e-6), 1e-14)
+        read = read.read(rows, [5e-6], [1e-14])
     table = own_table(Estimate(model, read, whole_travel(model)), 0, np.linspace(-0.1, 0.5, 13))
     assert not table.prior_only[:4].any()
     assert table.prior_only[-2:].all()

@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.volume import MovedErrors, whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
@@ -27,6 +26,7 @@ from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.surface import CommandedMachine, Effect, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
+from axiscal_core.normal import Normal
 from tests.evaluation.said import idle
 from tests.generators.known import sure
 from tests.generators.planes import BED
@@ -161,7 +161,7 @@ def test_what_files_move_is_the_mean_of_both_directions() -> None:
     moved = shifts(carrying, control, poses)
     assert moved == pytest.approx(np.array([[10e-6, 0.0, 0.0], [10e-6, 0.9e-6, 0.0]]), abs=1e-15)
     model = carrying
-    estimate = Estimate(model, Belief(np.zeros(model.size), np.eye(model.size)), whole_travel(model))
+    estimate = Estimate(model, Normal(np.zeros(model.size), np.eye(model.size)), whole_travel(model))
     (sentence,) = foreword(estimate, control)
     assert "at machine zero, X 0 mm Y 0 mm Z 0 mm by x +10.0, y +0.0, z +0.0 um;" in sentence
     assert "X 200 mm Y 200 mm Z -150 mm by x +10.0, y +0.6, z +0.0 um (both" in sentence
@@ -179,7 +179,7 @@ def test_what_is_not_known_with_the_files_is_what_is_not_known_without_them() ->
     known, estimate = unread()
     factor = estimate.belief.factor
     mean = np.random.default_rng(3).normal(size=factor.shape[1])
-    moved = replace(estimate, belief=Belief(factor @ mean, factor @ factor.T))
+    moved = replace(estimate, belief=Normal(factor @ mean, factor @ factor.T))
     found = registry.export(moved, "linuxcnc-volumetric", ExportOptions())
     assert found.known.rms == pytest.approx(known.accuracy.rms, rel=0.03)
     assert found.effect.after < 0.02 * found.effect.before

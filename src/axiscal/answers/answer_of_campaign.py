@@ -37,7 +37,6 @@ from axiscal.campaign.ending import count_reached
 from axiscal.campaign.evidence import overruled
 from axiscal.estimation.accuracy.expanded import known_to, reach
 from axiscal.estimation.accuracy.yardstick import Yardstick
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
@@ -54,6 +53,7 @@ from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
 from axiscal.units import digits, to_unit
 from axiscal_core.axes import Axis
+from axiscal_core.normal import Normal
 from axiscal_core.threads import one_thread
 
 _COSTS = 1.01
@@ -141,7 +141,7 @@ class Aims(NamedTuple):
     lines: list[Aim]
 
     @classmethod
-    def from_case(cls, case: Case, belief: Belief, endless: Yardstick, rows: Sequence[KnownRow]) -> Aims:
+    def from_case(cls, case: Case, belief: Normal, endless: Yardstick, rows: Sequence[KnownRow]) -> Aims:
         """Return what the target asks for and how well a belief knows it.  endless : what readings without end leave"""
         volume = list[Aim]()
         for name, *sizes in asked(case.description.target, endless):

@@ -45,7 +45,7 @@ def budget(known: Estimation) -> list[BudgetShare]:
     """Return the shares of the RMS standard uncertainty over the volume; their squares add up to its square."""
     yardstick = known.case.yardstick
     if known.posterior is None:
-        parts = {"detail": yardstick.moments.rest, "unseen": yardstick.unseen_rms**2}
+        parts = {"detail": yardstick.rest, "unseen": yardstick.unseen_rms**2}
         parts["prior"] = max(known.accuracy.rms**2 - sum(parts.values()), 0.0)
         return [BudgetShare(kind, "", float(np.sqrt(each))) for kind, each in parts.items()]
     figures = np.zeros((yardstick.root.matrix.shape[0], len(known.posterior.mean)))
@@ -54,10 +54,10 @@ def budget(known: Estimation) -> list[BudgetShare]:
     for drawn in known.posterior.draws:
         for source, square in _squares(known, drawn, figures):
             squares[source] = squares.get(source, 0.0) + known.widening * square
-    squares[_PRIOR] -= yardstick.root.criterion(known.printed.belief.factor) - (whole - yardstick.moments.rest)
+    squares[_PRIOR] -= yardstick.root.criterion(known.printed.belief.factor) - (whole - yardstick.rest)
     squares[_UNSEEN] = float(np.clip(known.case.yardstick_as_sized.unseen_rms**2, 0.0, max(squares[_PRIOR], 0.0)))
     squares[_PRIOR] -= squares[_UNSEEN]
-    squares["detail", "", None] += yardstick.moments.rest
+    squares["detail", "", None] += yardstick.rest
     squares["sizes", "", None] = whole - sum(squares.values())
     return [BudgetShare(kind, setup, float(np.sqrt(max(each, 0.0))), cause)
             for (kind, setup, cause), each in squares.items()]  # fmt: skip

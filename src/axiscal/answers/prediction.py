@@ -10,14 +10,13 @@ import numpy as np
 from axiscal.errors.volume import deviation_of
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import beside_the_line
-from axiscal.estimation.knowledge import taken
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.readers.csv_table import RawPose
 from axiscal.measurement.reading import Place, in_radii
-from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.reading_rows import blank_readings, seen
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.machine import Machine
@@ -94,7 +93,7 @@ def expectation(known: Estimation, place: Place) -> Band:
     mean, std : (k,) of each number of the reading, its noise included, m or rad
     """
     blanks = blank_readings(known.case.description.setups, [place])
-    (part,), _ = taken(known.knowledge, blanks, left_out=[0])
-    (found,) = part.innovations
-    scales = scales_of(known.case.description.setup(place.setup))
-    return Band(-np.atleast_1d(found.value) / scales, np.atleast_1d(found.std) / scales)
+    before = known.knowledge.opened(blanks)
+    numbers, scales = seen(before.observation, blanks), scales_of(known.case.description.setup(place.setup))
+    expected = before.belief.through(numbers.rows)
+    return Band((expected.mean - numbers.values) / scales, np.hypot(expected.std, np.sqrt(numbers.variances)) / scales)

@@ -15,7 +15,7 @@ The machine as it is and not to first order: deviations by the exact chain, and 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,13 +123,12 @@ class VolumeMoments:
     mean : (3, size) E[H], of every direction; gram : (size, size) E[HᵀPH]
     squares : (terms,) E|P h|², h what a unit of a term does to the TCP, no alignment taken off: what is as fine as a
         rest, a step or a twist is none of the part's rigid motion
-    rest : E of the rest's share of the TCP variance, m²; counted : the directions that count
+    counted : the directions that count
     """
 
     mean: Array
     gram: Array
     squares: Array
-    rest: float
     counted: Counted = EVERY_WAY
 
 
@@ -185,7 +184,7 @@ def volume_moments(model: Machine, box: Box, counted: Counted = EVERY_WAY) -> Vo
             weight[np.ix_(first.columns, second.columns)] = (block + block.T) / 2 if first is second else block
     _separate_reversals(model, mean, weight)
     squares = averaged([a.plain for a in axes], np.einsum("fc...,fc...->f...", counts, counts), ())
-    return VolumeMoments(mean, weight, squares, rest_of(model, squares), counted)
+    return VolumeMoments(mean, weight, squares, counted)
 
 
 def along_axis(model: Machine, axis: int, bounds: tuple[float, float]) -> AlongAxis:
@@ -247,17 +246,6 @@ def _separate_reversals(model: Machine, mean: Array, weight: Array) -> None:
     mean[:, reversal] = 0.0
     weight[sign[:, None] != sign[None, :]] = 0.0
     weight[np.ix_(reversal, reversal)] /= 4.0
-
-
-def rest_of(model: Machine, squares: Array) -> float:
-    """Return the rests' share of the TCP variance, m².  squares : (terms,) mean squares of the levers"""
-    return float(model.rests**2 @ squares)
-
-
-def of_rests(model: Machine, moments: VolumeMoments) -> VolumeMoments:
-    """Return the means of a model that differs from theirs in the rests of its errors: nothing else follows these."""
-    rest = rest_of(model, moments.squares)
-    return moments if rest == moments.rest else replace(moments, rest=rest)
 
 
 _GAUSS = 10

@@ -13,10 +13,9 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES, Target
 from axiscal.description.usual import rescaled_machine
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
-from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
+from axiscal.errors.volume import MovedErrors, VolumeMoments, volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.estimation.accuracy.yardstick import Yardstick
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import contributions
@@ -32,7 +31,9 @@ from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Itself, Memo
+from axiscal_core.eigen import root_of
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from axiscal_core.points import even_points
 from axiscal_core.theta import Kind, Sizes
 from axiscal_core.usual import sizes_of
@@ -191,14 +192,14 @@ class Case:
         return Observation(self.errors, self.description.setups, self.about)
 
     @cached_property
-    def prior(self) -> Belief:
+    def prior(self) -> Normal:
         """The belief before the first reading."""
-        covariance = self.observation.prior_covariance()
-        mean = np.zeros(len(covariance))
-        if self.inherited is not None:
-            mean[: self.errors.size] = self.inherited.mean
-            covariance[: self.errors.size, : self.errors.size] = self.inherited.covariance
-        return Belief(mean, covariance)
+        errors, found = self.errors.size, self.inherited
+        factor = np.diag(np.sqrt(self.observation.prior_variances()))
+        factor[:errors, :errors] = root_of(self.errors.covariance() if found is None else found.covariance)
+        mean = np.zeros(len(factor))
+        mean[:errors] = 0.0 if found is None else found.mean
+        return Normal.of_factor(mean, factor)
 
     @property
     def knowledge(self) -> Knowledge:
@@ -227,7 +228,6 @@ class Case:
         machine, *others = self._over_what
         grounds = replace(machine, errors=tuple(replace(each, rest=0.0) for each in machine.stated)), *others
         moments, sample, alignment = self.volumes.answer(grounds, self._found_volume)
-        moments = of_rests(self.errors, moments)
         factor, left = self.prior.factor, self._left
         unseen = left[:, : factor.shape[1]]
         # Tilts count about the middle of the volume: where the machine's zero lies is no matter.

@@ -21,7 +21,6 @@ from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
-from axiscal.estimation.located import taken_as_normal
 from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
@@ -126,7 +125,7 @@ def _posed(finer: Case, known: Estimation, judged: Problem) -> Problem:
         size = known.case.errors.size
         carried: Array = np.concatenate([across.matrix @ point[:size], point[size:]])
         at = replace(at, about=About(carried, at.about.bent))
-    whole = posed(at, taken_as_normal(known.absorbed))
+    whole = posed(at, known.absorbed.normal)
     return whole.only(np.isin(whole.reading, judged.reading))
 
 

@@ -19,7 +19,7 @@ from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
 from axiscal.estimation.learnt import posed, posterior_of, without_bad
-from axiscal.estimation.located import absorbed, bent, linear, located, refuse_mirrors, taken_as_normal
+from axiscal.estimation.located import absorbed, bent, linear, located, refuse_mirrors
 from axiscal.estimation.stations import progressed
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
@@ -43,7 +43,7 @@ def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
     known = absorbed(case.rescaled(kept.sizes), times.readings, [*implausible, *bad], {*kept.problem.cells})
     if bends or not linear(case, times.readings, kept):
         known = located(known)
-    at, taken = case.linear_as(known.case), taken_as_normal(known)
+    at, taken = case.linear_as(known.case), known.normal
     if taken is known.readings and at.about == case.about and at.description == case.description:
         at = case
     else:
@@ -63,7 +63,7 @@ def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
     refuse_mirrors(there, known.implausible)
     if there is known.absorbed:
         return known
-    at, taken = stated.shown_by(known.readings).linear_as(there.case), taken_as_normal(there)
+    at, taken = stated.shown_by(known.readings).linear_as(there.case), there.normal
     kept = without_bad(at, taken, known.implausible)
     return replace(known, absorbed=there, posterior=posterior_of(at, taken, kept))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -12,12 +12,11 @@ import numpy as np
 
 from axiscal.estimation.accuracy.expanded import Expanded, expanded, reach
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case, Timed
 from axiscal.estimation.functionals.asked import AskedRow, rows_served
 from axiscal.estimation.judged import Doubt, objection
-from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.located import Absorbed, displayed
+from axiscal.estimation.knowledge import Innovations, Knowledge
+from axiscal.estimation.located import Absorbed
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown, map_grid, rest_means, where_read
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
@@ -27,6 +26,8 @@ from axiscal.measurement.reading import Reading, drawn, reading_text
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
+from axiscal_core.eigen import root_of
+from axiscal_core.normal import Normal
 from axiscal_core.threads import one_thread
 
 
@@ -63,8 +64,9 @@ class Estimation:
 
     @cached_property
     def knowledge(self) -> Knowledge:
-        """What is known at the sizes as learnt."""
-        return displayed(self.absorbed)
+        """What is known at the sizes as learnt, with normal readings in the place of those that are far from it."""
+        known = self.absorbed
+        return known.knowledge if known.normal is known.readings else replace(known, readings=known.normal).knowledge
 
     @cached_property
     def printed(self) -> Knowledge:
@@ -77,22 +79,22 @@ class Estimation:
         return max(self.agreement.inflation, (self.checks.s or 0.0) ** 2)
 
     @cached_property
-    def of_readings(self) -> Belief:
+    def of_readings(self) -> Normal:
         """What readings alone leave open: causes of type B, which none improves, are apart."""
         whole, found = self.printed.belief, self.posterior
         if found is None:
             return whole
-        return Belief(whole.mean, whole.covariance - self.widening * found.shared, whole.degrees)
+        return Normal.of_factor(whole.mean, root_of(whole.covariance - self.widening * found.shared), whole.degrees)
 
     @cached_property
     @one_thread()
-    def without_readings(self) -> Belief:
+    def without_readings(self) -> Normal:
         """What would be known without the readings, at the sizes that they leave possible."""
         found, stated = self.posterior, self.case.prior
         if found is None:
             return stated
         covariance = self.widening * sum(drawn.without_readings() for drawn in found.draws)
-        return Belief(np.zeros(len(found.mean)), covariance, found.degrees)
+        return Normal.of_factor(np.zeros(len(found.mean)), root_of(np.asarray(covariance)), found.degrees)
 
     @cached_property
     def accuracy(self) -> Accuracy:
@@ -168,7 +170,7 @@ def printed(knowledge: Knowledge, found: Posterior | None, widening: float) -> K
     if found is None:
         return knowledge
     spread = widening * (found.covariance + found.covariance.T) / 2
-    return Knowledge(knowledge.observation.bare, Belief(found.mean, spread, found.degrees))
+    return Knowledge(knowledge.observation.bare, Normal.of_factor(found.mean, root_of(spread), found.degrees))
 
 
 @one_thread()

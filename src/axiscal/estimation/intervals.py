@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -80,26 +80,29 @@ def _passed(readings: Sequence[Reading], step: float) -> bool:
 
 
 def sited(
-    observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
-) -> list[Reading]:
-    """Return readings with the normal ones in the place of those of coarse set-ups.
+    observation: Observation,
+    readings: Sequence[Reading],
+    prior: tuple[Array, Array] | None = None,
+    left_out: Collection[int] = (),
+) -> Sequence[Reading]:
+    """Return readings with the normal ones in the place of those of coarse set-ups; themselves where none is.
 
-    prior : mean and covariance of the errors, where they are not the stated ones
+    prior : mean and covariance of the errors, where they are not the stated ones; left_out : that do not count
     Readings of three values, and those that state a std of their own, stay as they are.
     """
-    setups = {setup.name: setup for setup in observation.setups}
-    coarse = [len(r.values) == 1 and r.std is None and setups[r.setup].coarse for r in readings]
-    if not any(coarse):
-        return list(readings)
-    fitted = Fitted.expected(observation, readings, prior)
-    which = np.array(coarse)[fitted.reading]
-    owners = [setups[readings[int(i)].setup] for i in fitted.reading]
+    setups, kept = {each.name: each for each in observation.setups}, np.setdiff1d(range(len(readings)), [*left_out])
+    some = [readings[index] for index in kept]
+    coarse = np.array([len(r.values) == 1 and r.std is None and setups[r.setup].coarse for r in some], dtype=bool)
+    if not coarse.any():
+        return readings
+    fitted = Fitted.expected(observation, some, prior)
+    which, owners = coarse[fitted.reading], [setups[some[int(i)].setup] for i in fitted.reading]
     steps = np.where(which, [setup.interval for setup in owners], 0.0)
     soft = np.where(steps > 0, [setup.scatter for setup in owners], FINEST)
-    scatter = np.maximum(fitted.noise - steps**2 / 12.0, soft**2)
-    found = sites(fitted, steps, scatter)
-    shift = dict(zip(fitted.reading.tolist(), zip(*found, fitted.values, strict=True), strict=False))
-    return [_moved(reading, *shift[index]) if coarse[index] else reading for index, reading in enumerate(readings)]
+    found = sites(fitted, steps, np.maximum(fitted.noise - steps**2 / 12.0, soft**2))
+    each = np.array([*found, fitted.values])[:, which].T
+    instead = {i: _moved(readings[i], *by) for i, by in zip(kept[coarse].tolist(), each.tolist(), strict=True)}
+    return [instead.get(index, reading) for index, reading in enumerate(readings)]
 
 
 def _moved(reading: Reading, value: float, variance: float, before: float) -> Reading:

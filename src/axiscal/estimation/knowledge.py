@@ -1,6 +1,6 @@
 """What is known while a machine is read: the map to readings and the belief over its unknowns, in one object.
 
-    knowledge = Knowledge.before(observation)
+    knowledge = case.knowledge
     knowledge = knowledge.read(readings)
 
 A reading opens the rest of each cell that it meets as a separate unknown. So reading there again does not average the
@@ -16,12 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
-from axiscal.estimation.belief import Belief, Innovations
 from axiscal.measurement.cells import Cell
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of, seen, times_of, visited
 from axiscal.numerics import Array
+from axiscal_core.normal import Normal, condition
 from axiscal_core.threads import one_thread
 
 AT_ONCE = 400
@@ -33,13 +33,7 @@ class Knowledge:
     """observation : with columns for the rests of visited cells and for drifts; belief : over all its columns"""
 
     observation: Observation
-    belief: Belief
-
-    @classmethod
-    def before(cls, observation: Observation) -> Knowledge:
-        """Return what is known before the first reading: the prior."""
-        covariance = observation.prior_covariance()
-        return cls(observation, Belief(np.zeros(len(covariance)), covariance))
+    belief: Normal
 
     def opened(self, readings: Sequence[Reading], among: Collection[Cell] | None = None) -> Knowledge:
         """Return the same with the unknowns of cells and drifts that readings will meet.
@@ -48,12 +42,22 @@ class Knowledge:
         """
         places = places_of(self.observation.setups, readings)
         wider = visited(self.observation, places, times_of(readings), among)
-        return Knowledge(wider, self.belief.extended(self.observation.rest_variances(wider)))
+        return Knowledge(wider, self.belief.wider(np.sqrt(self.observation.rest_variances(wider))))
 
     @one_thread()
     def read(self, readings: Sequence[Reading]) -> Knowledge:
         """Return what is known after readings."""
         return taken(self, readings)[1]
+
+
+class Innovations(NamedTuple):
+    """By what the numbers of a reading surprised: each of them minus its prediction.
+
+    value : (k,); std : (k,) the standard deviation that was foreseen, noise included
+    """
+
+    value: Array
+    std: Array
 
 
 class Block(NamedTuple):
@@ -86,14 +90,17 @@ def taken(
     for start in range(0, len(readings), AT_ONCE):
         mine = readings[start : start + AT_ONCE]
         before = knowledge.opened(mine, among)
-        numbers = seen(before.observation, mine)
-        used = np.where(np.isin(start + numbers.reading, [*left_out]), np.inf, numbers.variances)
-        done = before.belief.update_many(numbers.rows, numbers.values, numbers.variances, used, numbers.reading)
+        belief, numbers = before.belief, seen(before.observation, mine)
+        counts = ~np.isin(start + numbers.reading, [*left_out])
+        used = np.where(counts, numbers.variances, np.inf)
+        # numbers of one reading are predicted from what was known before the first of them
+        earlier = np.append(0, np.cumsum(counts))[np.searchsorted(numbers.reading, numbers.reading)]
+        done = condition(belief.factor, belief.mean, numbers.rows, numbers.values, used, earlier)
+        surprise = numbers.values - done.expected, np.sqrt(done.variance + numbers.variances)
         cuts = np.searchsorted(numbers.reading, np.arange(1, len(mine)))
-        surprises = (np.split(part, cuts) for part in (done.innovations.value, done.innovations.std))
-        innovations = tuple(Innovations(*pair) for pair in zip(*surprises, strict=True))
+        innovations = zip(*(np.split(part, cuts) for part in surprise), strict=True)
         errors = before.observation.errors.size
-        own = before.belief.factor[:errors].copy(), done.losses[:, :errors].copy()  # the rest of them is large
-        found.append(Block(innovations, *own))
-        knowledge = Knowledge(before.observation, done.belief)
+        own = belief.factor[:errors].copy(), done.losses[:, :errors].copy()  # the rest of them is large
+        found.append(Block(tuple(Innovations(*each) for each in innovations), *own))
+        knowledge = Knowledge(before.observation, Normal.of_factor(done.mean, done.root))
     return tuple(found), knowledge

@@ -16,7 +16,6 @@ from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import RowName, dimension
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, printed
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
@@ -25,6 +24,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import posterior_of, without_bad
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
+from axiscal_core.normal import Normal
 from axiscal_core.threads import one_thread
 
 _MEASURED = 0.5
@@ -96,7 +96,7 @@ def known_rows(case: Case, knowledge: Knowledge, readings: Sequence[Reading]) ->
     return tuple(row for row in found if row.described)
 
 
-def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool, prior: Belief | None = None) -> KnownRow:
+def known_row(asked: AskedRow, case: Case, belief: Normal, read: bool, prior: Normal | None = None) -> KnownRow:
     """Return how well a belief knows a row.
 
     read : whether any reading was taken; prior : what is known without, None for that at the sizes of the case
@@ -132,7 +132,7 @@ def _off_at_corners(case: Case) -> float:
     return float(np.abs(rows @ factor).max())
 
 
-def u_of_row(asked: AskedRow, case: Case, belief: Belief | None = None) -> float:
+def u_of_row(asked: AskedRow, case: Case, belief: Normal | None = None) -> float:
     """Return U of a row, m or rad.  belief : None for that without readings, at the sizes of the case"""
     belief = case.prior if belief is None else belief
     if asked.own is None:
@@ -155,7 +155,7 @@ _SOON = 10.0
 """s after it: to go past the place and come back."""
 
 
-def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Belief | None:
+def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Normal | None:
     """Return what would be known with one reading more of each line; None of no line."""
     found = known.posterior
     if not lines or found is None:

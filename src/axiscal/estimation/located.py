@@ -58,6 +58,11 @@ class Absorbed:
         """What is known after them."""
         return self._taken[1]
 
+    @cached_property
+    def normal(self) -> Sequence[Reading]:
+        """The readings with normal ones in the place of those that are far from normal; themselves if none is."""
+        return sited(self.case.observation, self.readings, self.case.inherited, self.left_out)
+
     @one_thread()
     def surprise(self, reading: int) -> float:
         """Return how far one that counts is from what all others say, its numbers together, in standard deviations."""
@@ -79,26 +84,6 @@ def absorbed(
     other = {reading.setup for reading in readings if not case.came_as_allowed(reading)}
     widened = replace(case, both=case.both | other) if other else case  # sides that nobody said they allow
     return Absorbed(widened, readings, frozenset(left_out), among)
-
-
-def displayed(known: Absorbed) -> Knowledge:
-    """Return what is known with normal readings in the place of those that are far from normal.
-
-    known : after all readings, each as the value that was shown
-    """
-    normal = taken_as_normal(known)
-    return known.knowledge if normal is known.readings else replace(known, readings=normal).knowledge
-
-
-def taken_as_normal(known: Absorbed) -> Sequence[Reading]:
-    """Return the readings with normal ones in the place of those that are far from normal; themselves if none is."""
-    readings = known.readings
-    if not any(setup.coarse for setup in known.case.description.setups):
-        return readings
-    kept = [index for index in range(len(readings)) if index not in known.left_out]
-    prior = known.case.observation, [readings[i] for i in kept], known.case.inherited
-    instead = dict(zip(kept, sited(*prior), strict=True))
-    return [instead.get(index, reading) for index, reading in enumerate(readings)]
 
 
 _ROUNDS = 12

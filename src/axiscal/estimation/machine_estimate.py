@@ -13,12 +13,12 @@ import numpy as np
 from axiscal.errors.volume import EVERY_WAY, Box, Counted, MovedErrors, deviation_of
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.estimation.belief import Belief
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 
 _SILENT = 0.95
 Grid = tuple[Array, Array]
@@ -71,7 +71,7 @@ class Estimate:
     """
 
     model: Machine
-    belief: Belief
+    belief: Normal
     box: Box
     grid: tuple[Array, Array] | None = None
     rests: Mapping[int, Array] = field(default_factory=dict)
@@ -129,15 +129,14 @@ class Estimate:
 
         poses, approaches : (m, q)
         """
-        expected = deviation_of(self.model, self.mean, poses, approaches).displacement
-        return self._with_rests(expected, poses)
+        return self._expected(poses, approaches, angular=False)
 
     def rotation(self, poses: Array, approaches: Array) -> Array:
         """Return the rotation of the tool that is expected by the exact chain, (m, 3), rad; arguments as above."""
-        expected = deviation_of(self.model, self.mean, poses, approaches).rotation
-        return self._with_rests(expected, poses, angular=True)
+        return self._expected(poses, approaches, angular=True)
 
-    def _with_rests(self, expected: Array, poses: Array, angular: bool = False) -> Array:
+    def _expected(self, poses: Array, approaches: Array, *, angular: bool) -> Array:
+        expected: Array = deviation_of(self.model, self.mean, poses, approaches)[angular]
         if self.rests:
             levers = self.model.levers(poses, angular)
             for index in self.rests:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.accuracy.yardstick import Root, joint_root
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, timed
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.judged import Doubt
@@ -39,6 +38,7 @@ from axiscal.planning.plan.greedy import worth_most
 from axiscal.planning.plan.plan import MANY, Plan, make_plan, renewed
 from axiscal.planning.plan.task import Goal, Limits, Task
 from axiscal.record.events import Asked, Gap
+from axiscal_core.normal import Normal
 from axiscal_core.threads import one_thread
 
 CANDIDATES = 2000
@@ -172,7 +172,7 @@ def limits_left(case: Case, readings: Sequence[Reading]) -> Limits:
     return replace(limits, readings=most, budget=budget)
 
 
-def root_of(case: Case, belief: Belief) -> Root:
+def root_of(case: Case, belief: Normal) -> Root:
     """Return V of the target's criterion, W = VᵀV."""
     name = case.description.target.criterion
     if name == "joint":

@@ -13,7 +13,6 @@ import numpy as np
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of
 from axiscal.estimation.accuracy.yardstick import Yardstick
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, timed
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
@@ -24,6 +23,7 @@ from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at, times_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from axiscal_core.normal import Normal
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
 from axiscal_core.unknowns import space_of
@@ -72,7 +72,7 @@ class Blank(NamedTuple):
     def knowledge(self) -> Knowledge:
         """What they make known."""
         answer = self.found.posterior()
-        return Knowledge(self.case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
+        return Knowledge(self.case.observation, Normal(answer.mean, (answer.covariance + answer.covariance.T) / 2))
 
 
 def blank_problem(case: Case, readings: Sequence[Reading]) -> Blank:

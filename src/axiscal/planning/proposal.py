@@ -115,7 +115,7 @@ def beyond_budget(case: Case, limits: Limits) -> str | None:
 
 def _what_helps(case: Case, target: Target) -> str:
     """Say which set-ups would help and how long they take, or what cannot be seen, or what the rests leave."""
-    rest = math.sqrt(case.yardstick.moments.rest)
+    rest = math.sqrt(case.yardstick.rest)
     if all(rest > each.limit for each in asked(target, case.yardstick)):
         finer = "The rests of the errors alone make {rms:.3g} um: with finer knots they could be smaller"
         surer = "The rests of the errors alone make {rms:.3g} um: with a smaller std they could be smaller"

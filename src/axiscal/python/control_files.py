@@ -8,7 +8,6 @@ import numpy as np
 
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.accuracy.alignment import Alignment
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown, where_read
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS
 from axiscal.present.delivery import write_files
@@ -19,6 +18,7 @@ from axiscal_core import refusals
 from axiscal_core.eigen import unique_root
 from axiscal_core.known import Known
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from axiscal_core.points import even_points
 from axiscal_core.refusals import one
 
@@ -60,7 +60,7 @@ def _estimate(known: Known) -> Estimate:
     moves = [[machine.index(axis) for axis in each.moves] for each in mounted]
     return Estimate(
         machine,
-        Belief(known.mean[:size], known.covariance[:size, :size]),
+        Normal(known.mean[:size], known.covariance[:size, :size]),
         box,
         sample=sample,
         alignment=None if sample is None else Alignment(machine, sample),

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import letter_direction
 from axiscal.units import format_quantity
+from axiscal_core.normal import Normal
 from axiscal_core.terms import Term
 
 SIZE = 10e-6
@@ -43,7 +43,7 @@ def bumped(estimate: Estimate, controller: str, unstated: str) -> tuple[Estimate
     ends, there = chosen.rows(np.array([low, middle]))
     mean, highest = np.zeros(model.size), int(np.argmax(there))
     mean[chosen.columns.start + highest] = axis.sign * SIZE / (there - ends)[highest]  # the tool is 10 um too far
-    belief = Belief(mean, _SURE**2 * np.eye(model.size))
+    belief = Normal(mean, _SURE**2 * np.eye(model.size))
     places = [format_quantity(place, axis.unit, 6) for place in (low, middle)]
     readings = (
         "TWO READINGS TELL THE SIGN. Let {axis} come from below to {first} and to {second}, and read where the tool "

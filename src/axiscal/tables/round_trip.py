@@ -8,13 +8,13 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.errors.volume import whole_travel
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.offer import Export, spread_poses, tried_out
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 
 _SURE = 1e-20
 """Variance of every control value of a machine that is known, m² or rad²."""
@@ -24,7 +24,7 @@ def drawn_and_known(machine: Machine, seed: int = 1) -> Estimate:
     """Return what somebody believes who knows a machine that was drawn from its description."""
     model = machine
     drawn = np.linalg.cholesky(model.covariance()) @ np.random.default_rng(seed).standard_normal(model.size)
-    return Estimate(model, Belief(drawn, _SURE * np.eye(model.size)), whole_travel(model))
+    return Estimate(model, Normal(drawn, _SURE * np.eye(model.size)), whole_travel(model))
 
 
 def round_trip(control: Exporter, estimate: Estimate, options: ExportOptions | None = None) -> Export:

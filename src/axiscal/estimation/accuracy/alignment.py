@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from axiscal.errors.volume import EVERY_WAY, Counted, VolumeMoments, rest_of
+from axiscal.errors.volume import EVERY_WAY, Counted, VolumeMoments
 from axiscal.numerics import Array
 from axiscal_core import rigid
 from axiscal_core.machine import Machine
@@ -95,8 +95,7 @@ def sampled_moments(
     if alignment is not None:
         mean[:] = 0.0
     count = len(poses)
-    squares /= count
-    return VolumeMoments(mean / count, gram / count, squares, rest_of(errors, squares), counted)
+    return VolumeMoments(mean / count, gram / count, squares / count, counted)
 
 
 def _reversals(errors: Machine) -> list[list[int]]:

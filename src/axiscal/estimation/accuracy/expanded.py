@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 
 from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.estimation.accuracy.yardstick import Yardstick
-from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal_core.from_scipy import chi_square_quantile, chi_square_share, f_quantile
+from axiscal_core.normal import Normal
 from axiscal_core.threads import one_thread
 
 LEVEL = 0.95
@@ -55,14 +55,14 @@ class Expanded:
         return self.space / rms if rms > 0 else BAND
 
 
-def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
+def expanded(yardstick: Yardstick, belief: Normal) -> Expanded:
     """Return the expanded uncertainties of a belief over the yardstick's volume, shifts not counted taken off."""
     covariances = yardstick.covariances(belief.factor)
     return expanded_of(covariances, yardstick.evenly, yardstick.counted, belief.degrees, yardstick.errors.ways)
 
 
 @one_thread()
-def known_to(name: str, yardstick: Yardstick, belief: Belief) -> float:
+def known_to(name: str, yardstick: Yardstick, belief: Normal) -> float:
     """Return how well a belief knows the volume, m.  name : "U", "rms" or "worst" """
     if name == "U":
         return expanded(yardstick, belief).space

@@ -17,16 +17,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.volume import Box, Counted, VolumeMoments, of_rests
+from axiscal.errors.volume import Box, Counted, VolumeMoments
 from axiscal.estimation.accuracy.alignment import Alignment
-from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import corners
 from axiscal.numerics import Array, even_subset
+from axiscal_core.criterion import joint, root_of_gram
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from axiscal_core.points import even_points
-
-_ROUNDING = 1e-15
-"""An eigenvalue of this share is rounding of the largest, in float64."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -38,9 +36,7 @@ class Root:
     @classmethod
     def of_gram(cls, gram: Array) -> Root:
         """Return V (r, n) with W = VᵀV, for W of any rank r.  gram : W (n, n), symmetric"""
-        values, vectors = np.linalg.eigh(gram)
-        kept = values > _ROUNDING * values[-1]
-        return cls((vectors[:, kept] * np.sqrt(values[kept])).T)
+        return cls(root_of_gram(gram))
 
     @property
     def unknowns(self) -> int:
@@ -62,16 +58,8 @@ class Root:
 
 
 def joint_root(model: Machine) -> Root:
-    """Return V of the paper's criterion: one Gram matrix per spline (B&H eq. 24-26; several joints B&H eq. 34-36).
-
-    A rotation counts as the displacement it makes at the machine's own reach, half the diagonal of its linear travels.
-    """
-    gram = np.zeros((model.size, model.size))
-    travels = [axis.length for axis in model.axes if not axis.rotary]
-    reach = float(np.linalg.norm(travels)) / 2 if travels else 1.0
-    for term in model.terms:
-        gram[term.columns, term.columns] = (reach if term.angular else 1.0) ** 2 * term.gram()
-    return Root.of_gram(gram)
+    """Return V of the paper's criterion over the errors of a machine."""
+    return Root(joint(model, model.size).root)
 
 
 _INNER_POINTS = 400
@@ -144,10 +132,10 @@ class Yardstick:
 
         left : what endless readings leave of these errors, with what is unseen; None where both stay
         """
-        stays, moments = left is None, of_rests(errors, self.moments)
+        stays = left is None
         left = self.left if left is None else left
         unseen = self.unseen if stays else left[:, : self.unseen.shape[1]]
-        other = replace(self, errors=errors, moments=moments, unseen=unseen, left=left, like=self)
+        other = replace(self, errors=errors, unseen=unseen, left=left, like=self)
         for name in (*_BY_PLACES, *(_OF_UNSEEN if stays else ())):
             other.__dict__[name] = getattr(self, name)
         return other
@@ -174,6 +162,11 @@ class Yardstick:
         counted = self._counts * self._shift
         return Root.of_gram(self.moments.gram - counted.T @ counted)
 
+    @property
+    def rest(self) -> float:
+        """The share of rests in the mean square of the TCP over the volume, m²."""
+        return float(self.errors.rests**2 @ self.moments.squares)
+
     @cached_property
     def unseen_rms(self) -> float:
         """RMS over the volume of what no allowed reading sees, m."""
@@ -199,7 +192,7 @@ class Yardstick:
         """E[H] in the directions in which a constant shift counts but for what of it is unseen, (3, size)."""
         return self._counts * (self.moments.mean - self._shift)
 
-    def measure(self, belief: Belief) -> Accuracy:
+    def measure(self, belief: Normal) -> Accuracy:
         """Return the figures of a belief."""
         return self.measure_factor(belief.factor)
 
@@ -227,9 +220,9 @@ class Yardstick:
 
     def rms_of(self, total: float) -> float:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
-        return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.moments.rest))
+        return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.rest))
 
-    def worst_root(self, belief: Belief) -> Root:
+    def worst_root(self, belief: Normal) -> Root:
         """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
         return Root(self.rows[self.variances(belief.factor).argmax()])
 
@@ -277,25 +270,6 @@ class Yardstick:
         return here.reshape(len(self.rows), 3, -1)
 
     @cached_property
-    def _hidden(self) -> Array:
-        """Variance that the allowed readings cannot see, at each pose, constant shifts not counted, m²."""
-        shift = (self.moments.mean - self._shift) @ self.unseen
-        hidden: Array = np.sum((self._counts * (self._here - shift)) ** 2, axis=(1, 2))
-        return hidden
-
-    @cached_property
-    def _correction(self) -> Array:
-        """Variance that the rests add at each pose, less the constant shifts that are not counted, m²."""
-        loose, here = self._loose[:, :, list(self.counted)], self._here[:, list(self.counted)]
-        corrected: Array = np.sum(loose**2, axis=(0, 2)) + self._hidden - np.sum(here**2, axis=(1, 2))
-        return corrected
-
-    @cached_property
-    def _loose(self) -> Array:
-        """Effect of one standard deviation of each rest at each pose, counted or not, (terms, m, 3), m."""
-        return self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]
-
-    @cached_property
     def evenly(self) -> NDArray[np.bool_]:
         """Which of the yardstick's poses are spread evenly over the volume: all but its corners, (m,)."""
         places = np.arange(len(self.places)) >= len(self.places) - len(self.inside)
@@ -311,14 +285,15 @@ class Yardstick:
     @cached_property
     def _anyway(self) -> Array:
         """What rests add, and shifts that are not counted take off, at each pose, (m, 3, 3), m²."""
+        loose = self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]
         hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
-        return _squared(self._loose.transpose(1, 2, 0)) + _squared(hidden) - _squared(self._here)
+        return _squared(loose.transpose(1, 2, 0)) + _squared(hidden) - _squared(self._here)
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
         seen = self._seen(factor, self.rows)
-        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
-        return spread
+        spread = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3) + np.einsum("pcc->pc", self._anyway) * self.counted
+        return np.asarray(spread.sum(axis=1))
 
     def _seen(self, factor: Array, rows: Array) -> Array:
         """Return H F at each pose, (3 m, r), r no more than the errors have coefficients.

@@ -25,7 +25,6 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import ABOUT, ANGLES, Kind
 from axiscal.estimation.accuracy.expanded import reach
-from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.instrument import model_of, values_of
@@ -35,6 +34,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 
 NOUGHT = 1e-12
 """m or rad: rounding. No error that the machine describes makes such a number."""
@@ -111,7 +111,7 @@ class SignedSize(NamedTuple):
     known: float
 
 
-def signed_numbers(functional: Functional, row: Array, errors: Machine, belief: Belief) -> tuple[SignedSize, ...]:
+def signed_numbers(functional: Functional, row: Array, errors: Machine, belief: Normal) -> tuple[SignedSize, ...]:
     """Return the numbers of a row that have a sign and that some error makes; none of a curve.
 
     row : (k,) as estimated

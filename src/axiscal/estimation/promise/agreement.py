@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
-from axiscal_core.draws import Weighed
+from axiscal_core.draws import Weighed, sized
 from axiscal_core.from_scipy import binomial_tail, chi_square_tail
 from axiscal_core.left_out import BAD_SHARE
 from axiscal_core.problem import Problem
@@ -244,6 +244,15 @@ class Tried(NamedTuple):
 
     mistake: Explained
     p: float
+
+    @classmethod
+    def of(cls, mistake: Explained, prior: float, without: Problem) -> Tried:
+        """Return a mistake without which readings are as a problem has them, sizes integrated out.
+
+        prior : log odds but for their evidence
+        """
+        found = sized(space_of(without))
+        return cls(mistake._replace(log_odds=prior + found.log_evidence), tail_of(without, found))
 
 
 def _explained(tried: Iterable[Tried]) -> list[Explained]:

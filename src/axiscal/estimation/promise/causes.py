@@ -22,6 +22,7 @@ from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times
 from axiscal.measurement.travel import feet_of
 from axiscal.numerics import Array
 from axiscal_core import causes
+from axiscal_core.theta import Kind
 
 _ONE_WAY = 0.5
 """Share by which one way round prevails: with a quarter of circles the other way a lag is told from squareness."""
@@ -29,47 +30,30 @@ _ONE_WAY = 0.5
 
 def passing_columns(
     observation: Observation, places: Places, reading: NDArray[np.intp], clock: Array, usual: bool = True
-) -> causes.Columns:
-    """Yield the columns of what only readings suffer.
+) -> tuple[list[tuple[Kind, str, Array]], dict[str, Array]]:
+    """Return the columns of what only readings suffer, and which share of each part of a reversal they miss.
 
-    reading : (m,) of each number, ascending; clock : (r,) s
+    The shares by its name, (readings, ways).  reading : (m,) of each number, ascending; clock : (r,) s
     usual : with what usually goes wrong; else zeros wander as stated and nothing besides
     """
+    found, lacking = list[tuple[Kind, str, Array]](), dict[str, Array]()
     for index, chosen in places.by_setup():
         setup, which = observation.setups[index], np.arange(len(places))[chosen]
         mine = np.flatnonzero(np.isin(reading, which))
         of, part = np.searchsorted(which, reading[mine]), mine - np.searchsorted(reading, reading[mine])
-        read = causes.OfOneSetup(
-            setup.name,
-            len(reading),
-            mine,
-            part,
-            clock[reading[mine]],
-            np.full(len(mine), setup.noise),
-            setup.drift,
-        )
+        sigma = np.full(len(mine), setup.noise)
+        read = causes.OfOneSetup(setup.name, len(reading), mine, part, clock[reading[mine]], sigma, setup.drift)
         if usual:
-            poses, order = places.poses[which], np.argsort(clock[which], kind="stable")
-            turns = turning(observation, index, poses, places.approaches[which])
-            yield from read.passing(
-                (axis[part, of] for axis in growing(observation, index, poses)),
-                ((t.name, causes.WAY * t.effects[part, of, None] * t.absent(poses, order)[1][of]) for t in turns),
-            )
+            poses, order, open_yet = places.poses[which], np.argsort(clock[which], kind="stable"), []
+            for turn in turning(observation, index, poses, places.approaches[which]):
+                missing, unsure = turn.absent(poses, order)
+                lacking.setdefault(turn.name, np.zeros((len(places), len(causes.WAYS))))[which] = missing
+                open_yet.append((turn.name, causes.WAY * turn.effects[part, of, None] * unsure[of]))
+            found += read.passing((axis[part, of] for axis in growing(observation, index, poses)), open_yet)
         elif setup.drift > 0:
             course = Course.over(setup.drift, np.sort(read.clock).tolist())
-            yield from (("drift", setup.name, read.wide(zero, course.rows(read.clock[zero]))) for zero in read.zeros)
-
-
-def absent(observation: Observation, places: Places, clock: Array) -> dict[str, Array]:
-    """Return, by its name, which share of each part of a reversal is missing at readings, (readings, ways)."""
-    found = dict[str, Array]()
-    for index, chosen in places.by_setup():
-        which = np.arange(len(places))[chosen]
-        poses, order = places.poses[which], np.argsort(clock[which], kind="stable")
-        for turn in turning(observation, index, poses, places.approaches[which]):
-            shares = found.setdefault(turn.name, np.zeros((len(places), len(causes.WAYS))))
-            shares[which] = turn.absent(poses, order)[0]
-    return found
+            found += (("drift", setup.name, read.wide(zero, course.rows(read.clock[zero]))) for zero in read.zeros)
+    return found, lacking
 
 
 class AtFeed(NamedTuple):

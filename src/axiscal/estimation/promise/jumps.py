@@ -156,10 +156,8 @@ def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> 
         suspect = _suspect(problem, as_stated_or_not(problem, found.drawn.stated), mine, readings, False)
         if suspect.mistake.log_odds <= -_NAMED:
             continue
-        other = suspect.make()
-        beside = sized(space_of(other))
-        odds = beside.log_evidence - found.log_evidence + float(np.log(PRIOR / suspect.places))
-        yield Tried(suspect.mistake._replace(log_odds=odds, detail=turn < 0), tail_of(other, beside))
+        prior = float(np.log(PRIOR / suspect.places)) - found.log_evidence
+        yield Tried.of(suspect.mistake._replace(detail=turn < 0), prior, suspect.make())
 
 
 def turn_of(problem: Problem, mine: NDArray[np.bool_]) -> int:

@@ -17,7 +17,7 @@ of the stated size could be as large:
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -78,14 +78,10 @@ class Posterior:
     def degrees_over(self, figures: Array) -> float:
         """Return the degrees of freedom of a t whose mean square varies as that of figures (m, k) of the unknowns."""
         found, count = list[tuple[float, float]](), figures.shape[1]
-        for drawn in self.draws:
-            space = space_of(drawn.problem)
-            for weight, theta in zip(drawn.weights.tolist(), drawn.thetas, strict=True):
-                if (given := space.given(theta)) is not None:
-                    mean, covariance = given.posterior()
-                    apart = figures @ (mean - self.mean)[:count]
-                    square = float(np.vdot(figures @ covariance[:count, :count], figures) + apart @ apart)
-                    found.append((weight, square))
+        for weight, given in (each for drawn in self.draws for each in drawn.every()):
+            mean, covariance = given.posterior()
+            apart = figures @ (mean - self.mean)[:count]
+            found.append((weight, float(np.vdot(figures @ covariance[:count, :count], figures) + apart @ apart)))
         return _degrees(*np.array(found).T)
 
 
@@ -96,6 +92,13 @@ class Drawn:
     problem: Problem
     thetas: Array
     weights: Array
+
+    def every(self) -> Iterator[tuple[float, Given]]:
+        """Yield the weight of each draw and everything at its sizes: kept it would be gigabytes."""
+        space = space_of(self.problem)
+        for weight, theta in zip(self.weights.tolist(), self.thetas, strict=True):
+            if (given := space.given(theta)) is not None:
+                yield weight, given
 
     @property
     def surely(self) -> float:
@@ -120,9 +123,8 @@ class Drawn:
 
         figures : F (k, answered), of the answered unknowns
         """
-        space = space_of(self.problem)
-        found = [given.sources(figures) for theta in self.thetas if (given := space.given(theta)) is not None]
-        return Sources(*(self.weights @ np.array(each) for each in zip(*found, strict=True)))
+        found = [[weight * each for each in given.sources(figures)] for weight, given in self.every()]
+        return Sources(*(np.sum(each, axis=0) for each in zip(*found, strict=True)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from axiscal.estimation.promise.causes import absent, contributions, passing_columns
+from axiscal.estimation.promise.causes import contributions, passing_columns
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import (
@@ -23,8 +24,10 @@ from axiscal.measurement.reading_rows import (
 from axiscal.numerics import Array
 from axiscal_core.causes import WAY, cell_root
 from axiscal_core.columns import Scale, priors_of
+from axiscal_core.machine import Machine
 from axiscal_core.problem import MOST_NUMBERS, Problem, by_blocks
 from axiscal_core.splines import ramp
+from axiscal_core.terms import Term
 from axiscal_core.theta import MANY, Sizes
 
 MOST_COLUMNS = 620
@@ -59,28 +62,27 @@ def problem(
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
     causes = contributions(observation, places, [each.values for each in readings], usual)
     type_b = np.column_stack([np.zeros((len(reading), 0)), *(each.effects for each in causes)])
-    passing = [*passing_columns(observation, places, reading, clock, usual)]
+    passing, lacking = passing_columns(observation, places, reading, clock, usual)
     kinds = tuple(kind for kind, _, columns in passing for _ in range(columns.shape[1]))
-    start, lacking = len(kinds), absent(observation, places, clock) if usual else {}
-    late = sum(shares.shape[1] for shares in lacking.values())
-    cells = _cells(observation, places, len(reading), start + late)
+    start = len(kinds)
+    cells = _cells(observation, places, len(reading), start + sum(shares.shape[1] for shares in lacking.values()))
     opened = with_cells(observation, cells)
     found = seen(opened, readings)
     setups, stated = places.setups[reading], np.array([each.std is not None for each in readings])[reading]
-    builder = _Builder(opened, sizes, inherited, usual)
-    first_cell_roots = builder.cell_roots(cells)
+    terms = observation.errors.terms
+    roots = [_root_of_cells(terms[term], np.array(own), usual) for term, own in _by_term(cells).items()]
     noise = np.sqrt(found.variances)
     names = [setup.name for setup in observation.setups]
     groups = np.where(stated, -1, sizes.indices("noise", names)[setups])
     answered = observation.errors.size + len(observation.unknowns)
-    adding = [*builder.scales(lacking)]
+    adding = [*_scales(observation.errors, lacking, inherited=inherited is not None)]
     scales = tuple(scale for _, scale, _ in adding)
     scale_size = np.array([sizes.index(scale.kind, owner) for owner, scale, _ in adding], dtype=np.intp)
-    rest_size = sizes.indices("rest", [observation.errors.terms[term].name for term, _ in cells])
+    rest_size = sizes.indices("rest", [terms[term].name for term, _ in cells])
     first = start + len(cells)
     rows = np.empty((len(reading), first + len(scales) + answered))  # many readings make gigabytes: in no second copy
     rows[:, :start] = np.hstack([np.zeros((len(reading), 0)), *(columns for _, _, columns in passing)])
-    rows[:, start:first] = by_blocks(found.rows[:, [opened.cells[cell] for cell in cells]], first_cell_roots)
+    rows[:, start:first] = by_blocks(found.rows[:, [opened.cells[cell] for cell in cells]], roots)
     for at, (_, scale, missing) in enumerate(adding, start=first):
         rows[:, at] = (1.0 if missing is None else 1 - missing[reading]) * (found.rows[:, scale.part] @ scale.ramp)
     own = rows[:, first + len(scales) :]
@@ -99,7 +101,7 @@ def problem(
     return Problem(
         rows, values, noise, reading, setups, groups, sizes, size_at, priors.curves, priors.roots, scales, answered,
         len(observation.unknowns), mean, tuple(cells), start,
-        tuple(first_cell_roots), kinds, type_b / noise[:, None], tuple(causes), judging,
+        tuple(roots), kinds, type_b / noise[:, None], tuple(causes), judging,
     )  # fmt: skip
 
 
@@ -111,7 +113,7 @@ def _cells(observation: Observation, places: Places, numbers: int, others: int) 
     """
     of_term = _by_term(visited(observation, places).cells)
     if numbers <= MOST_NUMBERS:
-        return [cell for mine in of_term.values() for cell in sorted(mine)]
+        return [(term, cell) for term, mine in of_term.items() for cell in sorted(mine)]
     effect, kept = np.zeros(len(observation.errors.terms)), list[tuple[int, int]]()
     for setup, mine in places.by_setup():
         shown = cells_shown(observation, setup, places.poses[mine])
@@ -120,45 +122,33 @@ def _cells(observation: Observation, places: Places, numbers: int, others: int) 
     room = MOST_COLUMNS - observation.errors.size - len(observation.unknowns) - others
     for term in sorted(of_term, key=lambda each: (-effect[each], each)):
         if len(of_term[term]) <= room:
-            kept += sorted(of_term[term])
+            kept += [(term, cell) for cell in sorted(of_term[term])]
             room -= len(of_term[term])
     return kept
 
 
-def _by_term(cells: Iterable[tuple[int, int]]) -> dict[int, list[tuple[int, int]]]:
+def _by_term(cells: Iterable[tuple[int, int]]) -> dict[int, list[int]]:
     """Return cells by their error."""
-    result = dict[int, list[tuple[int, int]]]()
-    for cell in cells:
-        result.setdefault(cell[0], []).append(cell)
+    result = dict[int, list[int]]()
+    for term, cell in cells:
+        result.setdefault(term, []).append(cell)
     return result
 
 
-@dataclass(frozen=True, eq=False)
-class _Builder:
-    """Makes the columns of rests and of what adds to curves."""
+def _root_of_cells(term: Term, cells: NDArray[np.intp], usual: bool) -> Array:
+    """Return the root of the prior of cells of one error; apart if not usual.  cells : (q,)"""
+    return term.rest * (cell_root(term, cells) if usual else np.eye(len(cells)))
 
-    observation: Observation
-    sizes: Sizes
-    inherited: Inherited | None
-    usual: bool
 
-    def cell_roots(self, cells: Sequence[tuple[int, int]]) -> list[Array]:
-        """Return the roots of the priors of cells, those of one error together; apart if not usual."""
-        of_term = [
-            (self.observation.errors.terms[term], [cell for _, cell in mine]) for term, mine in _by_term(cells).items()
-        ]
-        return [
-            term.rest * (cell_root(term, np.array(mine)) if self.usual else np.eye(len(mine))) for term, mine in of_term
-        ]
+def _scales(
+    errors: Machine, absent: Mapping[str, Array], *, inherited: bool
+) -> Iterator[tuple[str, Scale, Array | None]]:
+    """Yield what adds to curves: owner, what it adds, and which share of it readings lack, (r,), None for none.
 
-    def scales(self, absent: Mapping[str, Array]) -> Iterator[tuple[str, Scale, Array | None]]:
-        """Yield what adds to curves: owner, what it adds, and which share of it readings lack, (r,), None for none.
-
-        absent : as of `causes.absent`; a belief that was inherited has the scales of axes
-        """
-        for term in self.observation.errors.terms:
-            if self.inherited is None and term.error.scale:
-                yield term.name, Scale("scale", term.columns, term.error.scale * ramp(term.spline)), None
-            for share in absent.get(term.name, np.zeros((0, 0))).T:
-                part = WAY * np.sqrt(np.diagonal(term.covariance))
-                yield term.name, Scale("way", term.columns, part), share
+    absent : as of `passing_columns`; inherited : a belief, which has the scales of axes
+    """
+    for term in errors.terms:
+        if not inherited and term.error.scale:
+            yield term.name, Scale("scale", term.columns, term.error.scale * ramp(term.spline)), None
+        for share in absent.get(term.name, np.zeros((0, 0))).T:
+            yield term.name, Scale("way", term.columns, WAY * np.sqrt(np.diagonal(term.covariance))), share

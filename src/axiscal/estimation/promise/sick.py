@@ -47,7 +47,7 @@ from axiscal_core.draws import Weighed, sized
 from axiscal_core.from_scipy import normal_share
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
-from axiscal_core.unknowns import Space, space_of
+from axiscal_core.unknowns import space_of
 
 _FEWEST = 4
 """Readings of a set-up: three are still, or in another order, by chance."""
@@ -92,16 +92,13 @@ class _Mounted:
 
     def still(self) -> Iterator[Tried]:
         """Yield that it shows the same everywhere."""
-        problem, mine, p = self.problem, self.mine, 1.0
-        gain = flickering(problem.values[mine], numbers_of_one(problem.reading[mine]))
-        rest = space_of(problem.only(~mine))
+        problem, mine = self.problem, self.mine
+        gain, rest = flickering(problem.values[mine], numbers_of_one(problem.reading[mine])), problem.only(~mine)
         if gain < log_density_of(self.found.drawn.stated, rest):
             return
-        gain -= self.right
-        if len(rest.problem.values):
-            others = sized(rest)
-            gain, p = gain + others.log_evidence, tail_of(rest.problem, others)
-        yield Tried(Explained("still", math.log(PRIOR) + gain, self.setups), p)
+        odds = math.log(PRIOR) + gain - self.right
+        wrong = Explained("still", odds, self.setups)
+        yield Tried.of(wrong, odds, rest) if len(rest.values) else Tried(wrong, 1.0)
 
     def shifted(self) -> Iterator[Tried]:
         """Yield that each value belongs to the place behind, or to that before."""
@@ -260,16 +257,14 @@ def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) 
         steps = (each.steps[setup] / noise for setup, noise in pairs)
         prior = math.log(PRIOR) - each.log_places - sum(math.log(max(step, _FINEST)) for step in steps)
         prior += 0.5 * int(again.sum()) * math.log(2 * math.pi)
-        rest = space_of(problem.only(~again))
-        if prior - log_density_of(found.drawn.stated, rest) <= math.log(NAMED):
-            continue
-        others = sized(rest)
-        density, first = found.log_evidence - others.log_evidence, int(each.readings.min())
-        yield Tried(Explained("stuck", prior - density, each.setups, first), tail_of(rest.problem, others))
+        rest = problem.only(~again)
+        if prior - log_density_of(found.drawn.stated, rest) > math.log(NAMED):
+            wrong = Explained("stuck", 0.0, each.setups, int(each.readings.min()))
+            yield Tried.of(wrong, prior - found.log_evidence, rest)
 
 
-def log_density_of(given: Given, others: Space) -> float:
+def log_density_of(given: Given, others: Problem) -> float:
     """Return log p(yₛ | others) of the numbers that others lack, up to (2π)^(−s/2)."""
-    without = others.given(given.theta)
+    without = space_of(others).given(given.theta)
     assert without is not None, "a covariance with noise is positive definite"
     return given.density - without.density

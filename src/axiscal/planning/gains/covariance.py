@@ -23,8 +23,8 @@ from axiscal.measurement.observation import JointRows, Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at, visited
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import condition, lower_root
 from axiscal_core.from_scipy import solution, solution_of_product, take_off
+from axiscal_core.normal import condition
 from axiscal_core.state import joint_gains
 
 _MODERATE = 1e13
@@ -224,7 +224,7 @@ def informed(factor: Array, scaled: Array) -> Array:
     prior: forming BᵀB would then lose the prior.
     """
     if np.sum(scaled**2) < _MODERATE:
-        return solution(lower_root(_information(scaled)), factor.T).T
+        return solution(_triangle(scaled), factor.T).T
     _, values, right = np.linalg.svd(scaled, full_matrices=False)
     shrink = 1.0 - 1.0 / np.hypot(1.0, values)
     return np.asarray(factor - (factor @ right.T * shrink) @ right, dtype=np.float64)
@@ -238,7 +238,7 @@ def criterion_after(weighted: Array, scaled: Array) -> float:
     """
     felt = np.any(scaled, axis=0)
     if len(scaled) < np.count_nonzero(felt) and np.sum(scaled**2) < _MODERATE:
-        taken = solution(lower_root(_information(scaled.T)), scaled @ weighted.T)
+        taken = solution(_triangle(scaled.T), scaled @ weighted.T)
         return float(np.sum(weighted**2) - np.sum(taken**2))
     return float(np.sum(weighted[:, ~felt] ** 2) + np.sum(informed(weighted[:, felt], scaled[:, felt]) ** 2))
 
@@ -246,16 +246,16 @@ def criterion_after(weighted: Array, scaled: Array) -> float:
 def unexplained(target: Array, scaled: Array) -> Array:
     """Return Φ (I + BᵀB)⁻¹, (w, r), what readings leave of Φ = V F; as `informed` otherwise.  scaled : B (m, r)"""
     if np.sum(scaled**2) < _MODERATE:
-        return solution_of_product(lower_root(_information(scaled)), target.T).T
+        return solution_of_product(_triangle(scaled), target.T).T
     _, values, right = np.linalg.svd(scaled, full_matrices=False)
     return np.asarray(target - (target @ right.T * (values**2 / (1 + values**2))) @ right, dtype=np.float64)
 
 
-def _information(scaled: Array) -> Array:
-    """Return I + BᵀB, (r, r)."""
+def _triangle(scaled: Array) -> Array:
+    """Return L (r, r), lower triangular, with L Lᵀ = I + BᵀB."""
     information: Array = scaled.T @ scaled
     information[np.diag_indices(len(information))] += 1.0
-    return information
+    return np.asarray(np.linalg.cholesky(information))
 
 
 _TOGETHER = 80

@@ -13,7 +13,6 @@ import numpy as np
 
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Root, Yardstick
-from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
@@ -23,6 +22,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal.planning.gains.covariance import Covariance
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 
 PATIENCE = 1e11
 """Operations that climbing off the lattice may take unless said otherwise: half a minute."""
@@ -42,7 +42,7 @@ class Task:
     """
 
     observation: Observation
-    belief: Belief
+    belief: Normal
     root: Root
     yardstick: Yardstick
     lattice: Places

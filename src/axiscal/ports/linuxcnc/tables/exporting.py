@@ -14,7 +14,6 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.document.file import number_or_none
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import said
@@ -28,6 +27,7 @@ from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
@@ -134,7 +134,7 @@ def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
     for name in names:
         if name in estimate.model.by_name:
             mean[estimate.model.by_name[name].columns] = 0.0
-    return replace(estimate, belief=Belief(mean, estimate.belief.covariance, estimate.belief.degrees))
+    return replace(estimate, belief=Normal.of_factor(mean, estimate.belief.factor, estimate.belief.degrees))
 
 
 def _unit(table: CompensationTable, linear: str) -> str:
