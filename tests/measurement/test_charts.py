@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.charts.kinds import Bar, Circle, Held, Sight
-from axiscal.measurement.charts.room import Chart, Coordinate, Room, arrivals, has_room, turns
-from axiscal.numerics import Array
-from axiscal.planning.step.ground import changes, places_along
+from axiscal.measurement.charts.room import Coordinate, Room, arrivals, has_room, turns
 from tests.generators.kinematics import in_travel, stem, tip
 from tests.generators.printed_machine import printed_machine
 from tests.generators.solids import filled, solids
@@ -44,54 +40,6 @@ def circle(plane: str = "xy", turning: float = 0.0) -> Circle:
 def sphere(overrun: float) -> tuple[Coordinate, ...]:
     """Azimuth and elevation of a bar."""
     return Coordinate(0.0, math.tau, 0.0, overrun, endless=True), Coordinate(-math.pi / 2, math.pi / 2, 0.0, overrun)
-
-
-def levels() -> tuple[Array, ...]:
-    """Knots and ends of the travels of the five-axis machine."""
-    model = DMU
-
-    def of(k: int) -> Array:
-        knots = [f.spline.knots for f in model.curves if f.axis == k and f.spline.size > 1]
-        return np.unique(np.concatenate([*knots, np.array(DMU.axes[k].travel)]))
-
-    return tuple(of(k) for k in range(len(DMU.axes)))
-
-
-@pytest.mark.parametrize(
-    ("chart", "number", "place"),
-    [
-        (held(), 0, (0.0, 0.4)),
-        (held("high"), 1, (2.0, 0.0)),
-        (circle("zx"), 0, (0.0,)),
-        (circle("xy", turning=1.0), 0, (0.0,)),
-        (circle("xy", turning=0.37), 0, (0.0,)),
-    ],
-)
-def test_no_axis_crosses_a_level_between_two_breaks(chart: Chart, number: int, place: tuple[float, ...]) -> None:
-    def passed(values: Array) -> NDArray[np.bool_]:
-        poses = chart.poses(places_along(np.array(place), number, values))
-        return np.hstack([poses[:, [k]] > wanted for k, wanted in enumerate(levels())])
-
-    low, high, *_ = chart.coordinates[number]
-    cuts = np.unique([low, high, *changes(passed, np.linspace(low, high, 721)).mean(axis=1)])
-    fine = np.sort(np.concatenate([np.linspace(a, b, 40)[1:-1] for a, b in pairwise(cuts)]))
-    places = np.tile(np.array(place), (len(fine), 1))
-    places[:, number] = fine
-    poses = chart.poses(places)
-    piece = np.searchsorted(cuts, fine)
-    for k, wanted in enumerate(levels()):
-        side = np.searchsorted(wanted, poses[:, k])
-        touching = np.min(np.abs(poses[:, [k]] - wanted), axis=1) < 1e-7
-        for one in np.unique(piece):
-            assert len(set(side[(piece == one) & ~touching])) <= 1
-
-
-def test_a_circle_that_touches_a_level_in_one_point_is_no_trouble() -> None:
-    def passed(angles: Array) -> NDArray[np.bool_]:
-        return np.cos(angles)[:, None] > np.array([1.0, -1.0])
-
-    found = changes(passed, np.linspace(0.0, math.tau, 721))
-    np.testing.assert_allclose(found, math.pi, atol=1e-6)
 
 
 @pytest.mark.parametrize(("step", "cone", "counts"), [(30, 100, (36, 37, 48)), (15, 30, (84, 110, 120))])

@@ -123,13 +123,6 @@ def raster_positions(machine: Machine, setup: Setup, axis: int) -> Array:
     return Coordinate(*setup.span(machine.axes[axis], axis), setup.raster[axis]).values
 
 
-def knot_lattice(observation: Observation, setup: int, axis: int, parts: int) -> Array:
-    """Return the knots of an axis as a set-up meets them, and the ends, each stretch cut in equal parts, (p,)."""
-    knots = knots_along(observation, axis, setup)
-    inside = knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(parts) / parts)
-    return np.append(inside.ravel(), knots[-1])
-
-
 def corners(box: Box) -> Array:
     """Return the corners of a box of poses, (2^q, q)."""
     return np.stack([g.ravel() for g in np.meshgrid(*box, indexing="ij")], axis=1)

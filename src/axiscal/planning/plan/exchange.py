@@ -27,8 +27,8 @@ from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, Scorer, unexplained
 from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.ground import ground_of
 from axiscal.planning.plan.task import Patience, work_of_climb
-from axiscal.planning.step.ground import ground_of
 from axiscal_core.climb import Climb
 from axiscal_core.from_scipy import lowest
 from axiscal_core.ties import ALIKE, first_best, ranked

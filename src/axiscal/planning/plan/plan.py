@@ -4,8 +4,8 @@
     plan.places.poses[0], plan.accuracy.rms, plan.seconds
 
 Tours of `minutes` plan for a budget, and for an accuracy in the fewest minutes. For so many readings exchange chooses
-them together. It improves a greedy, a space-filling, an evenly spaced and the best random design; the best result is
-the plan. So no such plan is worse than one of these.
+them together. It improves a greedy, a space-filling and an evenly spaced design; the best result is the plan. So no
+such plan is worse than one of these.
 
 While measuring, `renewed` plans the rest: from the readings that are still open, by what exchanges still help. Readings
 of linear instruments sharpen a belief by their places, not by their values. So the rest of a plan is still the plan, as
@@ -28,7 +28,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import reading_seconds
 from axiscal.planning.gains.covariance import after_each
 from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.plan.beginnings import best_of_random, plain_designs
+from axiscal.planning.plan.beginnings import plain_designs
 from axiscal.planning.plan.exchange import ROUNDS, SWEEPS, exchange, polish
 from axiscal.planning.plan.greedy import Setups, chosen_setups, filled, scores_among, sets_within
 from axiscal.planning.plan.irregular import irregular
@@ -159,8 +159,6 @@ def _mountable(task: Task, limits: Limits, left: Places) -> Places:
 
 MANY = 150
 """Readings of a plan at most that nothing else ends: what is known by then plans the others."""
-_RANDOM = 0.2
-"""Share of the patience that random starts may take besides."""
 _MUCH = 1e9
 """Operations of exchange from which on only the best beginning is swept, or goes on after its first sweep."""
 
@@ -239,7 +237,7 @@ def _any_time(task: Task, within: Limits, patience: float, usual: bool) -> Place
         setups = chosen_setups(task, limits)
     task = task.among(setups)
     with stage("readings chosen together"):
-        scores = _together(task, within.readings or MANY, setups, _RANDOM * patience)
+        scores = _together(task, within.readings or MANY, setups)
     with stage("places between the steps"):
         polish(scores, ROUNDS, Patience(patience))
     order = in_order(task, irregular(task, limits, scores.places) if usual and len(scores.places) else scores.places)
@@ -276,19 +274,15 @@ def refuse_unplannable(task: Task, limits: Limits) -> None:
         raise PlanError(what, remedy, given=limits.budget / 60, needed=first[quickest] / 60, setup=setup)
 
 
-def _together(task: Task, readings: int, setups: Setups, work: float) -> Scores:
-    """Return the best of what exchange makes of several beginnings with the same number of readings per set-up.
-
-    work : operations that random starts may take
-    """
+def _together(task: Task, readings: int, setups: Setups) -> Scores:
+    """Return the best of what exchange makes of several beginnings with the same number of readings per set-up."""
     base = scores_among(task, setups)
     tried = [filled(base.fork(), readings, setups)]
     if not task.patience:
         exchange(tried[0], 1)
         return tried[0]
     counts = [(s, int(np.sum(tried[0].places.setups == s))) for s in setups]
-    random = best_of_random(task, counts, work)
-    for begun in [*plain_designs(task, counts), *([] if random is None else [random])]:
+    for begun in plain_designs(task, counts):
         scores = base.fork()
         scores.enter_all(begun)
         tried.append(scores)

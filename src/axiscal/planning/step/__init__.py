@@ -1,1 +1,0 @@
-"""The one place where the next reading brings most, exactly."""
