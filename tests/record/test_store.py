@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.document import durable
 from axiscal.document.durable import written
 from axiscal.exceptions import RecordError
 from axiscal.record import store
@@ -116,7 +117,7 @@ def test_a_record_that_appears_while_another_is_made_is_not_overwritten(
         written(draft, content)
         path.write_text("another one")
 
-    monkeypatch.setattr(store, "written", meanwhile)
+    monkeypatch.setattr(durable, "written", meanwhile)
     with pytest.raises(RecordError, match="exists already"):
         Record.made(path, content_of(rows_of([CREATED])))
     assert [(each.name, each.read_text()) for each in tmp_path.iterdir()] == [("mill.axiscal", "another one")]

@@ -8,6 +8,7 @@ import math
 import os
 import random
 import re
+import shutil
 import sys
 import time
 from abc import ABC, abstractmethod
@@ -33,11 +34,6 @@ _PIECE = 1 << 24
 _DRAFT = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
 
 
-def draft_of(path: Path) -> Path:
-    """Return the name under which this process writes `path` before it is published."""
-    return path.with_name(f".{path.name}.{os.getpid()}.new")
-
-
 def written(path: Path, content: bytes) -> None:
     """Write a new file to the disk; raises OSError, FileExistsError where there is something already."""
     handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
@@ -48,18 +44,36 @@ def written(path: Path, content: bytes) -> None:
         os.close(handle)
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file, in the place of an earlier one, so that it is there whole or not at all; raises OSError."""
-    draft = draft_of(path)
+def write_whole(path: Path, content: bytes, *, new: bool = False, like: Path | None = None) -> None:
+    """Write a file so that it is there whole or not at all; raises OSError.
+
+    new : FileExistsError where something is there, which is replaced otherwise
+    like : a file whose permissions it gets, by default those of the one that it replaces
+    """
+    draft = path.with_name(f".{path.name}.{os.getpid()}.new")
     clear_drafts(path.parent, path.name)
     try:
         written(draft, content)
-        os.replace(draft, path)
+        with contextlib.suppress(FileNotFoundError):
+            shutil.copymode(like or path, draft)
+        (_named_anew if new else os.replace)(draft, path)
         sync_folder(path.parent)
     except OSError as failure:
+        raise OSError(failure.errno, failure.strerror, str(path)) from None
+    finally:
         with contextlib.suppress(OSError):
             draft.unlink(missing_ok=True)
-        raise OSError(failure.errno, failure.strerror, str(path)) from None
+
+
+def _named_anew(draft: Path, path: Path) -> None:
+    try:
+        os.link(draft, path)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without hard links
+        if path.exists():
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
+        os.rename(draft, path)
 
 
 def write_at(handle: int, offset: int, content: bytes) -> None:
