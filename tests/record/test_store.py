@@ -17,7 +17,7 @@ from axiscal.document.durable import written
 from axiscal.exceptions import RecordError
 from axiscal.record import store
 from axiscal.record.events import Created
-from axiscal.record.store import Record, content_of, write_copy
+from axiscal.record.store import Record, content_of
 from axiscal.record.story import rows_of
 from tests.reliability.record_faults import CREATED, recorded
 
@@ -131,5 +131,5 @@ def test_a_copy_takes_the_place_of_nothing_else(record: Record, tmp_path: Path) 
     for name, why in (("other.axiscal", "Another campaign"), ("text.axiscal", "not a campaign record")):
         before = (tmp_path / name).read_bytes()
         with pytest.raises(RecordError, match=why):
-            write_copy(record, tmp_path / name)
+            record.copy_to(tmp_path / name)
         assert (tmp_path / name).read_bytes() == before

@@ -11,12 +11,9 @@ import re
 import shutil
 import sys
 import time
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 _NAP = 0.002
 """Seconds between two looks, at most; by chance, so that nobody is always too late."""
@@ -143,60 +140,30 @@ def drafts_left(folder: Path, name: str) -> list[Path]:
 
 def is_running(process: int) -> bool:
     """Whether there is such a process besides this one."""
-    if process == os.getpid():
-        return False
     try:
         os.kill(process, 0)
     except (ProcessLookupError, OverflowError):
         return False
     except OSError:
         return True
-    return True
-
-
-class Closing(ABC):
-    """A context manager that is closed after its block."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """Let go of what it holds."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        self.close()
+    return process != os.getpid()
 
 
 if sys.platform == "win32":
     import msvcrt
 
-    _FAR = 2**30
+    _TAKE, _LEAVE = msvcrt.LK_NBLCK, msvcrt.LK_UNLCK
 
-    def _taken(handle: int) -> bool:
-        os.lseek(handle, _FAR, os.SEEK_SET)
-        try:
-            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
-        except OSError:
-            return False
-        return True
-
-    def _left(handle: int) -> None:
-        os.lseek(handle, _FAR, os.SEEK_SET)
-        msvcrt.locking(handle, msvcrt.LK_UNLCK, 1)
+    def _hold(handle: int, how: int) -> None:
+        os.lseek(handle, 2**30, os.SEEK_SET)  # far behind what is written
+        msvcrt.locking(handle, how, 1)
 
 else:
-    import fcntl
+    from fcntl import LOCK_EX, LOCK_NB
+    from fcntl import LOCK_UN as _LEAVE
+    from fcntl import flock as _hold
 
-    def _taken(handle: int) -> bool:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        return True
-
-    def _left(handle: int) -> None:
-        fcntl.flock(handle, fcntl.LOCK_UN)
+    _TAKE = LOCK_EX | LOCK_NB
 
 
 _last_left: dict[int, float] = {}
@@ -216,13 +183,17 @@ def alone(handle: int, patience: float) -> Iterator[None]:
     until, looks = time.monotonic() + patience, 0
     if time.monotonic() - _last_left.get(handle, -math.inf) < _AGAIN:  # others may be waiting: they get their turn
         time.sleep(_NAP * random.random())
-    while not _taken(handle):
-        looks += 1
-        if looks > _LOOKS and time.monotonic() > until:
-            raise HeldError
-        time.sleep(_NAP * random.random())
+    while True:
+        try:
+            _hold(handle, _TAKE)
+            break
+        except (BlockingIOError, PermissionError):
+            looks += 1
+            if looks > _LOOKS and time.monotonic() > until:
+                raise HeldError from None
+            time.sleep(_NAP * random.random())
     try:
         yield
     finally:
-        _left(handle)
+        _hold(handle, _LEAVE)
         _last_left[handle] = time.monotonic()

@@ -19,7 +19,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
-from axiscal.document.durable import Closing, alone, clear_drafts, read_at, sync, write_at, write_whole
+from axiscal.document.durable import alone, clear_drafts, read_at, sync, write_at, write_whole
 from axiscal.document.quoting import shown
 from axiscal.exceptions import NewerError, OvertakenError, RecordError
 from axiscal.language.spoken import said
@@ -50,7 +50,7 @@ PATIENCE = 4.0
 _READ_IT = "This one can read and copy the record; nothing was written"
 
 
-class Record(Closing):
+class Record(contextlib.AbstractContextManager["Record"]):
     """An open campaign record; a context manager. Every failure is a RecordError that names the file.
 
     path : as people name it; lines : all that have been read
@@ -124,20 +124,20 @@ class Record(Closing):
                 self._bring()
             with self._held() as handle:
                 self._catch_up()
-                if after is not None and self.last_read != after:
+                if after is not None and len(self.lines) != after:
                     what = "Another process has written to this record in the meantime"
                     remedy = "Look at it with `axiscal step status`, then give the command again"
                     raise OvertakenError(what, remedy, self.path)
                 if rows:
                     self._refuse_unfit(rows)
                     self._add(handle, rows)
-        return self.last_read
+        return len(self.lines)
 
     def _refuse_unfit(self, rows: Sequence[EventText]) -> None:
         """Raise RecordError for events that are to be written behind and cannot follow."""
         after = self._story.copied()
         try:
-            for number, row in enumerate(rows, self.last_read + 1):
+            for number, row in enumerate(rows, len(self.lines) + 1):
                 after.add(stored(number, row))
         except EventOrderError as error:
             what = "This cannot follow what the record holds: {error}"
@@ -145,7 +145,7 @@ class Record(Closing):
             raise RecordError(what, remedy, self.path, error=error) from error
 
     def _add(self, handle: int, rows: Sequence[EventText]) -> None:
-        added = entry(rows, self.campaign, self._writer, self.last_read, self.lines[-1].hash)
+        added = entry(rows, self.campaign, self._writer, len(self.lines), self.lines[-1].hash)
         content = b"".join(line.written() for line in added)
         size = os.fstat(handle).st_size
         if read_at(handle, size - 1, 1) != b"\n":
@@ -165,7 +165,7 @@ class Record(Closing):
         anew = os.open(self._file, os.O_RDWR | BINARY)
         try:
             least = [-1 if each is None else each for each in counts(read_at(anew, 0, HEAD))]
-            write_at(anew, SLOTS[least[0] > least[1]], count_bytes(self.last_read))
+            write_at(anew, SLOTS[least[0] > least[1]], count_bytes(len(self.lines)))
         finally:
             os.close(anew)
 
@@ -183,7 +183,7 @@ class Record(Closing):
         if by is None or (last.kind == "signed" and by.key in last.payload):
             return False
         row = EventText(at, *encode(Signed(by.key, by.signature), Hand(by.person, by.computer)))
-        self.extend([row], after=self.last_read)
+        self.extend([row], after=len(self.lines))
         return True
 
     def signed(self) -> SignedUntil | None:
@@ -196,11 +196,6 @@ class Record(Closing):
         return self.lines[0].campaign
 
     @property
-    def last_read(self) -> int:
-        """The number of the last event that has been read."""
-        return len(self.lines)
-
-    @property
     def rows(self) -> list[EventText]:
         """All events that have been read, as they were written."""
         return [line.row for line in self.lines]
@@ -209,7 +204,7 @@ class Record(Closing):
         """Take in what others have written since, and return the number of the last event."""
         with record_errors(self.path):
             self._catch_up()
-        return self.last_read
+        return len(self.lines)
 
     def events(self) -> tuple[Stored, ...]:
         """Return all events, oldest first."""
@@ -239,9 +234,38 @@ class Record(Closing):
             mark in row.payload and row.kind not in ("planned", "continued", "asked") for row in self.rows
         )
 
+    def copy_to(self, path: Path) -> None:
+        """Write a copy, in the place of an earlier copy if there is one; raises as `refuse_other`."""
+        self.refuse_other(path)
+        if not self._is(path):
+            with record_errors(path):
+                write_whole(path, content_of_lines(self.lines))
+
+    def refuse_other(self, path: Path) -> None:
+        """Raise RecordError if there is something at `path` that is more than this record or an earlier copy of it."""
+        if not path.exists() or self._is(path):
+            return
+        remedy = "Name another folder, or move it away"
+        try:
+            there = Record.open(path, write=False).lines
+        except RecordError as failure:
+            what = "A file with the name of the record is here already: {why}"
+            raise RecordError(what, remedy, path, why=failure.what) from None
+        if there[0].campaign != self.campaign:
+            raise RecordError("Another campaign's record is here already", remedy, path)
+        if [line.row for line in there] != self.rows[: len(there)]:
+            remedy = "Name another folder, or move it away; or go on with that one"
+            raise RecordError("The copy that is here has gone on by itself", remedy, path)
+
+    def _is(self, path: Path) -> bool:
+        return path.exists() and self.path.exists() and path.samefile(self.path)
+
     def close(self) -> None:
         """Write no more; what was appended is safe without it."""
         self._write = False
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     @contextlib.contextmanager
     def _held(self) -> Iterator[int]:
@@ -294,8 +318,8 @@ class Record(Closing):
             if line.number == line.last:
                 self._take(waiting)
                 waiting, self._end = [], start + end
-        if self.last_read < max(1, *known):
-            raise DamageError(f"it ends at event {self.last_read} and should end at event {max(1, *known)}")
+        if len(self.lines) < max(1, *known):
+            raise DamageError(f"it ends at event {len(self.lines)} and should end at event {max(1, *known)}")
 
     def _newest(self) -> KeptLine | None:
         return self.lines[-1] if self.lines else None
@@ -318,11 +342,11 @@ class Record(Closing):
 
     def _refuse_unknown(self, line: KeptLine) -> None:
         """Raise DamageError, RecordError of a branch, for a line that does not follow and is not there already."""
-        there = self.lines[line.number - 1] if line.number <= self.last_read else None
-        if there.hash == line.hash if there is not None else line.first == self.last_read + 1:
+        there = self.lines[line.number - 1] if line.number <= len(self.lines) else None
+        if there.hash == line.hash if there is not None else line.first == len(self.lines) + 1:
             return  # it stands there twice, or is what is left of an entry that nobody has finished
         if there is None or line.campaign != there.campaign:
-            raise DamageError(f"whole lines stand behind event {self.last_read} and do not follow from it")
+            raise DamageError(f"whole lines stand behind event {len(self.lines)} and do not follow from it")
         what = "Two went on from event {number}: {one}, and {other}"
         remedy = said("Ask what becomes of both: {command}", command=repairing(self.path))
         one, other = said_hand(there.row), said_hand(line.row)
@@ -354,33 +378,3 @@ def content_of(rows: Sequence[EventText], campaign: str = "") -> bytes:
 def content_of_lines(lines: Sequence[KeptLine]) -> bytes:
     """Return the file of a record that holds these lines."""
     return head(len(lines)) + b"".join(line.written() for line in lines)
-
-
-def write_copy(record: Record, path: Path) -> None:
-    """Write a copy of a record, in the place of an earlier copy if there is one; raises as `refuse_other`."""
-    if _is_itself(record, path):
-        return
-    refuse_other(record, path)
-    with record_errors(path):
-        write_whole(path, content_of_lines(record.lines))
-
-
-def refuse_other(record: Record, path: Path) -> None:
-    """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
-    if not path.exists() or _is_itself(record, path):
-        return
-    remedy = "Name another folder, or move it away"
-    try:
-        there = Record.open(path, write=False).lines
-    except RecordError as failure:
-        what = "A file with the name of the record is here already: {why}"
-        raise RecordError(what, remedy, path, why=failure.what) from None
-    if there[0].campaign != record.campaign:
-        raise RecordError("Another campaign's record is here already", remedy, path)
-    if [line.row for line in there] != record.rows[: len(there)]:
-        remedy = "Name another folder, or move it away; or go on with that one"
-        raise RecordError("The copy that is here has gone on by itself", remedy, path)
-
-
-def _is_itself(record: Record, path: Path) -> bool:
-    return path.exists() and record.path.exists() and path.samefile(record.path)

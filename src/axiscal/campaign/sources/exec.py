@@ -18,7 +18,7 @@ from typing import IO, Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import later, said
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.kind import Reads
 from axiscal.measurement.reading import asked_values, reading_unit, units_of
@@ -42,7 +42,7 @@ _WORDS = 300
 WIDEST = 1e6
 """A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
-_REMEDY = 'Answer each line with one such as {{"value": 1.7, "unit": "um"}} or {{"skip": "reason"}}'
+_REMEDY = later('Answer each line with one such as {"value": 1.7, "unit": "um"} or {"skip": "reason"}')
 
 
 class ExecSource:
@@ -182,9 +182,10 @@ def _understood(line: str, request: Request) -> Answer | Skip:
     units = [_unit(one, reads, setup) for one, reads in zip(each, kinds, strict=True)]
     values = value if values_of(setup) > 1 else [value]
     if not isinstance(values, list) or len(values) != values_of(setup):
-        of = {"names": asked_values(setup), "units": ", ".join(f'"{unit}"' for unit in units_of(setup))}
+        names, units_said = asked_values(setup), ", ".join(f'"{unit}"' for unit in units_of(setup))
         remedy = 'Answer with all of {names}: {{"value": [1.7, ...], "unit": [{units}]}}'
-        raise SourceError("{count} numbers were expected", remedy, count=values_of(setup), **of)
+        what = "{count} numbers were expected"
+        raise SourceError(what, remedy, count=values_of(setup), names=names, units=units_said)
     first, *others = map(_number, values, units)
     std = None if answer.get("std") is None else _number(answer["std"], units[0])
     if std is not None and not max(FINEST, setup.noise / WIDEST) <= std <= setup.noise * WIDEST:
@@ -219,7 +220,7 @@ def _number(number: object, unit: str) -> float:
         raise SourceError("a number is missing in it", _REMEDY)
     value = from_unit(float(number), unit) if abs(number) < 1e300 else math.inf
     if not math.isfinite(value):
-        raise SourceError("that is no finite number", 'Answer {{"skip": "reason"}} when there is no reading')
+        raise SourceError("that is no finite number", 'Answer {"skip": "reason"} when there is no reading')
     return value
 
 
