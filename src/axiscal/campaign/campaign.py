@@ -324,7 +324,13 @@ class Campaign(AbstractContextManager["Campaign"]):
         path, in_a_row = [self._milestone()], 0
         watch(path[0])
         with noted_interrupts() as heeding:
-            while not isinstance(asked := self._next_of_run(path), Ended):
+            while True:
+                accuracies = [milestone.accuracy for milestone in path]
+                before = partial(estimated, self.case(), self.state.readings[:-FUTILE])
+                hopeless = out_of_reach(self.description.target, accuracies, before, self.estimate())
+                asked = Ended(hopeless) if hopeless and not self.reached() else self.next()
+                if isinstance(asked, Ended):
+                    return self.finish(asked.because)
                 with heeding():
                     answer = answered(source, self.request(asked))
                 if isinstance(answer, Skip):
@@ -339,13 +345,6 @@ class Campaign(AbstractContextManager["Campaign"]):
                     refuse_implausible(self.estimate())
                 with heeding():
                     pass  # before the next plan is made
-            return self.finish(asked.because)
-
-    def _next_of_run(self, path: Sequence[Milestone]) -> Asked | Ended:
-        accuracies = [milestone.accuracy for milestone in path]
-        before = partial(estimated, self.case(), self.state.readings[:-FUTILE])
-        hopeless = out_of_reach(self.description.target, accuracies, before, self.estimate())
-        return Ended(hopeless) if hopeless and not self.reached() else self.next()
 
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
