@@ -38,7 +38,7 @@ def test_who_was_left_without_a_processor_for_seconds_looks_again(
             nonlocal naps
             naps += 1
             if naps == 20:
-                durable._left(first)  # the other process ends
+                durable._hold(first, durable._LEAVE)  # the other process ends
 
         monkeypatch.setattr(time, "sleep", nap)
         with durable.alone(second, 4.0):

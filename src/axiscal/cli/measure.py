@@ -300,7 +300,7 @@ def measure(record: OwnRecord, out: ResultsFolder = None, language: Language = N
             except EOFError:
                 say("")
             if over:
-                campaign.refuse_other(folder / RECORD)
+                campaign.log.refuse_other(folder / RECORD)
                 campaign.finish()
                 write_outputs(campaign, folder, as_json=False, extras=Extras(spoken=spoken_now()))
         if not over:

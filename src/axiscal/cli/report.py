@@ -67,6 +67,6 @@ def finish(
 
     with opened_to_write(record) as campaign:
         folder = out or results_of(record)
-        campaign.refuse_other(folder / RECORD)
+        campaign.log.refuse_other(folder / RECORD)
         campaign.finish()
         write_outputs(campaign, folder, as_json=json, details=details, anyway=anyway)

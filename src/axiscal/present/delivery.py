@@ -115,7 +115,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     live = home if home.exists() and campaign.path.exists() and home.samefile(campaign.path) else None
     with speaking("en"), result_set(out, live=live) as folder:
         if live is None:
-            campaign.copy(folder / RECORD)
+            campaign.log.copy_to(folder / RECORD)
         told = [each.text for each in summary.warnings], summary.agreement_words, summary.record
         for name, each in made.items():
             if isinstance(each, Export):

@@ -91,7 +91,7 @@ class Desk:
 
         after : `last` of the state that it answers, None for what answers none; OvertakenError if that has changed
         """
-        if self.campaign.has_done(step_now()):
+        if self.campaign.log.holds(step_now()):
             return said("That is kept already.")
         if self._moved_on():
             self._show()
@@ -187,7 +187,7 @@ class Desk:
         from axiscal.present.result_set import RECORD
         from axiscal.present.summarising import Extras
 
-        self.campaign.refuse_other(self.results / RECORD)
+        self.campaign.log.refuse_other(self.results / RECORD)
         known = self.campaign.estimate(ended=True)
         self.campaign.finish()
         try:
