@@ -182,8 +182,8 @@ class ShapeError(AxiscalError, ValueError):
     """An array whose shape, or whose values, do not fit the call."""
 
 
-class SummaryError(AxiscalError, ValueError):
-    """Figures for the report that are not finite, or whose lengths do not fit together."""
+class SummaryError(AxiscalError):
+    """A figure for the report that is not finite."""
 
 
 class PlanError(InputError):

@@ -24,8 +24,8 @@ from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import evaluated, read_in
 from axiscal.present.findings import hidden_in_files, of_how_it_was_read, of_readings
+from axiscal.present.result_of_campaign import Extras
 from axiscal.present.result_set import RECORD, mend
-from axiscal.present.summarising import Extras
 from axiscal.units import to_unit
 
 

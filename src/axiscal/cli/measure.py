@@ -33,8 +33,8 @@ from axiscal.present.guide.question import (
     question_text,
     stands,
 )
+from axiscal.present.result_of_campaign import Extras
 from axiscal.present.result_set import RECORD
-from axiscal.present.summarising import Extras
 from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
 from axiscal.units import um_text

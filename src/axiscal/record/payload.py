@@ -13,7 +13,7 @@ from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record import events
 from axiscal.record.accepted import KNOWN, Accepted, Bumped
-from axiscal.record.result import NOT_SAID, Result
+from axiscal.record.kept_result import NOT_SAID, KeptResult
 from axiscal.record.signing import Hand
 
 _T = TypeVar("_T")
@@ -160,7 +160,7 @@ def _accepted(fields: Mapping[str, Any]) -> Accepted:
 def _finished(fields: Mapping[str, Any]) -> events.Finished:
     said = _is(dict, fields.get("result", asdict(NOT_SAID)))  # older records could not say it
     rms, expanded = (None if said[name] is None else _number(said[name]) for name in ("rms", "expanded"))
-    return events.Finished(_is(str, fields["because"]), Result(rms, expanded, _is(str, said["agreement"])))
+    return events.Finished(_is(str, fields["because"]), KeptResult(rms, expanded, _is(str, said["agreement"])))
 
 
 _READ: Mapping[str, Callable[[Mapping[str, Any]], events.Event]] = {
