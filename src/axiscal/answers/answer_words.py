@@ -261,9 +261,7 @@ def _best(answer: ResultAnswer) -> str:
     if not missed:
         return ""
     worst = max(missed, key=lambda aim: aim.floor / aim.limit)
-    return said(
-        "Best possible: {size} {unit} (see axiscal plan).", size=digits(worst.floor, worst.limit), unit=worst.unit
-    )
+    return said("Best possible: {size} {unit}.", size=digits(worst.floor, worst.limit), unit=worst.unit)
 
 
 def _checked(checked: TablesChecked | None) -> str:

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.answers.changes import changes
 from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.case import Case
@@ -137,7 +136,6 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
         *(Finding(code="drift", text=listed(" ", found)) for found in drifted if found),
-        *_changes(estimation),
         *unread_prior(estimation),
     ]
 
@@ -314,22 +312,6 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
                 stated = "That is more than is stated: drift = {rate} would be."
                 written = f'"{to_unit(rate * _AN_HOUR, unit):.2g} {unit}/h"'
                 yield said(usual if setup.drift_said == "usual" else stated, rate=written)
-
-
-def _changes(estimation: Estimation) -> Iterator[Finding]:
-    """Say which curves have changed since the campaign whose result is the prior."""
-    for change in changes(estimation):
-        unit, place = ("urad" if change.angular else "um"), "deg" if change.rotary else "mm"
-        text = said(
-            "{name} ({words}) has changed since the last campaign: by up to {size} at {place} (by chance once in "
-            "{times:.0e}).",
-            name=change.name,
-            words=words(change.name),
-            size=said_quantity(abs(change.size), unit, 2),
-            place=said_quantity(change.position, place, 4),
-            times=float(1 / max(change.chance, 1e-12)),
-        )
-        yield Finding(code="drift", error=change.name, text=text)
 
 
 def unread_prior(estimation: Estimation) -> Iterator[Finding]:
