@@ -14,7 +14,6 @@ from axiscal.errors.iso230 import words
 from axiscal.machine import load_machine
 from axiscal.present.result import (
     AgreementFigures,
-    AnswerWords,
     ChecksFigures,
     ConstantFigures,
     CurveFigures,
@@ -25,6 +24,7 @@ from axiscal.present.result import (
     RecordState,
     RejectedReading,
     Result,
+    ResultWords,
     SetupUse,
     TableFile,
 )
@@ -42,11 +42,11 @@ def bare(**changes: Any) -> Result:
     known = {"U_um": 23.4, "U_axis_um": {"x": 11.0, "y": 12.0, "z": 13.0}, "U_worst_um": 46.8, "U_level": 0.95}
     known |= {"k": 1.65, "U_holds_for": "for a tool of 120 mm", "U_along": "xyz", "rms_um": 14.2, "worst_um": 31.0}
     found = changes.pop("answer", None) or answer(verdict="nothing", readings=0, compared=0, minutes=0.0)
-    told = answer_text(found, changes["agreement"].text if "agreement" in changes else "", "c.axiscal")
+    told = answer_text(found, changes["agreement"].text if "agreement" in changes else "")
     names = {row.row: row_names([row]) for row in found.rows}
     usual = {
         "identity": {"campaign_file": "c.toml", "begun": "2026-03-14"},
-        "words": AnswerWords(first=told.first.parts, rows=told.rows, sentences=told.sentences, names=names),
+        "words": ResultWords(**dict(told), names=names),
         "machine": "m",
         "readings": 0,
         "minutes": 0.0,

@@ -265,6 +265,14 @@ class Outcome(AnswerDocument):
     )
 
 
+class AnswerWords(AnswerDocument):
+    """An answer, or a plan, as it is laid out: terminal, page and PDF say these words, and no other figures."""
+
+    first: Sequence[Text] = Field(description="parts of the first line: what became of it, which figure decides, spent")
+    rows: Sequence[Sequence[Text]] = Field(description="heading and cells of the rows")
+    sentences: Sequence[Text] = Field(description="below them")
+
+
 class ResultAnswer(Outcome):
     """The answer with its rows."""
 

@@ -188,7 +188,7 @@ class Prompt:
         minutes, promised = minutes_text(now.left_minutes), um_text(now.promised_um)
         figures = {"figure": said(now.figure), "now": um_text(now.now_um), "promised": promised}
         say("  " + said(stands, coming=coming, minutes=minutes, **figures))
-        rows = answer_text(standing_answer(self.campaign), "", "").rows
+        rows = answer_text(standing_answer(self.campaign), "").rows
         say("\n".join(columns(rows)) if rows else "")
         choice = said("Type yes to end it here and write the results, Enter to go on:")
         return "finish" if _is_yes(choice) else "same"

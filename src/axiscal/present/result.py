@@ -11,7 +11,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, AnswerRow, Figure, Outcome, ResultAnswer, Text
+from axiscal.answers.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, ResultAnswer, Text
 
 
 def _left_out(text: str) -> bool:
@@ -221,12 +221,9 @@ class RecordState(AnswerDocument):
     hash: str = Field(description="the name of what it holds up to there")
 
 
-class AnswerWords(AnswerDocument):
+class ResultWords(AnswerWords):
     """`words`: the answer as all surfaces say it."""
 
-    first: Sequence[Text] = Field(description="the first line, in parts")
-    rows: Sequence[Sequence[Text]] = Field(description="heading and rows")
-    sentences: Sequence[Text] = Field(description="below them")
     names: Mapping[str, Text] = Field(description="of rows")
 
 
@@ -239,7 +236,7 @@ class Result(AnswerDocument):
     identity: Mapping[str, str | Mapping[str, Mapping[str, str]]] = Field(
         description="`[report]` as stated, `maker`, `serial`, `chain`, `campaign_file`, `begun`, `ended`, `artefacts`"
     )
-    words: AnswerWords = Field(description="the answer as all surfaces say it")
+    words: ResultWords = Field(description="the answer as all surfaces say it")
     machine: str = Field(description="name of the machine")
     readings: int = Field(description="how many were taken")
     minutes: Figure = Field(description="machine time")

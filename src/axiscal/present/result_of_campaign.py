@@ -46,7 +46,6 @@ from axiscal.present.findings import findings, observability
 from axiscal.present.readings_file import READINGS, readings_csv
 from axiscal.present.result import (
     AgreementFigures,
-    AnswerWords,
     BudgetSource,
     ChecksFigures,
     Finding,
@@ -57,10 +56,10 @@ from axiscal.present.result import (
     RecordState,
     RejectedReading,
     Result,
+    ResultWords,
     SetupUse,
     TableFile,
 )
-from axiscal.present.result_set import RECORD
 from axiscal.present.sentences import cause_words
 from axiscal.present.volume_error import planes, volume_error
 from axiscal.tables.offer import Export
@@ -117,6 +116,7 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
     answer = extras.answer or answer_of(campaign, known, {}, anyway=extras.anyway)
     answer = answer.model_copy(update={"checked": extras.checked})
     agreement = agreement_words(known) if readings else ""
+    words = answer_text(answer, agreement, evidence_words(campaign))
     history, linear, target = _history(campaign, known), linearity(known), described.target
     sources, smaller = budget_rows(known)
     taken = readings_csv(campaign, history)
@@ -126,7 +126,7 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
     limits = {"rms": target.rms, "worst": target.worst, "U": target.expanded}
     result = Result(
         identity=_identity(campaign),
-        words=_words(campaign, answer, agreement, copied=bool(extras.tables)),
+        words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
         machine=described.machine.name,
         readings=len(readings),
         minutes=history[-1].minutes,
@@ -204,14 +204,6 @@ def _identity(campaign: Campaign) -> dict[str, str | dict[str, dict[str, str]]]:
         "artefacts": {name: each for name, each in artefacts.items() if each},
     }
     return {name: each for name, each in said_of.items() if each}
-
-
-def _words(campaign: Campaign, answer: ResultAnswer, agreement: str, *, copied: bool) -> AnswerWords:
-    """Return the answer as every surface says it.  copied : a copy of the record lies beside the results"""
-    record = RECORD if copied else campaign.path.name
-    told = answer_text(answer, agreement, record, evidence=evidence_words(campaign))
-    names = {row.row: row_names([row]) for row in answer.rows}
-    return AnswerWords(first=told.first.parts, rows=told.rows, sentences=told.sentences, names=names)
 
 
 def _agreement(known: Estimation, words: str) -> AgreementFigures:

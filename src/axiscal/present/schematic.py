@@ -86,7 +86,8 @@ class DrawnMachine:
         """Return points of the workpiece frame, (n, 3) m, in the room.  turned : whether rotary axes stand as posed"""
         pose = self.pose if turned else np.where([axis.rotary for axis in self.machine.axes], 0.0, self.pose)
         held = self._across(self.work, pose)
-        return (np.atleast_2d(points) - held.translation) @ held.rotation[0] @ self.upright.T
+        placed: Array = (np.atleast_2d(points) - held.translation) @ held.rotation[0] @ self.upright.T
+        return placed
 
     def along(self, direction: Array | Sequence[float]) -> Array:
         """Return a direction of the workpiece frame in the room, (3,)."""
