@@ -15,6 +15,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.printing import say_either, tell
+from axiscal.cli.progress import MINDS
 from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
@@ -94,10 +95,10 @@ def record(
         kept = campaign.record(number, noise, place, accepted=accept, others=tuple(others))
         doubt = last_doubt(campaign)
         found = [*others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
-        minded = [sentence for sentence in (*found, open_question(campaign), *contradictions(campaign)) if sentence]
+        minded = [sentence for sentence in (*contradictions(campaign), *found, open_question(campaign)) if sentence]
         document, line = _kept(campaign, kept)
         document |= {"surprise": None if doubt is None else round(doubt.surprise, 2), "mind": minded}
-        lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]
+        lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded[:MINDS])]
         _answered(campaign, document, lines, then_next=then_next, as_json=json)
 
 

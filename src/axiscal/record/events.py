@@ -12,7 +12,7 @@ from typing import Any, Self
 
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import Accepted, Bumped, put_right
-from axiscal.record.result import NOT_SAID, Result
+from axiscal.record.kept_result import NOT_SAID, KeptResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +117,7 @@ class Finished:
     """The campaign ends, and why; result : what it came to, which records of before could not say."""
 
     because: str
-    result: Result = NOT_SAID
+    result: KeptResult = NOT_SAID
 
 
 @dataclass(frozen=True, slots=True)
