@@ -14,7 +14,6 @@ from axiscal.estimation.knowledge import taken
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.machine.axis import travel_text
-from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.readers.csv_table import RawPose
 from axiscal.measurement.reading import Place, in_radii
 from axiscal.measurement.reading_rows import blank_readings
@@ -96,5 +95,5 @@ def expectation(known: Estimation, place: Place) -> Band:
     blanks = blank_readings(known.case.description.setups, [place])
     (part,), _ = taken(known.knowledge, blanks, left_out=[0])
     (found,) = part.innovations
-    scales = scales_of(known.case.description.setup(place.setup))
+    scales = known.case.description.setup(place.setup).scales
     return Band(-np.atleast_1d(found.value) / scales, np.atleast_1d(found.std) / scales)

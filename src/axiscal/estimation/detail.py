@@ -23,7 +23,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.located import taken_as_normal
 from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
-from axiscal.measurement.setup import About
+from axiscal.measurement.observation import About
 from axiscal.numerics import Array
 from axiscal_core.draws import sized
 from axiscal_core.machine import Machine

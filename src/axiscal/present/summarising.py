@@ -34,7 +34,6 @@ from axiscal.language.stages import stage
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import in_frame
 from axiscal.machine.questions import questions, which_way
-from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.reading import (
     Reading,
     approach_text,
@@ -309,11 +308,11 @@ def _setup_use(setup: Setup, campaign: Campaign) -> Written:
     axes = campaign.description.machine.axes
     count = sum(reading.setup == setup.name for reading in campaign.state.readings)
     moves = [axes[k].name for k in setup.moves]
-    noises = zip(setup.noise / scales_of(setup), units_of(setup), strict=True)
+    noises = zip(setup.noise / setup.scales, units_of(setup), strict=True)
     noise = listed(", ", [*dict.fromkeys(said_quantity(float(each), unit) for each, unit in noises)])
     of = campaign.description.particulars.setups.get(setup.name, Equipment())
-    named = values_of(setup) > 1 or setup.written
-    along = " ".join(model_of(setup).names_of(setup)) if named else direction_text(setup)
+    named = len(setup.names) > 1 or setup.written
+    along = " ".join(setup.names) if named else direction_text(setup)
     along = along if setup.length is None else said("the bar")
     own = {"name": setup.name, "instrument": said(setup.title), "along": along, "moves": moves, "noise": noise}
     grown = said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6)) if setup.growth else ""

@@ -20,10 +20,8 @@ from typing import IO, Any
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.language.spoken import said
-from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.instruments.kind import Reads
 from axiscal.measurement.reading import asked_values, reading_unit, units_of
-from axiscal.measurement.setup import FINEST, Setup
+from axiscal.measurement.setup import FINEST, Reads, Setup
 from axiscal.units import dimension_of, format_quantity, from_unit, shortened
 
 TIMEOUT = 600.0
@@ -179,7 +177,7 @@ class ExecSource:
         return self._answer(answer, line, request)
 
     def _answer(self, answer: dict[str, Any], line: str, request: Request) -> Answer:
-        kinds, unit = model_of(request.setup).reads_each(request.setup), answer.get("unit")
+        kinds, unit = request.setup.reads_each, answer.get("unit")
         each = unit if isinstance(unit, list) and len(unit) == len(kinds) else [unit] * len(kinds)
         units = [self._unit(one, reads, line, request) for one, reads in zip(each, kinds, strict=True)]
         unit, (value, *others) = units[0], self._numbers(answer.get("value"), units, line, request.setup)
@@ -201,7 +199,7 @@ class ExecSource:
 
     def _numbers(self, value: object, units: Sequence[str], line: str, setup: Setup) -> list[float]:
         """Return the numbers of a reading: one, or a list of those along x, y and z, or from each station."""
-        count = values_of(setup)
+        count = len(setup.names)
         if count == 1:
             return [self._number(value, units[0], line)]
         if not isinstance(value, list) or len(value) != count:

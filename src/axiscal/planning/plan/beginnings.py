@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.measurement.candidates import snapped, spread
-from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -63,7 +62,7 @@ def best_of_random(task: Task, counts: list[tuple[int, int]], work: float) -> Pl
 
 def _searched(task: Task, setup: int) -> bool:
     mounted = task.observation.setups[setup]
-    return mounted.chart is None and values_of(mounted) == 1 and adds_up(task.observation.errors, mounted)
+    return mounted.chart is None and len(mounted.names) == 1 and adds_up(task.observation.errors, mounted)
 
 
 def _improved(plans: _Plans, points: Points, values: Array) -> Points:
