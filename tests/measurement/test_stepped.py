@@ -16,6 +16,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import ReadingError
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import breaks_along
+from axiscal.measurement.instruments.rotation import Level
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import visited
@@ -39,7 +40,7 @@ def stepped(machine: Machine, axis: int, base: float, seed: int = 0) -> Setup:
     direction = np.cross(along, np.random.default_rng(seed).standard_normal(3))
     x, y, z = map(float, direction / np.linalg.norm(direction))
     zero, raster = (Unknown("zero", 1e-3),), (0.0,) * len(park)
-    return Setup("s", "level", (x, y, z), (axis,), park, 2e-6, zero, 60.0, 5.0, 5.0, raster, "+", base=base)
+    return Level("s", machine, (x, y, z), (axis,), park, 2e-6, zero, 60.0, 5.0, 5.0, raster, "+", base=base)
 
 
 @pytest.mark.parametrize("base", [0.0, 0.03, 0.11])

@@ -114,7 +114,7 @@ def note_told(description: CampaignDescription, state: State, text: str, path: P
         return Noted(text)
     refuse_finished(state.finished, path)
     name, kelvin = _standing(state), within(plain, "temperature", *WARM)
-    if not any(takes_temperature(each, description.machine) for each in description.setups if each.name == name):
+    if not any(takes_temperature(each) for each in description.setups if each.name == name):
         what = '"{setup}" compares no length of the machine with one at 20 degC: its temperature changes nothing'
         raise ReadingError(what, "Write a sentence: note the workshop has {text}", setup=name, text=text)
     return Warmed(name, kelvin, text)

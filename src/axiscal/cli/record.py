@@ -21,7 +21,6 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import counted, joined, later, listed, quoted, said
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.readers.csv_table import approach_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose, units_of
 from axiscal.measurement.setup import Setup
@@ -85,7 +84,7 @@ def record(
             pose = placed_pose(chosen, machine, _position(at, machine))
             place = Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
         mounted = campaign.description.setup(place.setup)
-        reads = model_of(mounted).reads_each(mounted)
+        reads = mounted.reads_each
         met = found_at(text, mounted, Stands(campaign.description.machine, place.pose))
         parts = value_texts(text, mounted) if met is None else []
         number, *others = [*map(parse_quantity, parts, reads)] if met is None else met.tolist()

@@ -10,7 +10,6 @@ import numpy as np
 from axiscal.errors.iso230 import words
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.language.spoken import WORDS, said
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Reading, units_of
 from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
@@ -83,7 +82,7 @@ def constants(estimation: Estimation) -> dict[str, ConstantFigures]:
             found = _found(estimation, _unknown_words(unknown.name), column, case.unit_of(setup, unknown))
             own[f"{setup.name}: {unknown.name}"] = found
     for setup in case.description.setups:  # how far zeros that may wander came from the first reading to the last
-        ways = zip(model_of(setup).names_of(setup), units_of(setup), strict=True)
+        ways = zip(setup.names, units_of(setup), strict=True)
         for (way, unit), path in zip(ways, paths(estimation, setup), strict=False):
             spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
             sizes = (float(each[-1]) for each in (path.mean, path.std, path.prior))

@@ -20,7 +20,6 @@ from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import WORDS, capital, listed, put, said
-from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading, place_text, reading_unit, sense, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -164,8 +163,8 @@ def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: 
     )
     told = set[str]()
     for setup in setups:
-        kind, meant = model_of(setup), sense(setup).sign
-        angles, framed = kind.reads == "angle", bool(setup.station) and len(kind.numbers) > 1
+        meant = sense(setup).sign
+        angles, framed = setup.reads == "angle", bool(setup.station) and len(setup.numbers) > 1
         if meant not in told and (angles or framed) and any(each.setup == setup.name for each in readings):
             told.add(meant)
             yield Finding(code="sign", text=said(sign if angles else frame, setup=setup.name, sign=meant))
@@ -243,7 +242,7 @@ def once_over(estimation: Estimation) -> Iterator[Finding]:
     )
     described, axes = estimation.case.description, estimation.case.description.machine.axes
     for setup in described.setups:
-        alone = described.usual and setup.drift_said == "nothing" and values_of(setup) == 1
+        alone = described.usual and setup.drift_said == "nothing" and len(setup.names) == 1
         for k in setup.moves if alone or setup.drift_said == "usual" else ():
             at, turns = _turns(estimation, setup, k)
             if len(set(at.tolist())) >= FEWEST and len(turns) <= 1:
@@ -289,7 +288,7 @@ def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
 
 def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
     """Yield by how much a zero has drifted that may, and whether that is more than stated; nothing if it hardly has."""
-    apart = values_of(setup) > 1 and not setup.stations
+    apart = len(setup.names) > 1 and not setup.stations
     for number, path in enumerate(paths(estimation, setup)):
         unit = units_of(setup)[number if apart else 0]
         worst = int(np.argmax(np.abs(path.mean)))
@@ -301,7 +300,7 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
             seconds = float(path.times[worst] - path.times[0])
             yield said(
                 many if apart else one,
-                way=model_of(setup).names_of(setup)[number],
+                way=setup.names[number],
                 setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
                 size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
                 time=said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2),

@@ -29,7 +29,6 @@ from axiscal.estimation.estimation import Estimation, Linearity, Moment, expande
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.questions import questions, which_way
-from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.reading import (
     approach_text,
     by_text,
@@ -300,10 +299,10 @@ def _rejected(known: Estimation, history: Sequence[HistoryRow]) -> Iterator[Reje
 
 def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
     axes = campaign.description.machine.axes
-    noises = zip(setup.noise / scales_of(setup), units_of(setup), strict=True)
+    noises = zip(setup.noise / setup.scales, units_of(setup), strict=True)
     of = campaign.description.particulars.setups.get(setup.name, Equipment())
-    named = values_of(setup) > 1 or setup.written
-    along = " ".join(model_of(setup).names_of(setup)) if named else direction_text(setup)
+    named = len(setup.names) > 1 or setup.written
+    along = " ".join(setup.names) if named else direction_text(setup)
     return SetupUse(
         name=setup.name,
         instrument=said(setup.title),

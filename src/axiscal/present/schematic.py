@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, listed, put, said
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -205,7 +204,7 @@ def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
         yield Stroke(room.on_table([tip, tip + way]), "beam", 2.2)
         if stands:
             yield RoundMark(room.on_table(at)[0], 0.03 * size, "gold", 5.0)
-    if model_of(setup).directed:
+    if setup.directed:
         yield Arrow(room.tip + _WAY * size * np.outer([-0.7, 1.0], room.along(setup.direction)), "+", "beam")
     yield RoundMark(room.tip, 0.018 * size, "beam", 4.0)
     yield Caption(room.tip, said(setup.title))

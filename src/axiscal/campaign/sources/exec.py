@@ -19,10 +19,8 @@ from typing import IO, Any
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.language.spoken import later, said
-from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.instruments.kind import Reads
 from axiscal.measurement.reading import asked_values, reading_unit, units_of
-from axiscal.measurement.setup import FINEST, Setup
+from axiscal.measurement.setup import FINEST, Reads, Setup
 from axiscal.units import dimension_of, format_quantity, from_unit, shortened
 
 TIMEOUT = 600.0
@@ -177,15 +175,15 @@ def _understood(line: str, request: Request) -> Answer | Skip:
             raise SourceError("that is no reason to skip", _REMEDY)
         return Skip(reason.strip())
     setup, value, unit = request.setup, answer.get("value"), answer.get("unit")
-    kinds = model_of(setup).reads_each(setup)
+    kinds = setup.reads_each
     each = unit if isinstance(unit, list) and len(unit) == len(kinds) else [unit] * len(kinds)
     units = [_unit(one, reads, setup) for one, reads in zip(each, kinds, strict=True)]
-    values = value if values_of(setup) > 1 else [value]
-    if not isinstance(values, list) or len(values) != values_of(setup):
+    values = value if len(setup.names) > 1 else [value]
+    if not isinstance(values, list) or len(values) != len(setup.names):
         names, units_said = asked_values(setup), ", ".join(f'"{unit}"' for unit in units_of(setup))
         remedy = 'Answer with all of {names}: {{"value": [1.7, ...], "unit": [{units}]}}'
         what = "{count} numbers were expected"
-        raise SourceError(what, remedy, count=values_of(setup), names=names, units=units_said)
+        raise SourceError(what, remedy, count=len(setup.names), names=names, units=units_said)
     first, *others = map(_number, values, units)
     std = None if answer.get("std") is None else _number(answer["std"], units[0])
     if std is not None and not max(FINEST, setup.noise / WIDEST) <= std <= setup.noise * WIDEST:
