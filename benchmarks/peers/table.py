@@ -17,18 +17,17 @@ _LARGE = 2e9
 
 _HEAD = """# Side by side with other libraries
 
-`make bench-peers` measures this page, in {run}. The problems are natural splines on [0, 10] that add up, C₀ = I, one
-number per reading:
+`make bench-peers` measures this page, in {run}. Natural splines on [0, 10] add up, C₀ = I, one number per reading:
 
 {cases}
 
-Criterion `joint` integrates the variances of all splines, `volume` is the mean variance of their sum. One
-evaluator, which shares nothing with axiscal, computes J from the positions. A cell is the processor time on one
-thread (a median pick, or the whole plan), J after the last reading, and memory above {large:.0f} GB. Runs end after
-{seconds:.0f} s or beyond {memory:.3g} GB.
+Criterion `joint` integrates the variances of all splines, `volume` is the mean variance of their sum. A cell is the
+processor time on one thread (a median pick, or the whole plan), J after the last reading, and memory above
+{large:.0f} GB. One evaluator, which shares nothing with axiscal, computes J. Runs end after {seconds:.0f} s or beyond
+{memory:.3g} GB.
 
-Libraries of Gaussian processes get the exact kernel and exact quadrature nodes. "Over fewest places" gives Trieste
-as few linear forms as J has. FIGAROH takes its own criterion, the determinant; pyoptex has 101 levels on each axis.
+Libraries of Gaussian processes get the exact kernel and quadrature nodes. "Over fewest places" gives Trieste as few
+linear forms as J has. FIGAROH takes its own criterion, the determinant; pyoptex has 101 levels on each axis.
 """
 
 
@@ -49,7 +48,7 @@ def page(outcomes: Outcomes, ours: Picker, bounds: Bounds, resumed: bool = False
 def _missed(verdicts: list[Verdict]) -> Iterator[str]:
     """Yield how many goals are reached, and each that is not."""
     missed = [verdict for verdict in verdicts if not verdict.reached]
-    yield f"\nWe reach {len(verdicts) - len(missed)} of {len(verdicts)} goals." + (" The others:\n" if missed else "")
+    yield f"\nGoals: {len(verdicts) - len(missed)} of {len(verdicts)} reached." + (" The others:\n" if missed else "")
     yield from (str(verdict) for verdict in missed)
 
 

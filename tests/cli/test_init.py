@@ -261,7 +261,7 @@ def test_nothing_is_written_over(tmp_path: Path) -> None:
 def test_the_schemas_fit_the_examples_of_the_documentation() -> None:
     blocks = re.findall(r"```toml\n(.*?)```", (DOCS / "campaign.md").read_text(), flags=re.DOTALL)
     whole = [data for data in map(tomllib.loads, blocks) if {"machine", "setups"} <= set(data)]
-    assert len(whole) >= 2
+    assert whole
     schema = campaign_schema()
     assert [data for data in whole if not fits(data, schema)] == []
     machines = machine_schema()

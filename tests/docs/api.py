@@ -13,20 +13,20 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "api.md"
 _HEAD = """\
 # Public names
 
-`import axiscal as ac`, then `help(ac.Curve)` says shapes, units and failures. Everything else may move between
+`import axiscal as ac`, then `help(ac.Curve)` says shapes, units, failures and members. Everything else may move between
 versions.
 """
 _WHOLE = ("Case", "Known")
-"""Classes whose own members are told one by one; of the others they are named."""
+"""Classes whose own members are told one by one; of the others `help` does."""
 
 _MANY = 8
-"""Arguments, or members, from which on the first ones are enough: `help` says the others."""
+"""Arguments from which on the first ones are enough: `help` says the others."""
 
 
 def page() -> str:
     """Return the whole page."""
     found = ((name, getattr(ac, name)) for name in sorted(ac.__all__, key=str.casefold))
-    return "\n".join([_HEAD, *(_section(name, each) for name, each in found if _shown(each))])
+    return "\n".join([_HEAD, *(line for name, each in found if _shown(each) for line in _lines(name, each))]) + "\n"
 
 
 def _shown(found: object) -> bool:
@@ -34,26 +34,11 @@ def _shown(found: object) -> bool:
     return inspect.isfunction(found) or (inspect.isclass(found) and not is_typeddict(found))
 
 
-def _section(name: str, found: object) -> str:
-    lines = [f"## {name}\n", f"{_said(f'ac.{name}', found)}\n"]
-    return "\n".join([*lines, *_members(found)] if inspect.isclass(found) else lines)
-
-
-def _members(found: type) -> list[str]:
-    """Return what stands below a class: a line for each member, or their names in one line; nothing without members."""
-    every = dict[str, object]()
-    for base in found.__mro__:
-        if base.__module__.startswith(ac.__name__):
-            every |= {each: member for each, member in vars(base).items() if each not in every}
-    own = {f".{each}": member for each, member in every.items() if not each.startswith("_") and _told(member)}
-    told = [each for each in own if found.__name__ in _WHOLE and each[1:] in vars(found)]
-    rest = [f"`{each}{'()' * callable(_inner(own[each]))}`" for each in own if each not in told]
-    named = ", ".join(rest if len(rest) <= _MANY else [*rest[:_MANY], "…"])
-    return [
-        *(f"- {_said(each, own[each])}" for each in told),
-        *([""] if told else []),
-        *([f"{named}\n"] if named else []),
-    ]
+def _lines(name: str, found: object) -> list[str]:
+    """Return a line for a name, and one for each member of a class that is told whole."""
+    own = vars(found).items() if name in _WHOLE else ()
+    members = [(f".{each}", member) for each, member in own if not each.startswith("_") and _told(member)]
+    return [f"- {_said(f'ac.{name}', found)}", *(f"  - {_said(each, member)}" for each, member in members)]
 
 
 def _told(member: object) -> bool:

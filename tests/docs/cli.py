@@ -6,7 +6,6 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from textwrap import dedent
 from typing import Any
 
 import typer.main
@@ -14,14 +13,14 @@ import typer.main
 from axiscal.cli.app import app
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "cli.md"
-OFTEN, SHOWN = 3, 3
-"""Commands that share an option which stands once, at the top; examples of a command, of which help has all."""
+OFTEN = 3
+"""Commands that share an option which stands once, at the top."""
 
 _HEAD = """\
 # Commands
 
-`make docs` makes this page from the program's help. Each command also takes `--help`. Several take these; their line
-"Also" names them:
+`make docs` makes this page from the program's help; `--help` of a command has more examples. Several commands take
+these; their line "Also" names them:
 
 {shared}
 """
@@ -34,6 +33,8 @@ _Row = tuple[str, str]
 def reference() -> str:
     """Return the page."""
     commands = list(_commands(typer.main.get_command(app), "axiscal", None))
+    known = [text for _, text, _ in commands]
+    commands = [each for number, each in enumerate(commands) if each[1] not in known[:number]]  # one of two names
     counts = Counter(row for _, _, rows in commands for row in rows)
     shared = [row for row, count in counts.items() if count >= OFTEN]
     return "\n".join([_HEAD.format(shared=_list(shared)), *(_section(*each, shared) for each in commands)])
@@ -61,8 +62,8 @@ def _row(parameter: Any, context: Any) -> _Row:
 
 
 def _section(path: str, text: str, rows: Sequence[_Row], shared: Sequence[_Row]) -> str:
-    examples = ["\n".join(each.splitlines()[1 : 1 + SHOWN]) for each in _EXAMPLES.findall(text)]
-    parts = [f"## {path}", _EXAMPLES.sub("", text).strip(), *(f"```text\n{dedent(each)}\n```" for each in examples)]
+    examples = [each.splitlines()[1].strip() for each in _EXAMPLES.findall(text)]
+    parts = [f"## {path}", _EXAMPLES.sub("", text).strip(), *(f"```text\n{each}\n```" for each in examples)]
     own = [row for row in rows if row not in shared]
     also = [f"`{name}`" for name, meaning in rows if (name, meaning) in shared]
     parts += [_list(own)] if own else []

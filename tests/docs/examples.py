@@ -22,8 +22,7 @@ EXAMPLES = sorted((ROOT / "examples").glob("ex*.py"))
 _HEAD = """\
 # Examples
 
-Each is a file in [examples/](../examples) that runs by itself. `make docs` makes page and pictures; the tests run
-every example and compare what it finds.
+Each is a file in [examples/](../examples) that runs by itself; its picture leads there. `make docs` makes the page.
 """
 
 
@@ -42,9 +41,8 @@ def section(path: Path) -> str:
     """Return the part of the page about one example."""
     source = path.read_text(encoding="utf-8")
     title, _, text = (ast.get_docstring(ast.parse(source)) or "").partition("\n")
-    number, picture = path.stem[2:4].lstrip("0"), f"![{title.rstrip('.')}](examples/{path.stem}.svg)"
-    link = f"[{path.name}](../examples/{path.name})"
-    return f"## {number}. {title.rstrip('.')}\n{text.strip()}\n\n{picture}\n\n{link}\n"
+    number, picture = path.stem[2:4].lstrip("0"), f"![{path.name}](examples/{path.stem}.svg)"
+    return f"## {number}. {title.rstrip('.')}\n{text.strip()}\n\n[{picture}](../examples/{path.name})\n"
 
 
 def page() -> str:

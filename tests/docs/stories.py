@@ -1,4 +1,4 @@
-"""docs/python.md and docs/python.ipynb: the stories of the library, with what they print.
+"""docs/python.md and docs/python.ipynb: the stories of the library, the first with its code and what it prints.
 
 `python -m tests.docs.stories` writes both; the files in examples/ are their source.
 """
@@ -40,11 +40,13 @@ def printed(path: Path) -> str:
 
 def page() -> str:
     """Return the whole page."""
-    parts = [_HEAD]
-    for path in STORIES:
-        title, text, code = told(path)
-        parts.append(f"## {title}\n{text}\n\n```python\n{code}\n```\n\n```\n{printed(path)}\n```\n")
-    return "\n".join(parts)
+    return "\n".join([_HEAD, *map(_section, STORIES)])
+
+
+def _section(path: Path) -> str:
+    title, text, code = told(path)
+    shown = f"```python\n{code}\n```\n\n```\n{printed(path)}\n```\n\n" if path == STORIES[0] else ""
+    return f"## {title}\n{text}\n\n{shown}[{path.name}](../examples/{path.name})\n"
 
 
 def notebook() -> dict[str, Any]:

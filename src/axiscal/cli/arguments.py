@@ -66,7 +66,7 @@ OwnRecord = Annotated[
         default_factory=own_record,
         show_default=False,
         autocompletion=records_here,
-        help="The campaign record, a file *.axiscal; AXISCAL_RECORD, or the only one here, where it is left out.",
+        help="The campaign record; default: AXISCAL_RECORD, or the only one here.",
     ),
 ]
 Language = Annotated[
@@ -82,12 +82,8 @@ ReportLanguage = Annotated[
     ),
 ]
 CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]
-Log = Annotated[
-    Path | None, typer.Option("--log", metavar="FILE", help="The log that programs of plan --gcode --log have written.")
-]
-Programs = Annotated[
-    Path, typer.Option("--programs", metavar="DIR", help="With --log: the folder of these programs and their lists.")
-]
+Log = Annotated[Path | None, typer.Option("--log", metavar="FILE", help="The log of programs of plan --gcode --log.")]
+Programs = Annotated[Path, typer.Option("--programs", metavar="DIR", help="With --log: the folder of these programs.")]
 Template = Annotated[
     Path | None, typer.Option("--template", metavar="FILE", help="A file saved by your control (heidenhain, fanuc).")
 ]
@@ -95,7 +91,7 @@ PlacesFile = Annotated[
     Path | None, typer.Option("--plan", metavar="FILE.csv", help="Write the places as a file to fill in.")
 ]
 Anyway = Annotated[
-    bool, typer.Option("--anyway", help="Write U and tables although the readings contradict each other, and say so.")
+    bool, typer.Option("--anyway", help="Write U and tables although the readings contradict each other.")
 ]
 Details = Annotated[
     bool, typer.Option("--details", help="Say before the last screen what U holds for, and all warnings.")

@@ -75,17 +75,8 @@ def estimate(
 ) -> None:
     """Evaluate readings that exist already; nothing is planned.
 
-    The first lines say what a file is:
-
-    \b
-      table      setup, X_mm, ... B_deg, approach, value_um (value_in, value_urad)
-      axis test  target_mm, direction, run, deviation_um; a column a run; .rtl .rta .rts
-      bed map    Klipper (printer.cfg#NAME, console, Moonraker), Marlin, RepRapFirmware
-      points     X Y Z of bCNC, Candle, UGS, LinuxCNC
-
-    Tests and maps find their set-up by what it reads.
-
-    --log takes readings from the log of measuring programs (axiscal plan --gcode CONTROLLER --log), beside READINGS.
+    The first lines say what a file is: a table (setup, X_mm, ... approach, value_um), the test of an axis, the map of
+    a bed, or points X Y Z. Tests and maps find their set-up by what it reads.
 
     \b
     Examples:
@@ -126,12 +117,10 @@ def iso230(
 ) -> None:
     """Print the figures of ISO 230-2 or ISO 230-4.
 
-    The first lines say what was tested: an axis or a circle.
-
-    Positioning, ISO 230-2: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a
-    rotary axis; a column a run (Pos, 1+, 1-, ...); .rtl. Angle: target_mm and deviation_arcsec, or .rta. Straightness:
-    .rts, less its best-fit line. Behind ± stands how far each figure scatters when the test is repeated (k = 2).
-    Circle, ISO 230-4: angle_deg, direction (+ counter-clockwise), deviation_um of the radius.
+    The columns say what was tested. Positioning: target_mm, direction (+ or -), run, deviation_um, or a column a run;
+    target_deg and deviation_arcsec for a rotary axis; .rtl. Angle: target_mm and deviation_arcsec, or .rta.
+    Straightness: .rts, less its best-fit line. Circle: angle_deg, direction (+ counter-clockwise), deviation_um of the
+    radius. Behind ± stands how far each figure scatters when the test is repeated (k = 2).
 
     \b
     Example:

@@ -46,16 +46,16 @@ def export(
         list[str] | None,
         typer.Option(
             metavar="LENGTH",
-            help='Distance of the points of linear axes, such as "10 mm", or of one axis, "X=25 mm"; repeatable.',
+            help='Distance of the points, such as "10 mm", or of those of one axis, "X=25 mm"; repeatable.',
         ),
     ] = None,
     number: Annotated[
         list[str] | None,
-        typer.Option(metavar="AXIS=N", help="Number of an axis in the control, or of each of its joints; repeatable."),
+        typer.Option(metavar="AXIS=N", help="Number of an axis in the control, or of a joint; repeatable."),
     ] = None,
     coordinates: Annotated[
         str | None,
-        typer.Option(metavar="LETTERS", help="linuxcnc: the axes of its joints, as in its INI file, such as XYYZ."),
+        typer.Option(metavar="LETTERS", help="linuxcnc: the axes of its joints, such as XYYZ."),
     ] = None,
     unit: Annotated[
         str | None, typer.Option(metavar="mm|in", help="Unit of the control; default: that of travels in machine.toml.")
@@ -67,33 +67,29 @@ def export(
     zero: Zero = None,
     flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
     probe_sign: Annotated[
-        bool, typer.Option("--probe-sign", help="Only a bump of 10 um, whose two readings tell the sign of the tables.")
+        bool, typer.Option("--probe-sign", help="Only a bump of 10 um, which tells the sign of the tables.")
     ] = False,
     pivots: Annotated[
         bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
     ] = False,
-    measuring_system: Annotated[
-        int, typer.Option(metavar="1|2", help="sinumerik: the measuring system that encoder compensation is for.")
-    ] = 1,
+    measuring_system: Annotated[int, typer.Option(metavar="1|2", help="sinumerik: of encoder compensation.")] = 1,
     on_top_of: Annotated[
         list[str] | None,
         typer.Option(
             metavar="OLD",
-            help="linuxcnc, sinumerik: what was active while measuring: a table, AXIS=FILE, a folder, LinuxCNC's INI "
-            "file; repeatable.",
+            help="linuxcnc, sinumerik: what was active while measuring: a table, AXIS=FILE, a folder, an INI file; repeatable.",
         ),
     ] = None,
     ini: Annotated[
         Path | None,
         typer.Option(
             metavar="FILE.ini",
-            help="linuxcnc-volumetric: your INI file; units and joints are taken from it, and it and its HAL files are "
-            "written with the component in them, with apply.sh and undo.sh.",
+            help="linuxcnc-volumetric: your INI file; it and its HAL files are written with the component in them.",
         ),
     ] = None,
     program: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="program: a part program, rewritten for a control without tables."),
+        typer.Option(metavar="FILE", help="program: a part program to rewrite."),
     ] = None,
     origin: Annotated[
         str | None,
@@ -109,8 +105,7 @@ def export(
 ) -> None:
     """Write compensation files for a control.
 
-    They are read back and tried in a simulated control first. Each says what it holds, what was left out, and how much
-    error that leaves.
+    They are read back and tried in a simulated control first. README.txt says what they hold and what they leave.
 
     \b
     Examples:

@@ -52,9 +52,7 @@ def init(
     machine: Annotated[str | None, typer.Option(metavar="NAME", help="A built-in machine to begin with.")] = None,
     ini: Annotated[
         Path | None,
-        typer.Option(
-            "--from", metavar="FILE", help="The INI file of a LinuxCNC or the printer.cfg of a Klipper, not --machine."
-        ),
+        typer.Option("--from", metavar="FILE", help="Begin with the INI file of a LinuxCNC or with a printer.cfg."),
     ] = None,
     chain: Annotated[
         str | None, typer.Option(metavar="CHAIN", help='With --from: how it is built, such as "w-Y\'-b-X-Z-t".')
@@ -73,12 +71,9 @@ def init(
 ) -> None:
     """Write a first machine.toml and campaign.toml.
 
-    Every line has a word of explanation; the command asks for what is not given. From a built-in machine, or from the
-    INI file of a LinuxCNC: axes, limits, units, speeds, kinematics with their pivots, joints, and whether tables or
-    backlash are active. A printer.cfg says kinematics, travels, speeds, where the probe stands and where it is sent.
-    What the file cannot say is marked CHECK. The JSON schemas beside the files let editors complete and check while
-    you write.
-    Nothing is written over.
+    Every line has a word of explanation; the command asks for what is not given. It begins with a built-in machine,
+    the INI file of a LinuxCNC or a printer.cfg, and marks with CHECK what such a file cannot say. JSON schemas beside
+    the files let editors complete and check them. Nothing is written over.
 
     \b
     Examples:

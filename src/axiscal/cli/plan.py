@@ -51,9 +51,7 @@ def plan(
         str | None, typer.Option(metavar="CONTROLLER", help="Write the plan as programs for this control, into --out.")
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the programs.")] = Path("programs"),
-    log: Annotated[
-        bool, typer.Option("--log", help="Programs touch spheres by themselves and log it for estimate and record.")
-    ] = False,
+    log: Annotated[bool, typer.Option("--log", help="Programs touch spheres by themselves and log it.")] = False,
     picture: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="Draw each set-up on the machine, and where it is read.")
     ] = None,
@@ -65,9 +63,7 @@ def plan(
     """Plan which readings to take, and say how good they make it.
 
     It says how well each row is then known, the minutes, and what to mount in turn. Nothing is recorded. Without
-    options the campaign's own target counts. --readings and --budget ask for the best plan of so many readings, or of
-    so much time. --target alone plans within the campaign's own readings and budget. [programs] of the
-    campaign says how programs go to readings.
+    options the campaign's own target counts. --target alone plans within the campaign's own readings and budget.
 
     \b
     Examples:

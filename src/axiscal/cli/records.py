@@ -33,8 +33,7 @@ def copy_record(
 ) -> None:
     """Copy a record, checked and whole.
 
-    Another command may be writing to it. The copy takes the place of an earlier copy of the same record, and of nothing
-    else.
+    Another command may be writing to it. The copy replaces an earlier copy of the same record, and nothing else.
 
     \b
     Example:
@@ -68,7 +67,7 @@ def copy_record(
 
 Take = Annotated[
     bool | None,
-    typer.Option("--take/--leave", help="What becomes of readings that somebody has to say of whether they count."),
+    typer.Option("--take/--leave", help="Whether readings in question count."),
 ]
 Named = Annotated[str, typer.Option("--campaign", metavar="ID", help="Its id, where lines of several stand there.")]
 New = Annotated[Path, typer.Argument(metavar="NEW", help="The record to make.")]
@@ -86,8 +85,8 @@ def repair(
 ) -> None:
     """Make a new record of all that stands whole in a damaged one.
 
-    Each line proves itself and says its campaign and its number. What is missing is printed and kept as a note in the
-    new record. Two who wrote at once are a question: do the readings of both count? The old file stays as it is.
+    It prints what is missing and keeps that as a note in the new record. Where two wrote at once it asks whether the
+    readings of both count. The old file stays as it is.
 
     \b
     Example:
@@ -106,8 +105,8 @@ def merge(
 ) -> None:
     """Make a new record of all that two copies of a record hold.
 
-    It holds the events of both. Where both went on from one event it asks whether the readings of both count. A damaged
-    record gets back what a copy still has.
+    Where both went on from one event it asks whether the readings of both count. A damaged record gets back what a copy
+    still has.
 
     \b
     Example:

@@ -31,8 +31,7 @@ def report(
 ) -> None:
     """Write the report of a campaign, finished or not.
 
-    The report is a PDF to sign. It is in the language that --language or AXISCAL_LANGUAGE names, else in that of
-    campaign.toml ([report] language), else in English.
+    The report is a PDF to sign, in the language of --language, AXISCAL_LANGUAGE or campaign.toml, else in English.
 
     \b
     Example:

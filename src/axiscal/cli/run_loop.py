@@ -48,8 +48,7 @@ def run_loop(
 ) -> None:
     """Run the whole loop without a person.
 
-    It asks and reads from SOURCE until a target is reached. Every reading is on the disk before the next one is asked
-    for; after Ctrl-C or a source that dies, --resume goes on.
+    It asks and reads from SOURCE until a target is reached. After Ctrl-C or a source that dies, --resume goes on.
 
     \b
     Examples:
@@ -119,8 +118,7 @@ def demo(
 ) -> None:
     """Calibrate a built-in five-axis machine, from plan to report.
 
-    Its hidden errors come from measured curves. It plans, measures on a virtual machine, estimates, stops, writes
-    tables and a report, and says what was promised and what was reached.
+    Its hidden errors come from measured curves. It says what was promised and what was reached.
 
     \b
     Example:

@@ -22,7 +22,7 @@ def serve(
             default_factory=only_record,
             show_default=False,
             autocompletion=records_here,
-            help="The campaign record; AXISCAL_RECORD, or the only one here, where it is left out; else the start.",
+            help="The campaign record; default: AXISCAL_RECORD, or the only one here, else the start.",
         ),
     ],
     port: Annotated[
@@ -36,8 +36,8 @@ def serve(
 ) -> None:
     """Plan and measure on a page in the browser.
 
-    The page is for this computer only; its address holds a token that is new at every start. Several windows, and
-    `axiscal measure`, may be open at once.
+    The page is for this computer only; its address holds a token that is new at every start. Several windows may be
+    open at once.
 
     \b
     Examples:

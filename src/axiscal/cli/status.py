@@ -28,13 +28,12 @@ from axiscal.units import format_quantity, said_quantity, to_unit
 def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
     """Say where a campaign stands, or each one of a folder.
 
-    Of a record it shows readings, accuracy, minutes, skipped readings, and the question that is open. Of a folder it
-    shows a line for each record with what it needs next, as it stands there: nothing is estimated. No code of an
-    instrument that came with a record is run.
+    Of a record it shows readings, accuracy, minutes, skipped readings, and the open question. Of a folder it shows a
+    line for each record with what it needs next, without estimating. It runs no code that came with a record.
 
     \b
     Examples:
-      axiscal step status mill.axiscal
+      axiscal status mill.axiscal
       axiscal status records
     """
 

@@ -34,14 +34,13 @@ def accept(
     ] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,
     before: Annotated[
-        int | None, typer.Option(metavar="N", help="You know: the zero was set anew before reading N, or the next one.")
+        int | None, typer.Option(metavar="N", help="The zero was set anew before reading N, or the next one.")
     ] = None,
     json: Json = False,
 ) -> None:
     """Accept a mistake, or tell that a zero was set anew.
 
-    What follows sees the readings without it; undo takes it back. Readings that contradict each other name mistakes
-    that explain it at more than 20 : 1. Readings that come later are taken as they are read.
+    The estimate sees the readings without it; undo takes it back. Later readings count as they are read.
 
     \b
     Examples:
@@ -142,9 +141,8 @@ def note(
 ) -> None:
     """Keep a sentence in the record.
 
-    Such as who measured, or what was repaired. It changes nothing that is computed, is shown by `axiscal step status`,
-    and may come after the end of the campaign. A temperature alone, "21.4 degC", is that of the scale which the set-up
-    reads: it counts.
+    Such as who measured, or what was repaired, also after the end. It changes no figure; but a temperature alone,
+    "21.4 degC", counts as that of the scale which the set-up reads.
 
     \b
     Example:

@@ -46,7 +46,7 @@ def verify(
         str | None,
         typer.Option(
             metavar="CONTROLLER",
-            help="The control whose tables are loaded, as in `axiscal export`; default: whose tables leave the least.",
+            help="The control whose tables are loaded; default: whose tables leave the least.",
         ),
     ] = None,
     template: Template = None,
@@ -54,7 +54,7 @@ def verify(
         str | None,
         typer.Option(
             metavar="LENGTH",
-            help="What the bump of `export --probe-sign` moved; the record keeps the sign of the control.",
+            help="What the bump of `export --probe-sign` moved; the record keeps the sign.",
         ),
     ] = None,
     points: Annotated[
@@ -62,7 +62,7 @@ def verify(
         typer.Option(
             min=2,
             max=200,
-            help=f"Places to check; default: what the tables need, {USUAL} or more where so many are new.",
+            help=f"Places to check; default: what the tables need, {USUAL} or more.",
         ),
     ] = None,
     plan: PlacesFile = None,
@@ -70,14 +70,12 @@ def verify(
         str | None,
         typer.Option(
             metavar="SOURCE",
-            help="Read without a person: sim:SEED, truth:FILE; or by linuxcnc-live:HOST into FOUND and LEFT.",
+            help="Read without a person: sim:SEED, truth:FILE; linuxcnc-live:HOST into FOUND and LEFT.",
         ),
     ] = None,
     loaded: Annotated[
         Path | None,
-        typer.Option(
-            metavar="DIR", help="With a machine that runs: the exported folder, whose files are to be in force."
-        ),
+        typer.Option(metavar="DIR", help="With linuxcnc-live: the exported folder that is to be in force."),
     ] = None,
     details: Details = False,
     json: Json = False,
@@ -85,8 +83,8 @@ def verify(
     """Check a compensated machine at places not read before.
 
     First it plans. Read these places without the tables and with them; then give both files. It says whether the
-    tables work, and whether the machine is as promised: one of twenty that are is called worse. Of a tolerance that
-    you state it says what the readings prove (ISO 14253-1). It names tables that it could not check.
+    tables work, whether the machine is as promised, and whether it keeps a tolerance (ISO 14253-1). One of twenty
+    machines that are as promised is called worse.
 
     \b
     Examples:
