@@ -50,7 +50,7 @@ def _words(reading: RawReading) -> Iterator[str]:
     yield from (f"{axis}{at:.9g}{rounding.get(axis, '')}" for axis, at in reading.position.items())
     yield from (f"{axis}{side:+d}" for axis, side in reading.approach.items())
     yield f"= {' '.join(f'{value:.9g}' for value in (reading.value, *reading.others))} {reading.dimension}"
-    beside = {
+    beside: dict[str, object] = {
         "std": reading.std,
         "setup": reading.setup,
         "test": reading.test,

@@ -77,7 +77,7 @@ def export(
         list[str] | None,
         typer.Option(
             metavar="OLD",
-            help="linuxcnc, sinumerik: what was active while measuring: a table, AXIS=FILE, a folder, an INI file; repeatable.",
+            help="linuxcnc, sinumerik: what was active: a table, AXIS=FILE, a folder, an INI file; repeatable.",
         ),
     ] = None,
     ini: Annotated[

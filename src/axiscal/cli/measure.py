@@ -283,8 +283,8 @@ def _plain(shown: float) -> str:
 def measure(record: OwnRecord, out: ResultsFolder = None, language: Language = None) -> None:
     """Take the readings of a campaign at one prompt.
 
-    It says where to go and what to expect; you type what you read. Type ? for help, pause to stop for now. At the end it
-    writes the results.
+    It says where to go and what to expect; you type what you read. Type ? for help, pause to stop for now. At the end
+    it writes the results.
 
     \b
     Examples:

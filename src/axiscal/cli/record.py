@@ -49,9 +49,9 @@ def record(
 ) -> None:
     """Keep a reading: actual minus commanded.
 
-    A value is positive along (about) the set-up's direction. It is on the disk when the command ends. A reading that the
-    others contradict is kept but not used, and the answer says so. Take it back with undo and read again, or record it
-    with --accept if it is right.
+    A value is positive along (about) the set-up's direction. It is on the disk when the command ends. A reading that
+    the others contradict is kept but not used, and the answer says so. Take it back with undo and read again, or
+    record it with --accept if it is right.
 
     \b
     Examples:
