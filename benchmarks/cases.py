@@ -11,6 +11,7 @@ from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
+from axiscal.measurement.instruments.displacement import Indicator, Probe
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.planning.plan.task import Task
@@ -28,7 +29,7 @@ def stacked(case: Stacked, candidates: int, volume: bool = False) -> Task:
     machine = Machine(axes, errors, 0.0, name="stacked")
     count = case.axes
     moves, park, raster = tuple(range(count)), (5.0,) * count, (0.0,) * count
-    setup = Setup("s", "indicator", (0.0, 0.0, 1.0), moves, park, case.noise, (), 0.0, 0.0, 1.0, raster, "+")
+    setup = Indicator("s", machine, (0.0, 0.0, 1.0), moves, park, case.noise, (), 0.0, 0.0, 1.0, raster, "+")
     return _problem(machine, (setup,), candidates, not volume)
 
 
@@ -48,7 +49,7 @@ def five_axis(candidates: int) -> Task:
     zero = (Unknown("zero", 1e-4),)
     directions = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
     setups = tuple(
-        Setup(name, "probe", way, tuple(range(count)), park, 1e-6, zero, 600.0, 1.0, 2.0, (0.0,) * count, "both")
+        Probe(name, machine, way, tuple(range(count)), park, 1e-6, zero, 600.0, 1.0, 2.0, (0.0,) * count, "both")
         for name, way in directions.items()
     )
     return _problem(machine, setups, candidates, False)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Created, Recorded, Stored
-from axiscal.record.store import Record, write_copy
+from axiscal.record.store import Record
 from benchmarks.reliability.faults import faults
 from benchmarks.reliability.trial import Say, Trial, scratch
 
@@ -79,7 +79,7 @@ def written() -> Trial:
             for batch in ((1.0,), (2.0, 3.0, 4.0), (5.0,)):
                 record.append(*map(recorded, batch))
                 say(" ".join(map(str, batch)))
-            write_copy(record, folder / "copy.axiscal")
+            record.copy_to(folder / "copy.axiscal")
             say("copied")
 
     def lost(folder: Path, said: tuple[str, ...]) -> bool:
@@ -87,7 +87,7 @@ def written() -> Trial:
         kept, copy = values(folder / NAME), folder / "copy.axiscal"
         with Record.open(folder / NAME) as record:
             record.append(recorded(9.0))
-            write_copy(record, copy)
+            record.copy_to(copy)
         whole = kept in ([0.0], [0.0, 1.0], [0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
         left = sorted(file.name for file in folder.iterdir()) != ["copy.axiscal", NAME]
         return kept[: len(heard)] != heard or not whole or left or values(copy) != [*kept, 9.0]
@@ -97,6 +97,6 @@ def written() -> Trial:
         before.mkdir()
         with Record.create(before / NAME, CREATED) as record:
             record.append(recorded(0.0))
-            write_copy(record, before / "copy.axiscal")
+            record.copy_to(before / "copy.axiscal")
         outcomes = [lost(top / "now", outcome.said) for _, outcome in faults(before, top / "now", work)]
     return Trial("faults while a record is written to and copied", len(outcomes), sum(outcomes))

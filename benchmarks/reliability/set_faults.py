@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from axiscal.document.durable import exchanged
+from axiscal.present.result import RecordState
 from axiscal.present.result_set import MANIFEST, mend, result_set, write_manifest
-from axiscal.present.summary import RecordState
 from benchmarks.reliability.faults import faults
 from benchmarks.reliability.trial import Say, Trial, scratch
 
@@ -23,7 +23,7 @@ def write_set(folder: Path, age: str, live: Path | None = None) -> None:
         for name in (*NAMES, f"tables/csv/{age}.csv"):
             (inside / name).parent.mkdir(parents=True, exist_ok=True)
             (inside / name).write_text(age)
-        write_manifest(inside, RecordState("mill.axiscal", 3, 64 * "0"), {"axiscal": age})
+        write_manifest(inside, RecordState(file="mill.axiscal", event=3, hash=64 * "0"), {"axiscal": age})
 
 
 def content(folder: Path) -> Content:

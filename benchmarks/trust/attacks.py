@@ -13,7 +13,6 @@ from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -270,7 +269,7 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
 
 def _perfect(setup: Setup) -> tuple[tuple[str, float], ...]:
     """Return sizes of nothing for what no reading shows."""
-    return tuple((name, 0.0) for name in type_b_names(instrument_of(setup)))
+    return tuple((name, 0.0) for name in type_b_names(type(setup)))
 
 
 def _with_tool(attack: Attack, offsets: Offsets) -> Offsets:

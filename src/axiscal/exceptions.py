@@ -174,8 +174,8 @@ class TargetError(InputError):
     """A target that cannot be reached, or targets that contradict each other."""
 
 
-class SummaryError(AxiscalError, ValueError):
-    """Figures for the report that are not finite, or whose lengths do not fit together."""
+class SummaryError(AxiscalError):
+    """A figure for the report that is not finite."""
 
 
 class PlanError(InputError):

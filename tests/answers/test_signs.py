@@ -22,7 +22,7 @@ from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.present.summarising import iso230_blocks
+from axiscal.present.axis_tests_read import iso230_blocks
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 from tests.generators.campaigns import on
@@ -172,7 +172,7 @@ def test_a_test_of_an_axis_follows_the_axis(
     campaign = described(machine, laser(machine, stands, against))
     (setup,) = campaign.setups
     (block,) = iso230_blocks(campaign, read(machine, setup))
-    assert block["axis"] == "X"
-    assert block["figures"]["B_mean"] == pytest.approx(-LAGS * 1e6, abs=0.01)
+    assert block.axis == "X"
+    assert block.figures["B_mean"] == pytest.approx(-LAGS * 1e6, abs=0.01)
     raw = RawReading("", {"": 0.1}, {"": 1}, 1e-6, None, "length", 1, test="positioning")
     assert setup_of(raw, campaign) == (setup, -1 if against else 1)

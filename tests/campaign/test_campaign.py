@@ -209,14 +209,14 @@ def test_ctrl_c_while_waiting_stops_at_once(start: Start) -> None:
 
 def test_ctrl_c_while_a_reading_is_kept_keeps_it(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
     campaign = start("readings = 5")
-    append = campaign._record.append
+    append = campaign.log.append
 
     def pressed(*events: Recorded, after: int | None = None) -> int:
         if isinstance(events[0], Recorded):
             os.kill(os.getpid(), signal.SIGINT)
         return append(*events, after=after)
 
-    monkeypatch.setattr(campaign._record, "append", pressed)
+    monkeypatch.setattr(campaign.log, "append", pressed)
     with pytest.raises(KeyboardInterrupt):
         campaign.run(Listed(*[Answer(1e-6)] * 5), ignore)
     assert len(campaign.state.readings) == 1

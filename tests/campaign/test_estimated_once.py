@@ -48,7 +48,7 @@ def test_no_command_leaves_a_file_for_the_next(record: Path) -> None:
         campaign.finish("all were read")
     with Campaign.open(record) as campaign:
         campaign.status()
-        campaign.copy(record.with_name("copy.axiscal"))
+        campaign.log.copy_to(record.with_name("copy.axiscal"))
     assert {path.name for path in record.parent.iterdir()} == {"c.axiscal", "copy.axiscal"}
 
 

@@ -47,7 +47,7 @@ def written(path: Path, description: CampaignDescription, *, before: bool = Fals
     """Write a record of the readings.  before : its first event has no word of knots"""
     with Campaign.create(path, description) as campaign:
         campaign.adopt(READINGS)
-        (first, *rest) = [stored.event for stored in campaign._record.events()]
+        (first, *rest) = [stored.event for stored in campaign.log.events()]
     if before:
         kind, text = encode(first)
         fields = json.loads(text)

@@ -17,10 +17,13 @@ from axiscal.campaign.sources import Answer, Skip, Source, open_source
 from axiscal.campaign.sources import exec as exec_source
 from axiscal.campaign.sources.exec import ExecSource
 from axiscal.exceptions import InputError, SourceError
+from axiscal.measurement.instruments.distance import Sphere
+from axiscal.measurement.instruments.rotation import Level
 from axiscal.measurement.setup import Setup
+from tests.generators.designs import of_kind
 from tests.generators.requests import REQUEST, SETUP, SIMULATOR
 
-LEVEL = replace(SETUP, name="level on the table", instrument="level")
+LEVEL = replace(of_kind(SETUP, Level), name="level on the table")
 Opened = Callable[[str], Source]
 
 
@@ -98,7 +101,7 @@ def test_answers_that_are_understood(
 
 @pytest.mark.parametrize("line", ["[" * 50_000, "x" * 200_000], ids=["brackets", "letters"])
 def test_a_line_without_end_is_refused(answering: Callable[[str], Source], line: str) -> None:
-    with pytest.raises(SourceError, match="not a JSON object"):
+    with pytest.raises(SourceError, match="no JSON object"):
         answering(say(line)).read(REQUEST)
 
 
@@ -185,7 +188,7 @@ def test_a_flood_is_bounded(
     source = script(opened, tmp_path, FLOODS, where)
     source._timeout = 1.0
     for _ in range(2):
-        with pytest.raises(SourceError, match=r"without being asked|not a JSON object|has not answered"):
+        with pytest.raises(SourceError, match=r"without being asked|no JSON object|has not answered"):
             source.read(REQUEST)
     assert source._lines.qsize() <= exec_source._AHEAD
     source.close()
@@ -256,7 +259,7 @@ def test_a_table_answers_in_its_order(table: Callable[[str], Source]) -> None:
 
 def test_a_table_answers_with_the_three_values_of_a_sphere(table: Callable[[str], Source]) -> None:
     source = table("value_x_um,value_y_um,value_z_um\n1,2,3\n")
-    assert source.read(replace(REQUEST, setup=replace(SETUP, instrument="sphere"))) == Answer(1e-6, others=(2e-6, 3e-6))
+    assert source.read(replace(REQUEST, setup=of_kind(SETUP, Sphere))) == Answer(1e-6, others=(2e-6, 3e-6))
 
 
 def test_a_resumed_run_goes_on_in_the_table(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.record.events import Finished
-from axiscal.record.result import Result
+from axiscal.record.kept_result import KeptResult
 from axiscal.record.store import Record
 from tests.generators.begun import begun
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
@@ -25,7 +25,7 @@ def folder(tmp_path: Path) -> Path:
         *(("start", "campaign.toml", f"{name}.axiscal") for name in ("a", "b", "c", "d")),
         *((record[0], f"{name}.axiscal", *record[1:]) for name in ("b", "c", "d")),
     )
-    for name, result in (("c", Result(1.5e-6, 3.1e-6, "agree")), ("d", Result(None, None, "contradict"))):
+    for name, result in (("c", KeptResult(1.5e-6, 3.1e-6, "agree")), ("d", KeptResult(None, None, "contradict"))):
         with Record.open(tmp_path / f"{name}.axiscal") as log:
             log.append(Finished("ended by the operator", result))
     (tmp_path / "e.axiscal").write_bytes((tmp_path / "a.axiscal").read_bytes()[:200])

@@ -66,10 +66,10 @@ def test_the_table_of_defaults_is_the_program_s() -> None:
     rows = re.findall(r"^\| (\w+) \| (length|angle) [^|]*\|(.*)\|$", PAGE, re.MULTILINE)
     assert [row[0] for row in rows] == list(INSTRUMENTS)
     for name, reads, rest in rows:
-        usual = INSTRUMENTS[name]
+        kind, usual = INSTRUMENTS[name], INSTRUMENTS[name].usual
         unit = "um" if reads == "length" else "urad"
         unknowns = [
-            (u.name, format_quantity(u.std, "um" if usual.model.unknown_reads[u.name] == "length" else "urad"))
+            (u.name, format_quantity(u.std, "um" if kind.unknown_reads[u.name] == "length" else "urad"))
             for u in usual.unknowns
         ]
         expected = [
@@ -79,7 +79,7 @@ def test_the_table_of_defaults_is_the_program_s() -> None:
             format_quantity(usual.settle, "s"),
             format_quantity(usual.reading_time, "s"),
         ]
-        assert (usual.model.reads, [cell.strip() for cell in rest.split("|")]) == (reads, expected)
+        assert (kind.reads, [cell.strip() for cell in rest.split("|")]) == (reads, expected)
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.machine import machine_from_text
 from axiscal.machine.kinematics import small_motions, tool_motion
+from axiscal.measurement.instruments.displacement import Indicator
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -80,8 +81,8 @@ def poses(count: int, seed: int = 3) -> Array:
 
 def height(direction: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Setup:
     """Return a dial without unknowns."""
-    return Setup(
-        "dial", "indicator", direction, (0, 1, 2), (0.0, 0.0, 0.0), 1e-6, (), 0.0, 0.0, 0.0, (0.0, 0.0, 0.0), "+"
+    return Indicator(
+        "dial", machine(), direction, (0, 1, 2), (0.0, 0.0, 0.0), 1e-6, (), 0.0, 0.0, 0.0, (0.0, 0.0, 0.0), "+"
     )
 
 

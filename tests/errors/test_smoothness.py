@@ -7,9 +7,9 @@ import pytest
 
 from axiscal.estimation.promise.problem import problem
 from axiscal.machine import machine_from_text
+from axiscal.measurement.instruments.displacement import Probe
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core.machine import Machine
 from axiscal_core.spaces import Given
@@ -43,7 +43,7 @@ def test_the_likelihood_of_rough_curves_and_planes_has_the_slope_that_it_says() 
         'EZXY = { std = "8 um", knots = [5, 5], length = ["150 mm", "150 mm"], smoothness = 1.5, rest = "1 um" }\n'
     )
     model, rng = machine, np.random.default_rng(1)
-    setup = Setup("p", "probe", (0.0, 0.0, 1.0), (0, 1), (0.0,) * 3, 1e-6, (), 0.0, 0.0, 1.0, (0.0,) * 3, "+")
+    setup = Probe("p", machine, (0.0, 0.0, 1.0), (0, 1), (0.0,) * 3, 1e-6, (), 0.0, 0.0, 1.0, (0.0,) * 3, "+")
     poses = np.column_stack([rng.uniform(0, 0.5, 25), rng.uniform(0, 0.4, 25), np.zeros(25)])
     readings = [Reading("p", tuple(pose), (1, 1, 0), float(1e-5 * rng.standard_normal())) for pose in poses.tolist()]
     sizes = sizes_of(machine, [setup.name], "roughly", usual=True)

@@ -8,14 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.answers.changes import changes
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.estimation.carried_over import carried_over
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.present.findings import findings
 from axiscal_core.machine import Machine
 from tests.generators.recorded import write_record
 from tests.generators.texts import Said, Std, campaign_text, machine_text, setup_text
@@ -54,17 +52,6 @@ def test_the_result_of_one_campaign_is_the_prior_of_the_next_which_needs_no_othe
         expected += (1 - kept**2) * old.stated.errors.covariance()
         assert new.knowledge.belief.mean[:size] == pytest.approx(kept * before.mean[:size], abs=1e-12)
         assert np.abs(new.knowledge.belief.covariance[:size, :size] - expected).max() < 1e-17
-
-
-def test_a_curve_that_has_changed_is_named_and_one_that_has_not_is_not(tmp_path: Path) -> None:
-    _record(tmp_path, "last.axiscal", 8e-6)
-    for size, expected in ((8e-6, []), (-8e-6, ["EXX"])):
-        path = _record(tmp_path, f"new{expected}.axiscal", size, prior="last.axiscal")
-        with Campaign.open(path) as campaign:
-            estimation = campaign.estimate(ended=True)
-            assert [change.name for change in changes(estimation)] == expected
-            said = [finding for finding in findings(estimation) if finding.code == "drift"]
-            assert [finding.error for finding in said] == expected
 
 
 NOTHING: Mapping[str, Std] = {}

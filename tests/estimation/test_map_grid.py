@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from axiscal.estimation.machine_estimate import map_grid
 from axiscal.machine import load_machine
+from axiscal.measurement.instruments.displacement import Probe
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 
@@ -20,7 +21,7 @@ MACHINE = load_machine("three-axis-mill")
 
 def probing(direction: tuple[float, float, float] = (0.0, 0.0, 1.0), moves: tuple[int, ...] = (0, 1)) -> Setup:
     """Return a set-up along a direction while axes move."""
-    return Setup("bed", "probe", direction, moves, (0.0,) * 3, 1e-6, (), 0.0, 0.0, 1.0, (0.0,) * 3, "+")
+    return Probe("bed", MACHINE, direction, moves, (0.0,) * 3, 1e-6, (), 0.0, 0.0, 1.0, (0.0,) * 3, "+")
 
 
 def at(places: Sequence[tuple[float, float]], setup: str = "bed") -> list[Reading]:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
+from axiscal.measurement.instruments.displacement import Indicator
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import rows_at, visited
-from axiscal.measurement.setup import Approach, Setup, Unknown
+from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Goal, Task
 from axiscal_core.errors import Error
+from axiscal_core.instrument import Approach
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 
@@ -111,6 +115,11 @@ def _setup(
     count = len(machine.axes)
     park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
     times = (600.0, 1.0, 3.0)
-    return Setup(
-        name, "indicator", direction, tuple(range(count)), park, noise, unknowns, *times, (0.0,) * count, approach
+    return Indicator(
+        name, machine, direction, tuple(range(count)), park, noise, unknowns, *times, (0.0,) * count, approach
     )
+
+
+def of_kind(setup: Setup, kind: type[Setup]) -> Setup:
+    """Return a set-up of another instrument that stands as one does."""
+    return kind(**{each.name: getattr(setup, each.name) for each in fields(setup)})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.machine import machine_from_text
+from axiscal.measurement.instruments.displacement import Probe
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal_core.machine import Machine
@@ -65,7 +66,7 @@ def probe(machine: Machine) -> Setup:
     moves = tuple(range(len(machine.axes)))
     raster = (0.0,) * len(moves)
     zero, up = (Unknown("zero", 1e-3),), (0.0, 0.0, 1.0)
-    return Setup("probe", "probe", up, moves, park, 1e-6, zero, 60, 1, 1, raster, "both")
+    return Probe("probe", machine, up, moves, park, 1e-6, zero, 60, 1, 1, raster, "both")
 
 
 def poses_of(machine: Machine, count: int) -> Array:

@@ -10,8 +10,8 @@ import pytest
 
 from axiscal.machine.axis import iso_axis
 from axiscal.machine.motion import inward
+from axiscal.measurement.instruments.displacement import Probe
 from axiscal.measurement.reading import Place
-from axiscal.measurement.setup import Setup
 from axiscal.programs import dialect, programs
 from axiscal_core.machine import Machine
 from tests.linuxcnc.lab import Joint, run
@@ -65,7 +65,7 @@ def test_a_running_linuxcnc_goes_to_the_very_ends_of_the_travel_and_nowhere_else
     rng = np.random.default_rng(3)
     poses = [low, high, *rng.uniform(low + 0.001, high - 0.001, (6, 4))]
     sides = [(0, 0, 0, 0)] * 2 + [tuple(map(int, row)) for row in rng.integers(-1, 2, (6, 4))]
-    setup = Setup("s", "probe", (1, 0, 0), (0, 1, 2, 3), tuple(low), 1e-6, (), 0, 0.001, 0, (0.0,) * 4, "both")
+    setup = Probe("s", machine, (1, 0, 0), (0, 1, 2, 3), tuple(low), 1e-6, (), 0, 0.001, 0, (0.0,) * 4, "both")
     places = [tuple(map(inward, machine.axes, map(float, pose), side)) for pose, side in zip(poses, sides, strict=True)]
     readings = [Place(setup.name, place, side) for place, side in zip(places, sides, strict=True)]
     (program,) = programs(machine, [setup], readings, dialect("linuxcnc"))

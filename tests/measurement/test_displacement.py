@@ -10,9 +10,9 @@ import pytest
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine.description import machine_from_text
-from axiscal.measurement.instruments.displacement import Displacement
+from axiscal.measurement.instruments.displacement import Interferometer
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.setup import Unknown
 from tests.generators.campaigns import on
 from tests.generators.texts import Said, machine_text, setup_text
 
@@ -62,12 +62,11 @@ def test_growth_shows_as_far_as_it_goes_along_the_direction(
     park = tuple(poses[0].tolist())
     unknowns = (Unknown("growth", 1e-6),)
     times = (0.0, 0.0, 0.0)
-    setup = Setup("s", "interferometer", direction, (x,), park, 1e-6, unknowns, *times, (0.0, 0.0), "both")
-    warm = Displacement(replace(setup, warmer=5.0, expansion=STRAIN / 5.0), machine)
-    cold = Displacement(setup, machine)
-    at = cold.places(poses)
+    setup = Interferometer("s", machine, direction, (x,), park, 1e-6, unknowns, *times, (0.0, 0.0), "both")
+    warm = replace(setup, warmer=5.0, expansion=STRAIN / 5.0)
+    at = setup.places(poses)
     hand = share * np.array([-0.35, 0.0, 0.25])
-    growth, slope = cold.own_slopes(at, ["growth", "slope"])[:, 0].T
+    growth, slope = setup.own_slopes(at, ["growth", "slope"])[:, 0].T
     assert growth == pytest.approx(hand, abs=1e-15)
     known = STRAIN * (hand - hand[0])  # from where the set-up is parked: the zero has the rest
     assert warm.shown(at, {})[:, 0] == pytest.approx(known, abs=1e-18)

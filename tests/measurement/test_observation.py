@@ -30,14 +30,15 @@ from tests.generators.machines import random_machine, random_poses
 def mounted(machine: Machine, instrument: str, direction: tuple[float, float, float]) -> Setup:
     """Return a set-up that may move every axis and has every unknown that it can have."""
     linear = any(not axis.rotary for axis in machine.axes)
-    kinds = INSTRUMENTS[instrument].model.unknown_reads
+    kinds = INSTRUMENTS[instrument].unknown_reads
     usual = [kind for kind in kinds if kind != "growth" and (linear or kind != "slope")]
     unknowns = tuple(Unknown(kind, 1e-4) for kind in usual)
     count = len(machine.axes)
     park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
     times, raster = (0.0, 0.0, 0.0), (0.0,) * count
     moves, station = tuple(range(count)), (3.0, -2.0, 1.5)
-    return Setup("s", instrument, direction, moves, park, 0.3e-6, unknowns, *times, raster, "both", station=station)
+    kind = INSTRUMENTS[instrument]
+    return kind("s", machine, direction, moves, park, 0.3e-6, unknowns, *times, raster, "both", station=station)
 
 
 def at(*pose: float) -> Places:
@@ -65,7 +66,7 @@ def virtual(model: Machine, setups: tuple[Setup, ...], unknowns: Array) -> Virtu
 def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: str, seed: int) -> None:
     """All unknowns at once, each in a direction drawn for it, by central differences; two set-ups may mix columns."""
     model, rng = random_machine(seed, count=2 + seed % 2), np.random.default_rng(seed)
-    beside = (0.03, -0.05, 0.02) if issubclass(INSTRUMENTS[instrument].model, Displacement) else None
+    beside = (0.03, -0.05, 0.02) if issubclass(INSTRUMENTS[instrument], Displacement) else None
     one = replace(mounted(model, instrument, _direction(seed)), noise=0.0, offset=beside)
     setups = (replace(one, name="other", direction=(1.0, 0.0, 0.0)), one)
     observation, step = Observation(model, setups), 1e-6

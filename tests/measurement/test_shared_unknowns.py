@@ -10,7 +10,6 @@ import pytest
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import Deviation
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
@@ -75,7 +74,7 @@ def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_sho
         poses = setup.chart.poses(
             np.round(rng.uniform(low, high, (6, len(low)))) if len(low) > 3 else rng.uniform(low, high, (6, len(low)))
         )
-        kind, rows = model_of(setup)(setup, DMU), observation.numbers(index, poses, np.zeros_like(poses)).rows
+        kind, rows = setup, observation.numbers(index, poses, np.zeros_like(poses)).rows
         for name, column in names(observation, index).items():
             up, down = (kind.shown(kind.places(poses), {name: sign * 1e-7}) for sign in (1, -1))
             np.testing.assert_allclose(rows[:, :, column], (up - down) / 2e-7, atol=1e-6)
@@ -85,7 +84,7 @@ def test_a_ball_that_stands_aside_reads_like_a_machine_that_is_off_the_other_way
     (setup,) = five_axes(SPHERES + TOUCHED).setups
     assert setup.chart is not None
     poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3], [1.0, 1.0, 0.3], [2.0, 4.0, 0.0]]))
-    kind = model_of(setup)(setup, DMU)
+    kind = setup
     moved: Array = np.array([3e-6, -2e-6, 1e-6])
     own = {
         f"{ball}_{axis}": value for ball in ("low", "high", "third") for axis, value in zip("xyz", moved, strict=True)

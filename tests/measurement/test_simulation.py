@@ -9,6 +9,7 @@ import pytest
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
+from axiscal.measurement.instruments.displacement import Probe
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Simulator, TruthCurve
 from axiscal.numerics import Array
@@ -22,7 +23,7 @@ def _setup(machine: Machine, noise: float = 0.3e-6, unknowns: tuple[Unknown, ...
     count = len(machine.axes)
     park = tuple(sum(axis.travel) / 2 for axis in machine.axes)
     everywhere, still = tuple(range(count)), (0.0,) * count
-    return Setup("s", "probe", (1.0, 0.0, 0.0), everywhere, park, noise, unknowns, 0.0, 0.0, 0.0, still, "both")
+    return Probe("s", machine, (1.0, 0.0, 0.0), everywhere, park, noise, unknowns, 0.0, 0.0, 0.0, still, "both")
 
 
 def _scatter(drawn: Array, expected: Array) -> float:

@@ -11,7 +11,6 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import Deviation, tool_motion
-from axiscal.measurement.instrument import model_of
 from axiscal_core.rigid import SmallMotions
 from tests.generators.campaigns import built_in
 from tests.generators.texts import TWO_SPHERES, Said, setup_text
@@ -33,7 +32,7 @@ def test_it_moves_the_readings_as_another_tool_moves_the_point_of_the_chain(inst
         for m in (replace(machine, tool=(0.0, 0.0, -machine.tool_length - _LONGER)), machine)
     )
     moved = Deviation(longer.translation - stated.translation, np.zeros((len(poses), 3)))
-    kind = model_of(setup)(setup, machine)
+    kind = setup
     expected = kind.shown(kind.places(poses, deviation=moved), {})
     assert kind.shown(kind.places(poses), {"tool_z": -_LONGER}) == pytest.approx(expected, abs=1e-14)
     row = kind.own_slopes(kind.places(poses), ["tool_z"])[:, :, 0]

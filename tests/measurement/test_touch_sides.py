@@ -10,7 +10,6 @@ import pytest
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import chart_candidates
-from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import cycle_of, touch_frames
@@ -43,10 +42,9 @@ def test_a_larger_radius_shows_as_three_touches_find_their_centre() -> None:
         met = [pose_with_tip(DMU, pose, ball + (radius + larger) * way) for way in ways]
         along = [way @ tip(DMU, at) - radius for way, at in zip(ways, met, strict=True)]
         found = np.linalg.solve(ways, np.array(along))
-        nest = Nest(setup, DMU)
-        at = nest.places(pose[None])
-        assert nest.shown(at, {"radius": larger})[0] == pytest.approx(ball - found, abs=1e-12)
-        assert nest.own_slopes(at, ["radius"])[0, :, 0] == pytest.approx((ball - found) / larger)
+        at = setup.places(pose[None])
+        assert setup.shown(at, {"radius": larger})[0] == pytest.approx(ball - found, abs=1e-12)
+        assert setup.own_slopes(at, ["radius"])[0, :, 0] == pytest.approx((ball - found) / larger)
 
 
 def test_linear_axes_come_as_they_touch_and_not_as_they_came_to_the_ball() -> None:

@@ -11,14 +11,14 @@ from axiscal.machine import machine_from_text
 from axiscal.machine.motion import approach_seconds
 from axiscal.measurement.charts.kinds import Held
 from axiscal.measurement.charts.room import Room, turns
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.instruments.distance import RTest
 from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
 from tests.generators.kinematics import pose_with_tip, stem, tip
 from tests.generators.texts import machine_text
 from tests.measurement.test_charts import DMU, UP, held
 
-SETUP = Setup("nest", "rtest", (0.0, 0.0, 1.0), (0, 1, 2, 3, 4), (0.0,) * 5, 1e-6, (), 0, 0, 0, (0.0,) * 5, "both")
+SETUP = RTest("nest", DMU, (0.0, 0.0, 1.0), (0, 1, 2, 3, 4), (0.0,) * 5, 1e-6, (), 0, 0, 0, (0.0,) * 5, "both")
 NEST = replace(SETUP, chart=held(), contact="held")
 SPHERE = replace(SETUP, chart=held(), contact="retracted", retract=0.05)
 OFF = 2 * np.sqrt(0.05 / 4.0)

@@ -14,7 +14,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError, ProgramError
 from axiscal.machine import builtin_names, load_machine
-from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Place, Reading
 from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
@@ -94,7 +93,7 @@ def plans(case: Case) -> list[tuple[Place, ...]]:
 
 def _read(case: Case, place: Place) -> Reading:
     """Return a reading of nothing: where others are to be taken does not depend on its value."""
-    values = values_of(case.description.setup(place.setup))
+    values = len(case.description.setup(place.setup).names)
     return Reading(place.setup, place.pose, place.approach, 0.0, others=(0.0,) * (values - 1), time=0.0)
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.measurement.instruments.distance import of_each
+from axiscal.measurement.instruments.distance import RTest, Tracer, of_each
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import visited
@@ -17,7 +17,7 @@ from axiscal.planning.plan.exchange import exchange
 from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Task
 from tests.generators import dense_gains as dense
-from tests.generators.designs import levered, random_poses
+from tests.generators.designs import levered, of_kind, random_poses
 
 ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
 
@@ -33,11 +33,10 @@ def mixed(candidates: int = 300, three: tuple[int, ...] = (0,), beams: dict[int,
     """
     asked = levered(candidates)
     setups = tuple(
-        replace(s, instrument="rtest", unknowns=ZEROS) if i in three else s
-        for i, s in enumerate(asked.observation.setups)
+        replace(of_kind(s, RTest), unknowns=ZEROS) if i in three else s for i, s in enumerate(asked.observation.setups)
     )
     setups = tuple(
-        replace(s, instrument="tracer", stations=STATIONS[:count], unknowns=of_each(BEAMS, count)) if count else s
+        replace(of_kind(s, Tracer), stations=STATIONS[:count], unknowns=of_each(BEAMS, count)) if count else s
         for s, count in zip(setups, [(beams or {}).get(i, 0) for i in range(len(setups))], strict=True)
     )
     observation = Observation(asked.observation.errors, setups)
@@ -104,7 +103,7 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
 def test_a_reading_that_alone_holds_an_unknown_keeps_its_place(open_by: float, alone: bool) -> None:
     asked = mixed(three=())
     beams = tuple(replace(beam, std=open_by) for beam in BEAMS)
-    four = replace(asked.observation.setups[0], instrument="tracer", stations=STATIONS, unknowns=of_each(beams, 4))
+    four = replace(of_kind(asked.observation.setups[0], Tracer), stations=STATIONS, unknowns=of_each(beams, 4))
     observation = Observation(asked.observation.errors, (four, *asked.observation.setups[1:]))
     belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
     task = Task(observation, belief, asked.root, asked.yardstick, asked.lattice)

@@ -10,9 +10,10 @@ import pytest
 
 from axiscal.exceptions import PlanError
 from axiscal.machine.axis import iso_axis
+from axiscal.measurement.instruments.displacement import Indicator
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import rows_at
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.setup import Unknown
 from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
 from axiscal.planning.plan.order import in_order, seconds_along, set_ups_in_order
@@ -37,7 +38,7 @@ def gantry(candidates: int, speed: float, zero: float = 0.0, reading: float = 1.
     machine, unknowns = Machine(axes, errors, 0.0, name="m"), (Unknown("zero", zero),) if zero else ()
     way, still, noises = (0.0, 0.0, 1.0), ((0, 1), (1.0, 0.75)), 1e-6 / np.arange(1, settings + 1)
     setups = tuple(
-        Setup(f"s{n}", "indicator", way, *still, noise, unknowns, 60.0 * n, 0.0, reading, (0.0, 0.0), "both")
+        Indicator(f"s{n}", machine, way, *still, noise, unknowns, 60.0 * n, 0.0, reading, (0.0, 0.0), "both")
         for n, noise in enumerate(noises.tolist())
     )
     return problem(machine, setups, candidates)

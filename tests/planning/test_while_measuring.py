@@ -69,7 +69,7 @@ def read(campaign: Campaign, source: SimulatedSource, count: int) -> None:
 
 def plans(campaign: Campaign) -> list[Planned]:
     """Return all plans of the record, the first one first."""
-    return [stored.event for stored in campaign._record.events() if isinstance(stored.event, Planned)]
+    return [stored.event for stored in campaign.log.events() if isinstance(stored.event, Planned)]
 
 
 @pytest.mark.long

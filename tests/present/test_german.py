@@ -14,8 +14,8 @@ from axiscal.cli.app import run
 from axiscal.language.spoken import Said, speaking
 from axiscal.present import rendering
 from axiscal.present.rendering import pdf
-from axiscal.present.summarising import Extras, summarise
-from axiscal.present.summary import Summary
+from axiscal.present.result import Result
+from axiscal.present.result_of_campaign import Extras, result_of
 from tests.generators.laser_axis import CAMPAIGN
 from tests.golden.surfaces import lines_of, of_paper
 
@@ -29,34 +29,34 @@ PROSE = re.compile(r"(?:\b[a-z]+\b[ ,;:]*){4,}")
 
 
 @pytest.fixture(scope="module", params=sorted(GIVEN))
-def summary(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Summary:
-    """The summary of a campaign whose readings are given."""
+def result(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """The result of a campaign whose readings are given."""
     folder, out = CAMPAIGNS / request.param, tmp_path_factory.mktemp("german") / "out"
     run(["estimate", str(folder / "campaign.toml"), str(folder / GIVEN[request.param]), "--out", str(out)])
     with Campaign.open(out / "campaign.axiscal", write=False) as campaign:
-        return summarise(campaign, campaign.estimate(ended=True), Extras())
+        return result_of(campaign, campaign.estimate(ended=True), Extras()).result
 
 
-def _sentences(summary: Summary) -> Iterator[str]:
-    """Yield every text of a summary that is a sentence for people, and no name that somebody gave."""
-    yield from (summary.stopped_because, summary.agreement_words)
-    yield from (summary.expanded["U_holds_for"], *summary.observability, *summary.questions)
-    yield from (finding.text for finding in summary.warnings)
-    for kind in (summary.errors, summary.plane_errors, summary.constants):
-        yield from (each["words"] for each in kind.values())
-    yield from (row["source"] for row in summary.budget)
-    yield from (row["reason"] for row in summary.history if row["rejected"])
-    yield from (use["instrument"] for use in summary.setups)
-    yield from (each["text"] for each in summary.mistakes)
+def _sentences(result: Result) -> Iterator[str]:
+    """Yield every text of a result that is a sentence for people, and no name that somebody gave."""
+    yield from (result.stopped_because, result.agreement.text)
+    yield from (result.U_holds_for or "", *result.observability, *result.questions, *result.words.sentences)
+    yield from (finding.text for finding in result.warnings)
+    for kind in (result.errors, result.plane_errors, result.constants):
+        yield from (each.words for each in kind.values())
+    yield from (row.source for row in result.budget)
+    yield from (row.reason for row in result.rejected)
+    yield from (use.instrument for use in result.setups)
+    yield from (each.text for each in result.agreement.explained)
 
 
-def test_every_sentence_can_be_said_again(summary: Summary) -> None:
-    assert [text for text in _sentences(summary) if not isinstance(text, Said)] == []
-    assert len(list(_sentences(summary))) > 15
+def test_every_sentence_can_be_said_again(result: Result) -> None:
+    assert [text for text in _sentences(result) if not isinstance(text, Said)] == []
+    assert len(list(_sentences(result))) > 15
 
 
-def test_no_english_sentence_is_left(summary: Summary, tmp_path: Path) -> None:
-    english, german = (_shown(summary, language, tmp_path / "report.pdf") for language in ("en", "de"))
+def test_no_english_sentence_is_left(result: Result, tmp_path: Path) -> None:
+    english, german = (_shown(result, language, tmp_path / "report.pdf") for language in ("en", "de"))
     assert len(english) > 20
     assert sorted(english & german) == []
 
@@ -78,10 +78,10 @@ def test_every_word_of_the_layout_has_its_german() -> None:
     ] == []
 
 
-def test_numbers_have_a_comma(summary: Summary, tmp_path: Path) -> None:
+def test_numbers_have_a_comma(result: Result, tmp_path: Path) -> None:
     paper = tmp_path / "report.pdf"
     with speaking("de"):
-        paper.write_bytes(pdf(summary))
+        paper.write_bytes(pdf(result, {}))
     shown = of_paper(paper)
     assert re.search(r"±[0-9]+,[0-9]+", shown)
     assert re.findall(r"[^0-9.][0-9]+\.[0-9]+um", shown) == []
@@ -103,9 +103,9 @@ def test_the_language_is_that_of_the_campaign_or_the_one_named(tmp_path: Path, m
     assert TITLES["en"] in of_paper(tmp_path / "said.pdf")
 
 
-def _shown(summary: Summary, language: str, paper: Path) -> set[str]:
+def _shown(result: Result, language: str, paper: Path) -> set[str]:
     """Return all sentences of the report."""
     with speaking(language):
-        paper.write_bytes(pdf(summary))
+        paper.write_bytes(pdf(result, {}))
     text = " ".join(lines_of(paper).split())
     return {part.strip() for part in re.split(r"(?<=[.;:]) ", text) if PROSE.search(part)}

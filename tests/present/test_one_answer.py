@@ -13,17 +13,17 @@ from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.present import summarising
+from axiscal.present import rendering
 from axiscal.present.guide.progress import Progress
 from axiscal.present.plan_answer import coming_answer
-from axiscal.present.summarising import Extras, summarise
+from axiscal.present.result_of_campaign import Extras, result_of
 from axiscal.web.desk import Desk
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
 from tests.golden.surfaces import numbers, of_screen, of_state
 
 
 def test_every_verdict_has_its_words_and_its_colour_in_the_pdf() -> None:
-    template = (Path(summarising.__file__).parent / "paper" / "report.typ").read_text(encoding="utf-8")
+    template = (Path(rendering.__file__).parent / "paper" / "report.typ").read_text(encoding="utf-8")
     (colours,) = re.findall(r"#let colours = \(([^)]*)\)", template)
     assert set(re.findall(r"(\w+): ", colours)) == set(get_args(Verdict))
 
@@ -75,17 +75,17 @@ def test_what_was_known_before_is_at_the_sizes_as_learnt(tmp_path: Path) -> None
             next(row.known_to for row in plan.rows if row.row == "volume"), rel=0.01
         )
         assert progress.floor_um < progress.promised_um < progress.now_um
-        first = summarise(campaign, campaign.estimate(), Extras())
+        first = result_of(campaign, campaign.estimate(), Extras()).result
         campaign.adopt(tuple(read(machine(2), 12)))
         assert Progress.of(campaign).before_um == progress.before_um
         for end in (lambda: None, campaign.finish):
             end()
-            summary = summarise(campaign, campaign.so_far(), Extras())
-            answers = standing_answer(campaign), summary.answer
+            result = result_of(campaign, campaign.so_far(), Extras()).result
+            answers = standing_answer(campaign), result
             for row in (row for each in answers for row in each.rows):
                 assert row.known_before >= row.known_to * (1 - 1e-6)
             (curve,) = (row for row in answers[0].rows if row.row == "positioning X")
             assert curve.known_before > 1.1 * before["positioning X"]
-            assert summary.history[0] == first.history[0]
-            assert max(summary.errors["EXX"]["prior_std"]) > max(first.errors["EXX"]["prior_std"])
-        assert "prior-misfit" in [each.code for each in summary.warnings]
+            assert result.history[0] == first.history[0]
+            assert max(result.errors["EXX"].prior_std) > max(first.errors["EXX"].prior_std)
+        assert "prior-misfit" in [each.code for each in result.warnings]

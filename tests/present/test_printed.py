@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from axiscal.present.rendering import pdf
-from tests.generators.summaries import AT_ODDS, CONTRADICT, HOSTILE, bare, five_axis_summary, with_every_text
+from tests.generators.results import HOSTILE, bare, five_axis_result, with_every_text
 
 
 def _words(made: bytes, folder: Path) -> str:
@@ -23,18 +22,18 @@ def _words(made: bytes, folder: Path) -> str:
     return done.stdout
 
 
-def test_the_same_summary_gives_the_same_bytes_and_a_pdf_for_archives() -> None:
-    made = pdf(five_axis_summary(20))
+def test_the_same_result_gives_the_same_bytes_and_a_pdf_for_archives() -> None:
+    made = pdf(five_axis_result(20), {})
     assert made.startswith(b"%PDF-")
     assert b"pdfaid:part" in made
-    assert pdf(five_axis_summary(20)) == made
+    assert pdf(five_axis_result(20), {}) == made
 
 
 def test_what_is_signed_stands_in_it(tmp_path: Path) -> None:
-    summary = five_axis_summary(20)
-    words = _words(pdf(summary), tmp_path)
+    result = five_axis_result(20)
+    words = _words(pdf(result, {}), tmp_path)
     for each in (
-        summary.machine,
+        result.machine,
         "TARGET REACHED",
         "Statement of uncertainty",
         "set-up 3",
@@ -44,21 +43,17 @@ def test_what_is_signed_stands_in_it(tmp_path: Path) -> None:
         "date, signature",
     ):
         assert each in words
-    for name in summary.errors:
+    for name in result.errors:
         assert name in words
 
 
 def test_any_text_is_only_text(tmp_path: Path) -> None:
     attack = "#panic[x] $x$ *b* " + HOSTILE
-    attacked = replace(with_every_text(five_axis_summary(3), attack), date="2026-03-14")
-    assert "#panic[x] $x$ *b*" in _words(pdf(attacked), tmp_path)
+    found = five_axis_result(3)
+    codes = {"identity": {"begun": "2026-03-14", "place": attack}, "answer": found.answer, "rows": ()}
+    attacked = with_every_text(found, attack).model_copy(update=codes)
+    assert "#panic[x] $x$ *b*" in _words(pdf(attacked, {}), tmp_path)
 
 
 def test_a_campaign_without_readings_can_be_printed(tmp_path: Path) -> None:
-    assert "NO READINGS YET" in _words(pdf(bare()), tmp_path)
-
-
-def test_readings_that_contradict_each_other_are_marked_on_each_page(tmp_path: Path) -> None:
-    pages = _words(pdf(replace(five_axis_summary(20), **AT_ODDS)), tmp_path).split("\f")[:-1]
-    assert len(pages) > 2
-    assert all(CONTRADICT in page for page in pages)
+    assert "NO READINGS YET" in _words(pdf(bare(), {}), tmp_path)

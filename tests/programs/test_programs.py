@@ -13,6 +13,7 @@ import pytest
 from axiscal.exceptions import InputError, ProgramError
 from axiscal.machine.axis import iso_axis
 from axiscal.machine.motion import USUAL, Driving, inward
+from axiscal.measurement.instruments.displacement import Interferometer, Probe
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
@@ -25,7 +26,7 @@ from tests.programs.readers import READERS, Halt, Move
 TABLE = iso_axis("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
 SLIDE = iso_axis("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)
 MACHINE = Machine((TABLE, SLIDE), tool=0.1, name="Mill (old)")
-SETUP = Setup("laser 1", "interferometer", (1, 0, 0), (1,), (0.0, 0.25), 1e-6, (), 0, 1.5, 3.0, (0.0, 0.0), "both")
+SETUP = Interferometer("laser 1", MACHINE, (1, 0, 0), (1,), (0.0, 0.25), 1e-6, (), 0, 1.5, 3.0, (0.0, 0.0), "both")
 UP, DOWN = Place(SETUP.name, (0.0, 0.1), (0, 1)), Place(SETUP.name, (0.0, 0.3), (0, -1))
 
 
@@ -220,7 +221,7 @@ def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
     """Wherever X or Y go further than an overrun, Z is at its clearance; so it is when the program ends."""
     axes = tuple(iso_axis(name, False, (0.0, 0.5)) for name in "XYZ")
     mill = Machine(axes, tool=0.0, name="m")
-    probe = Setup("p", "probe", (1, 0, 0), (0, 1, 2), (0.0,) * 3, 1e-6, (), 0, 0.001, 0, (0.0,) * 3, "both")
+    probe = Probe("p", mill, (1, 0, 0), (0, 1, 2), (0.0,) * 3, 1e-6, (), 0, 0.001, 0, (0.0,) * 3, "both")
     rng = np.random.default_rng(3)
     poses = [tuple(map(float, rng.uniform(0.01, 0.4, 3))) for _ in range(12)]
     poses.append((*poses[-1][:2], 0.05))  # only Z moves: no need to go clear

@@ -28,8 +28,8 @@ from axiscal.record.events import (
     Undone,
     fold,
 )
+from axiscal.record.kept_result import KeptResult
 from axiscal.record.payload import PayloadError, decode, encode
-from axiscal.record.result import Result
 
 CREATED = Created("m", "c", "m.toml", "c.toml", {"axiscal": "0.1.0"})
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -53,7 +53,7 @@ accepted = (
 )
 continued = st.builds(Continued, st.text())
 sizes = st.none() | st.floats(0.0, 1.0)
-finished = st.builds(Finished, st.text(), st.builds(Result, sizes, sizes, st.text()))
+finished = st.builds(Finished, st.text(), st.builds(KeptResult, sizes, sizes, st.text()))
 others = recorded | asked | skipped | noted | bumped | mounted | accepted | finished | st.just(Undone(0))
 event = others | continued
 

@@ -11,7 +11,7 @@ import pytest
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.record.events import Event, Finished, Noted, Undone, fold
 from axiscal.record.lines import EventText
-from axiscal.record.store import Record, write_copy
+from axiscal.record.store import Record
 from benchmarks.reliability.record_faults import CREATED, recorded
 
 
@@ -102,13 +102,13 @@ def test_what_is_opened_to_be_read_is_not_written(log: Record) -> None:
 
 def test_a_copy_of_either_is_the_same_record(log: Record, tmp_path: Path) -> None:
     log.append(recorded(1e-6))
-    write_copy(log, tmp_path / "copy.axiscal")
+    log.copy_to(tmp_path / "copy.axiscal")
     log.append(recorded(2e-6))
-    write_copy(log, tmp_path / "copy.axiscal")
+    log.copy_to(tmp_path / "copy.axiscal")
     assert not list(tmp_path.glob(".*.new"))
     with Record.open(tmp_path / "copy.axiscal") as copied:
         assert copied.events() == log.events()
         copied.append(Noted("by itself"))
     log.append(recorded(3e-6))  # as long, and another one
     with pytest.raises(RecordError, match="gone on by itself"):
-        write_copy(log, tmp_path / "copy.axiscal")
+        log.copy_to(tmp_path / "copy.axiscal")

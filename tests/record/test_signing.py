@@ -19,7 +19,7 @@ from axiscal.record.events import Noted
 from axiscal.record.lines import HEAD, EventText, head
 from axiscal.record.payload import decode, hand_of
 from axiscal.record.signing import KEY, PERSON, key_file
-from axiscal.record.store import Record, write_copy
+from axiscal.record.store import Record
 from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.plain_records import CAMPAIGN, MACHINE
@@ -169,7 +169,7 @@ def test_a_copy_and_a_repaired_record_keep_their_signature(path: Path, key: Path
     assert run(["sign", str(path)]) == 0
     copy, new = tmp_path / "copy.axiscal", tmp_path / "new.axiscal"
     with Record.open(path, write=False) as record:
-        write_copy(record, copy)
+        record.copy_to(copy)
     assert run(["salvage", str(path), str(new)]) == 0
     assert not checked(copy.read_bytes(), [public(path)]).faults
     found = Record.open(new, write=False).signed()

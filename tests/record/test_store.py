@@ -12,11 +12,12 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.document import durable
 from axiscal.document.durable import written
 from axiscal.exceptions import RecordError
 from axiscal.record import store
 from axiscal.record.events import Created
-from axiscal.record.store import Record, content_of, write_copy
+from axiscal.record.store import Record, content_of
 from axiscal.record.story import rows_of
 from benchmarks.reliability.record_faults import CREATED, recorded
 
@@ -116,7 +117,7 @@ def test_a_record_that_appears_while_another_is_made_is_not_overwritten(
         written(draft, content)
         path.write_text("another one")
 
-    monkeypatch.setattr(store, "written", meanwhile)
+    monkeypatch.setattr(durable, "written", meanwhile)
     with pytest.raises(RecordError, match="exists already"):
         Record.made(path, content_of(rows_of([CREATED])))
     assert [(each.name, each.read_text()) for each in tmp_path.iterdir()] == [("mill.axiscal", "another one")]
@@ -130,5 +131,5 @@ def test_a_copy_takes_the_place_of_nothing_else(record: Record, tmp_path: Path) 
     for name, why in (("other.axiscal", "Another campaign"), ("text.axiscal", "not a campaign record")):
         before = (tmp_path / name).read_bytes()
         with pytest.raises(RecordError, match=why):
-            write_copy(record, tmp_path / name)
+            record.copy_to(tmp_path / name)
         assert (tmp_path / name).read_bytes() == before

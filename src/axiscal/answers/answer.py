@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SkipValidation, ValidationInfo
 
 from axiscal.description.target import Kind
 from axiscal.exceptions import SummaryError
@@ -20,24 +20,11 @@ _DIGITS = 6
 """Figures kept, so that the same campaign gives the same bytes on any processor."""
 
 
-_DECIMALS = 9
-"""Of a coordinate, mm or deg: what was commanded, as plans and programs have it, and far below a nanometre."""
-
-
-def coordinate(value: float, what: str) -> float:
-    """Return where an axis stood, at nine decimals; raises SummaryError if it is not finite."""
-    return round(_refused_unless_finite(value, what), _DECIMALS) + 0.0
-
-
 def number(value: float, what: str) -> float:
     """Return value at six significant digits; raises SummaryError if it is not finite."""
-    return float(f"{_refused_unless_finite(value, what):.{_DIGITS}g}") + 0.0  # + 0.0 turns -0.0 into 0.0
-
-
-def _refused_unless_finite(value: float, what: str) -> float:
     if not math.isfinite(value):
         raise SummaryError(f"{what} is {value}; the report takes finite figures only.")
-    return value
+    return float(f"{value:.{_DIGITS}g}") + 0.0  # + 0.0 turns -0.0 into 0.0
 
 
 def finite(value: float) -> float | None:
@@ -45,11 +32,14 @@ def finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def rounded(values: Sequence[float], what: str) -> list[float]:
-    """Return values at six significant digits; raises SummaryError if one is not finite."""
-    return [number(value, what) for value in values]
+def _figure(value: float, info: ValidationInfo) -> float:
+    return number(value, str(info.field_name))
 
 
+Figure = Annotated[float, AfterValidator(_figure)]
+"""A number as all surfaces have it; SummaryError, with its field, if it is not finite."""
+Text = SkipValidation[str]
+"""A sentence that can be said again in another language: otherwise nothing but its letters would be kept."""
 Verdict = Literal["measured", "unmeasured", "reached", "more", "unreachable", "contradict", "nothing"]
 """Rows are measured, or not all; the target is reached; more readings would; none would; they contradict; none."""
 PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
@@ -65,16 +55,13 @@ class AnswerDocument(BaseModel):
 
 
 class AnswerLine(AnswerDocument):
-    """Where a row holds: the axis that moves, between which ends, and the pose in which the others stand.
+    """An entry of `lines`: where a row holds."""
 
-    places : number of places read from "+", from "-", and from "both"; setup : by which, "" for none
-    """
-
-    setup: str
-    axis: str
-    ends: tuple[float, float]
-    at: Mapping[str, float]
-    places: Mapping[Literal["+", "-", "both"], int]
+    setup: str = Field(description="the set-up that reads there, empty for none")
+    axis: str = Field(description="the axis that moves")
+    ends: tuple[float, float] = Field(description="from where to where, mm or deg")
+    at: Mapping[str, float] = Field(description="where the other axes stand, mm or deg")
+    places: Mapping[Literal["+", "-", "both"], int] = Field(description="places read from `+`, from `-`, from `both`")
 
     @property
     def read(self) -> int:
@@ -83,66 +70,55 @@ class AnswerLine(AnswerDocument):
 
 
 class PlannedRow(AnswerDocument):
-    """How well a row is known, in `unit`: fields as of `estimation.known_rows.KnownRow`.
+    """How well a row is known, in `unit`, now or after a plan, at the sizes as learnt."""
 
-    lines : of the volume none, unless displacements of one axis are all that is described
-    known_to, known_before : U now, or after a plan, and without readings, at the sizes as learnt
-    """
-
-    row: str
-    kind: Kind
-    axes: Sequence[str]
-    unit: str
-    known_to: float
-    known_before: float
-    floor: float
-    limit: float | None
-    reached: bool | None
-    measured: bool
-    lines: Sequence[AnswerLine]
+    row: str = Field(description="such as `positioning X`, `squareness XY`, `volume`")
+    kind: Kind = Field(description="`positioning`, `backlash`, `straightness` ... `volume`")
+    axes: Sequence[str] = Field(description="the axes that it is about")
+    unit: str = Field(description="um, urad or um/m")
+    known_to: Figure = Field(description="U: 95 % of what is not known is smaller")
+    known_before: Figure = Field(description="U before the first reading")
+    floor: Figure = Field(description="U that endless readings would leave")
+    limit: Figure | None = Field(description="what `known_to` is to be; null where `wants` gives none")
+    reached: bool | None = Field(description="whether it is; null without a limit")
+    measured: bool = Field(description="whether `known_to` is at most half of U without readings")
+    lines: Sequence[AnswerLine] = Field(
+        description="where it holds; empty of a volume, unless displacements of one axis are all that is described"
+    )
 
 
 class SignedNumber(AnswerDocument):
-    """A number with its sign, in the unit of its row, and U of it alone.
+    """An entry of `signed`, in the unit of its row."""
 
-    direction : the axis, both axes of a squareness, x, y or z of a centre, or about which of them, as A, B or C, a tilt
-    """
-
-    direction: str
-    value: float
-    U: float
+    direction: str = Field(description="axis, both axes of a squareness, or along or about which one")
+    value: Figure = Field(description="as estimated")
+    U: Figure = Field(description="± of it alone, 95 %")
 
 
 class AnswerRow(PlannedRow):
-    """A row, in `unit`: fields as of `AnsweredRow`.
+    """An entry of `rows`, in `unit`."""
 
-    signed : its numbers where it is one number or one vector; one_more : U after one reading from the other side
-    kelvin : by how much warmer than 20 °C a scale would be, were it no lead error; None where nobody can mistake it
-    """
-
-    found: float
-    signed: Sequence[SignedNumber]
-    largest: float
-    left: Mapping[str, float]
-    one_more: float | None = None
-    kelvin: float | None = None
+    found: Figure = Field(description="RMS of the error over its places, √(estimate² + u²)")
+    signed: Sequence[SignedNumber] = Field(
+        description="numbers with [signs](conventions.md#rows-with-a-sign); empty of curves and of the volume"
+    )
+    largest: Figure = Field(description="the same as `found`, at the place where it is largest")
+    left: Mapping[str, Figure] = Field(description="by control, what its tables leave, √(left² + u²)")
+    one_more: Figure | None = Field(None, description="`known_to` of a backlash after one reading from the other side")
+    kelvin: Figure | None = Field(None, description="K above 20 degC that would explain a scale; else null")
 
 
 class Aim(AnswerDocument):
-    """An accuracy that a person wants, in `unit`: name is "rms", "worst" or "U" of the volume, or that of a row.
+    """An entry of `aims`, in `unit`."""
 
-    now : how well it is known; reachable : whether endless readings would reach it
-    unread : lines that nobody has read, without which it is not measured
-    """
-
-    name: str
-    now: float
-    limit: float
-    floor: float
-    measured: bool = True
-    reachable: bool = True
-    unread: int = 0
-    unit: str = "um"
+    name: str = Field(description="`rms`, `worst` or `U` of the volume, or the row")
+    now: Figure = Field(description="how well it is known")
+    limit: Figure = Field(description="what that is to be")
+    floor: Figure = Field(description="what endless readings would leave")
+    measured: bool = Field(True, description="whether readings tell it")
+    reachable: bool = Field(True, description="whether endless readings would reach it")
+    unread: int = Field(0, description="lines that nobody has read, without which it is not measured")
+    unit: str = Field("um", description="um or urad")
 
     @property
     def reached(self) -> bool:
@@ -158,11 +134,11 @@ class Aim(AnswerDocument):
 
 
 class NextStep(AnswerDocument):
-    """What to do next.  control : whose tables are loaded; mistake : that is accepted"""
+    """An entry of `steps`: what to do next."""
 
-    code: StepCode
-    control: str = ""
-    mistake: str = ""
+    code: StepCode = Field(description="`load verify export undo accept measure next finish`")
+    control: str = Field("", description="whose tables are loaded")
+    mistake: str = Field("", description="that is accepted")
 
 
 class PlannedSetup(AnswerDocument):
@@ -228,64 +204,76 @@ class PlannedAnswer(AnswerDocument):
 
 
 class TablesChecked(AnswerDocument):
-    """A check of the tables on the machine; um.
+    """`checked`: a check of the tables on the machine; um."""
 
-    places : how many were read; found, left : RMS there, without the tables and with them
-    expected : RMS with them that is to be expected, with the noise of the readings
-    farthest : largest deviation left, at a place (mm and deg by axis)
-    """
-
-    places: int
-    found: float
-    left: float
-    expected: float
-    farthest: float
-    at: Mapping[str, float]
-    verdict: Literal["promised", "worse", "faulty", "undecided"]
+    places: int = Field(description="how many were read, without the tables and with them")
+    found: Figure = Field(description="RMS of the deviation without them")
+    left: Figure = Field(description="RMS with them")
+    expected: Figure = Field(description="RMS with them that is to be expected, with the noise of the readings")
+    farthest: Figure = Field(description="largest deviation left")
+    at: Mapping[str, float] = Field(description="where that is, mm and deg by axis")
+    verdict: Literal["promised", "worse", "faulty", "undecided"] = Field(description="whether they keep their promise")
 
 
 class ScrewTurn(AnswerDocument):
-    """A screw under the bed.  turns : clockwise from above, U : of them, 95 %"""
+    """An entry of `screws`: a screw under the bed."""
 
-    screw: str
-    turns: float
-    U: float
+    screw: str = Field(description="its name")
+    turns: Figure = Field(description="clockwise from above")
+    U: Figure = Field(description="± of it, 95 %")
 
 
-class ResultAnswer(AnswerDocument):
-    """aims : what is asked for, the accuracies of the volume first
+class Outcome(AnswerDocument):
+    """`answer`: what became of what was asked for."""
 
-    more : readings that would reach it, and more_minutes their machine time; 0 where none are missing
-    readings : taken; left_out : of them not used; compared : of the others with each other; agreeing : of these
-    minutes : of the clock where clocked, else of the plan
-    withheld : readings contradict each other, and no mistake explains it: there are no rows
-    checked : None where nobody has checked the tables
-    offset : um, 95 %, by which U grows for each 100 mm beside the line that was read; None where the volume is known
-    checks : readings drawn at random; as_promised : of these
-    half_read : from where to where axes were read, mm or deg, half of the volume or less; left out where none was
-    screws : under the bed, all but the first, which stays; left out where nobody states them
-    overruled : set-ups that were read although the test at their mounting failed; left out where none was
-    asks : a step may be a zero set anew, and nobody has said so; left out where nothing is asked
-    """
+    verdict: Verdict = Field(
+        description="`measured`, `unmeasured` a wanted row without a limit is not, `reached`, `more` readings would "
+        "reach it, `unreachable`, `contradict`, `nothing` was read"
+    )
+    aims: Sequence[Aim] = Field(description="what is asked for, the volume first")
+    more: int = Field(description="readings that would reach it; 0 where none are missing")
+    more_minutes: Figure = Field(description="their machine time")
+    readings: int = Field(description="taken")
+    left_out: int = Field(description="of them not used")
+    compared: int = Field(description="of the others with each other")
+    agreeing: int = Field(description="of these within three standard deviations of what the others say")
+    checks: int = Field(0, description="drawn at random")
+    as_promised: int = Field(0, description="of these")
+    minutes: Figure = Field(description="of the clock, else of the plan")
+    clocked: bool = Field(description="whether they are of the clock")
+    withheld: bool = Field(description="readings contradict each other and no mistake explains it: there are no rows")
+    steps: Sequence[NextStep] = Field(description="what to do next")
+    checked: TablesChecked | None = Field(None, description="null where nobody has checked the tables")
+    offset: Figure | None = Field(
+        None, description="um, 95 %, by which U grows each 100 mm beside the one line that was read; else null"
+    )
+    half_read: Mapping[str, tuple[Figure, Figure]] = Field(
+        default_factory=dict,
+        exclude_if=lambda axes: not axes,
+        description="ends of axes, mm or deg, of which half of the volume or less was read; else left out",
+    )
+    screws: Sequence[ScrewTurn] = Field(
+        (), exclude_if=lambda screws: not screws, description="of all but the first; left out where none are stated"
+    )
+    overruled: Sequence[str] = Field(
+        (),
+        exclude_if=lambda names: not names,
+        description="set-ups that were read although the test at their mounting failed; else left out",
+    )
+    asks: bool = Field(
+        False, exclude_if=lambda asks: not asks, description="a zero may be new, and nobody has said so; else left out"
+    )
 
-    verdict: Verdict
+
+class AnswerWords(AnswerDocument):
+    """An answer, or a plan, as it is laid out: terminal, page and PDF say these words, and no other figures."""
+
+    first: Sequence[Text] = Field(description="parts of the first line: what became of it, which figure decides, spent")
+    rows: Sequence[Sequence[Text]] = Field(description="heading and cells of the rows")
+    sentences: Sequence[Text] = Field(description="below them")
+
+
+class ResultAnswer(Outcome):
+    """The answer with its rows."""
+
     rows: Sequence[AnswerRow]
-    aims: Sequence[Aim]
-    more: int
-    more_minutes: float
-    readings: int
-    left_out: int
-    compared: int
-    agreeing: int
-    checks: int = 0
-    as_promised: int = 0
-    minutes: float
-    clocked: bool
-    withheld: bool
-    steps: Sequence[NextStep]
-    checked: TablesChecked | None = None
-    offset: float | None = None
-    half_read: Mapping[str, tuple[float, float]] = Field(default_factory=dict, exclude_if=lambda axes: not axes)
-    screws: Sequence[ScrewTurn] = Field(default=(), exclude_if=lambda screws: not screws)
-    overruled: Sequence[str] = Field(default=(), exclude_if=lambda names: not names)
-    asks: bool = Field(default=False, exclude_if=lambda asks: not asks)

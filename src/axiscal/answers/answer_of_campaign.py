@@ -27,8 +27,6 @@ from axiscal.answers.answer import (
     SignedNumber,
     StepCode,
     Verdict,
-    coordinate,
-    number,
 )
 from axiscal.answers.bed_screws import screw_turns
 from axiscal.answers.row_words import row_name
@@ -207,18 +205,18 @@ def answer_of(
         rows=[] if withheld else [_row(row, known) for row in rows],
         aims=[*aims.volume, *aims.lines],
         more=more,
-        more_minutes=_digits(minutes),
+        more_minutes=minutes,
         readings=len(known.readings),
         left_out=len(known.outliers),
         compared=known.agreement.count,
         agreeing=known.agreement.agreeing,
         checks=len(known.checks.each),
         as_promised=known.checks.as_promised,
-        minutes=_digits(to_unit(seconds, "min")),
+        minutes=to_unit(seconds, "min"),
         clocked=campaign.state.clocked is not None,
         withheld=withheld,
         steps=list(_steps(campaign, known, verdict, best_control(rows, list(controls)), written)),
-        offset=None if offset is None else _digits(to_unit(offset, "um")),
+        offset=None if offset is None else to_unit(offset, "um"),
         half_read={axis.name: (to_unit(ends[0], axis.unit), to_unit(ends[1], axis.unit)) for axis, ends in parts},
         screws=[] if withheld else screw_turns(known),
         overruled=overruled(campaign.state.notes),
@@ -328,10 +326,6 @@ def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow])
     return readings, to_unit(readings * each + float(mounting) * new, "min") if readings else 0.0
 
 
-def _digits(value: float) -> float:
-    return number(value, "a figure of the answer")
-
-
 def known_figures(row: KnownRow, axes: Sequence[Axis]) -> dict[str, Any]:
     """Return the figures of `PlannedRow`.  axes : of the machine"""
     sizes = {"known_to": row.known, "known_before": row.before, "floor": row.floor, "limit": row.limit}
@@ -340,15 +334,11 @@ def known_figures(row: KnownRow, axes: Sequence[Axis]) -> dict[str, Any]:
         "kind": row.row.kind,
         "axes": row.row.axes,
         "unit": row.unit,
-        **{name: None if size is None else _shown(row, size) for name, size in sizes.items()},
+        **{name: None if size is None else to_unit(size, row.unit) for name, size in sizes.items()},
         "reached": row.reached,
         "measured": row.measured,
         "lines": [_line(line, axes) for line in row.lines],
     }
-
-
-def _shown(row: KnownRow, size: float) -> float:
-    return _digits(to_unit(size, row.unit))
 
 
 def _row(row: AnsweredRow, known: Estimation) -> AnswerRow:
@@ -356,18 +346,21 @@ def _row(row: AnsweredRow, known: Estimation) -> AnswerRow:
     warm = warmth(known, row.row.axes[0], row.signed[0].value) if scale and row.signed else None
     return AnswerRow(
         **known_figures(row, known.stated.description.machine.axes),
-        found=_shown(row, row.found),
-        signed=[SignedNumber(direction=name, value=_shown(row, at), U=_shown(row, u)) for name, at, u in row.signed],
-        largest=_shown(row, row.largest),
-        left={name: _shown(row, size) for name, size in row.left.items()},
-        one_more=None if row.then is None else _shown(row, row.then),
-        kelvin=None if warm is None else _digits(warm),
+        found=to_unit(row.found, row.unit),
+        signed=[
+            SignedNumber(direction=name, value=to_unit(at, row.unit), U=to_unit(u, row.unit))
+            for name, at, u in row.signed
+        ],
+        largest=to_unit(row.largest, row.unit),
+        left={name: to_unit(size, row.unit) for name, size in row.left.items()},
+        one_more=None if row.then is None else to_unit(row.then, row.unit),
+        kelvin=warm,
     )
 
 
 def _line(line: AxisLine, axes: Sequence[Axis]) -> AnswerLine:
     name, ends = axes[line.axis].name, (shown_pose(axes, tuple(pose)) for pose in line.poses[[0, -1]].tolist())
-    first, last = ({each: coordinate(at, "an end of a row") for each, at in end.items()} for end in ends)
+    first, last = ends
     places = {"+": len(line.plus), "-": len(line.minus), "both": len(line.both)}
     return AnswerLine(setup=line.setup, axis=name, ends=(first.pop(name), last[name]), at=first, places=places)
 

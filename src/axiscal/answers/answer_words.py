@@ -1,7 +1,4 @@
-"""An answer in words, in the language that is spoken: the first line, the rows as cells, sentences, commands.
-
-Terminal, page and PDF lay out these words and say no others, so that all of them show the same figures.
-"""
+"""An answer in words, in the language that is spoken: the first line, the rows as cells, sentences, commands."""
 
 from __future__ import annotations
 
@@ -9,9 +6,18 @@ import shlex
 import textwrap
 from collections.abc import Iterator, Sequence
 from itertools import groupby
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
-from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedAnswer, PlannedRow, ResultAnswer, TablesChecked
+from axiscal.answers.answer import (
+    Aim,
+    AnswerRow,
+    AnswerWords,
+    NextStep,
+    PlannedAnswer,
+    PlannedRow,
+    ResultAnswer,
+    TablesChecked,
+)
 from axiscal.answers.row_words import (
     half_read_sentence,
     lacking,
@@ -50,38 +56,11 @@ _UNTOLD = later(
 _AIMS = WORDS["aims"]
 
 
-class FirstLine(NamedTuple):
-    """The verdict on the wanted accuracies, the figure that decides ("" for none), and the readings and time spent."""
-
-    verdict: str
-    aims: str
-    spent: str
-
-    @property
-    def parts(self) -> list[str]:
-        """The parts that are not empty."""
-        return [part for part in self if part]
-
-
-class AnswerText(NamedTuple):
-    """An answer as it is laid out.
-
-    first : the first line; rows : heading and cells; sentences : below them; commands : what to do next
-    """
-
-    first: FirstLine
-    rows: list[list[str]]
-    sentences: list[str]
-    commands: list[str]
-
-
-def answer_text(
-    answer: ResultAnswer, agreement: str, record: str, results: str = "", evidence: str = "", *, cut: bool = False
-) -> AnswerText:
+def answer_text(answer: ResultAnswer, agreement: str, evidence: str = "", *, cut: bool = False) -> AnswerWords:
     """Return an answer in words.
 
-    agreement : said of readings that contradict or are not used; record, results : paths, or ""; cut : for a terminal
-    evidence : who answers for the record, "" where nobody does
+    agreement : said of readings that contradict or are not used; evidence : who answers for the record, "" for nobody
+    cut : for a terminal
     """
     groups = measured_rows(answer, ROOM)
     spare = ["", ""] if cut else [signs_sentence(groups), warmth_sentence(answer.rows)]  # a terminal may have no room
@@ -98,15 +77,11 @@ def answer_text(
         _checked(answer.checked),
         evidence,
     ]
-    return AnswerText(
-        _first_line(answer),
-        table_lines(groups, controls_of(groups)) if groups else [],
-        [sentence for sentence in found if sentence],
-        list(commands_of(answer.steps, record, results)),
-    )
+    rows = table_lines(groups, controls_of(groups)) if groups else []
+    return AnswerWords(first=_first_line(answer), rows=rows, sentences=[sentence for sentence in found if sentence])
 
 
-def _first_line(answer: ResultAnswer) -> FirstLine:
+def _first_line(answer: ResultAnswer) -> list[str]:
     """Return what became of what was asked for, with the readings and minutes it took."""
     if answer.verdict == "more":
         coming = minutes_text(answer.more_minutes)
@@ -120,7 +95,7 @@ def _first_line(answer: ResultAnswer) -> FirstLine:
     minutes = minutes_text(answer.minutes)
     time = said("{minutes} min" if answer.clocked else "{minutes} min by the plan", minutes=minutes)
     aims = "" if answer.verdict == "contradict" else aims_text(answer)
-    return FirstLine(verdict, aims, put("{taken}, {time}", taken=taken, time=time))
+    return [part for part in (verdict, aims, put("{taken}, {time}", taken=taken, time=time)) if part]
 
 
 def _unchecked(answer: ResultAnswer) -> bool:
@@ -261,9 +236,7 @@ def _best(answer: ResultAnswer) -> str:
     if not missed:
         return ""
     worst = max(missed, key=lambda aim: aim.floor / aim.limit)
-    return said(
-        "Best possible: {size} {unit} (see axiscal plan).", size=digits(worst.floor, worst.limit), unit=worst.unit
-    )
+    return said("Best possible: {size} {unit}.", size=digits(worst.floor, worst.limit), unit=worst.unit)
 
 
 def _checked(checked: TablesChecked | None) -> str:
@@ -341,10 +314,11 @@ def screen(
     report : path of the report, "" for none; evidence : who answers for the record
     untabled : why there is no table, "" where there is one
     """
-    text = answer_text(answer, agreement, record, results, evidence, cut=True)
+    text = answer_text(answer, agreement, evidence, cut=True)
     first = first_lines(text.first)
     below = [line for sentence in [*text.sentences, untabled] for line in wrapped(sentence)]
-    last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
+    commands = list(commands_of(answer.steps, record, results))
+    last = [*below, *ending({said("Next"): commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
     groups = measured_rows(answer, room)
     warm, signs, spare = wrapped(warmth_sentence(answer.rows)), wrapped(signs_sentence(groups)), room - len(groups)
@@ -353,10 +327,10 @@ def screen(
     return "\n".join([*first, *_table(groups, room, advised), *beside, *last])
 
 
-def first_lines(line: FirstLine) -> list[str]:
+def first_lines(parts: Sequence[str]) -> list[str]:
     """Return the first line, in two where one is too narrow."""
-    whole = "   ".join(line.parts)
-    return [whole] if len(whole) <= WIDTH else [line.verdict, f"  {'   '.join(line.parts[1:])}"]
+    whole = "   ".join(parts)
+    return [whole] if len(whole) <= WIDTH else [parts[0], f"  {'   '.join(parts[1:])}"]
 
 
 def _table(groups: Sequence[Sequence[AnswerRow]], room: int, advised: str) -> Iterator[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.answers.answer import ScrewTurn, number
+from axiscal.answers.answer import ScrewTurn
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.setup import Setup
@@ -38,7 +38,7 @@ def screw_turns(known: Estimation) -> list[ScrewTurn]:
     turned = (rows[0] - rows[1:]) * screws.lifts / screws.pitch
     turns, stds = turned @ belief.mean[: errors.size], np.linalg.norm(turned @ belief.factor[: errors.size], axis=1)
     each = zip(list(screws.places)[1:], turns.tolist(), stds.tolist(), strict=True)
-    return [ScrewTurn(screw=name, turns=number(turn, name), U=number(BAND * std, name)) for name, turn, std in each]
+    return [ScrewTurn(screw=name, turns=turn, U=BAND * std) for name, turn, std in each]
 
 
 def _grid(known: Estimation, setup: Setup) -> tuple[Array, Array]:

@@ -13,7 +13,6 @@ from axiscal.estimation.functionals.asked import beside_the_line
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.machine.axis import travel_text
-from axiscal.measurement.instrument import scales_of
 from axiscal.measurement.readers.csv_table import RawPose
 from axiscal.measurement.reading import Place, in_radii
 from axiscal.measurement.reading_rows import blank_readings, seen
@@ -94,6 +93,6 @@ def expectation(known: Estimation, place: Place) -> Band:
     """
     blanks = blank_readings(known.case.description.setups, [place])
     before = known.knowledge.opened(blanks)
-    numbers, scales = seen(before.observation, blanks), scales_of(known.case.description.setup(place.setup))
+    numbers, scales = seen(before.observation, blanks), known.case.description.setup(place.setup).scales
     expected = before.belief.through(numbers.rows)
     return Band((expected.mean - numbers.values) / scales, np.hypot(expected.std, np.sqrt(numbers.variances)) / scales)

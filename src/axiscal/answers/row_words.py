@@ -113,9 +113,10 @@ def _number(number: SignedNumber, *, named: bool, band: bool) -> str:
     places = _places(number.U or number.value)
     value = round(number.value, places)
     sign = "−" if value < 0 else "+" if value > 0 else ""
-    text = put(f"{{value:.{max(places, 0)}f}}", value=abs(value))
-    known = put(f"{{known:.{max(places, 0)}f}}", known=round(number.U, places)) if band else ""
-    parts = [number.direction if named else "", f"{sign}{text}", f"± {known}" if known else ""]
+    shown = f".{max(places, 0)}f"
+    text = put(f"{{sign}}{{value:{shown}}}", sign=sign, value=abs(value))
+    known = put(f"± {{known:{shown}}}", known=round(number.U, places)) if band else ""
+    parts = [number.direction if named else "", text, known]
     return listed(" ", [part for part in parts if part])
 
 

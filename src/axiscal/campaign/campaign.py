@@ -6,6 +6,7 @@ Its state is folded from the record at every step; the belief follows the readin
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
@@ -31,7 +32,6 @@ from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.possible import beginning_of, described, jump_told, kept_text, note_told, refuse_unreadable
 from axiscal.campaign.sources import Request, Skip, Source, answered
 from axiscal.description.campaign import CampaignDescription
-from axiscal.document.durable import Closing
 from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.estimate import estimated, in_detail
 from axiscal.estimation.estimation import Estimation, path
@@ -57,7 +57,7 @@ from axiscal.record.events import (
     Undoable,
     Undone,
 )
-from axiscal.record.store import Record, refuse_other, write_copy
+from axiscal.record.store import Record
 from axiscal.record.story import SignedUntil
 from axiscal_core.refusals import one
 
@@ -77,14 +77,14 @@ _ANSWERS = 7
 """Kept of the same readings: case, times, estimates while others follow and at the end, their end, the signature."""
 
 
-class Campaign(Closing):
+class Campaign(AbstractContextManager["Campaign"]):
     """An open campaign record with its description and what is known; a context manager.
 
-    planner : says where to read next
+    log : its record; planner : says where to read next
     """
 
     def __init__(self, record: Record, description: CampaignDescription, planner: Planner = _next_places) -> None:
-        self._record, self.description, self._planner = record, description, planner
+        self.log, self.description, self._planner = record, description, planner
         self.state = record.state()
         self._first = record.events()[0]
         self._memo = Memo(_ANSWERS)
@@ -107,7 +107,7 @@ class Campaign(Closing):
     @property
     def path(self) -> Path:
         """The file of the record."""
-        return self._record.path
+        return self.log.path
 
     @property
     def begun(self) -> str:
@@ -253,18 +253,14 @@ class Campaign(Closing):
             self._append(Finished(why, result_of(self._said(ended=True))))
         return self.state.finished or ""
 
-    def has_done(self, step: str) -> bool:
-        """Whether a step has been done, by its id."""
-        return self._record.holds(step)
-
     def sign(self) -> None:
         """Sign the record so far, if this person has a key."""
-        self._record.sign()
+        self.log.sign()
         self._append()
 
     def signed(self) -> SignedUntil | None:
         """Return the last signature, None without one."""
-        return self._memo.answer(("signed", self.state.name), self._record.signed)
+        return self._memo.answer(("signed", self.state.name), self.log.signed)
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""
@@ -276,7 +272,7 @@ class Campaign(Closing):
 
     def looked_at_again(self) -> State:
         """Return the state as the file has it now."""
-        self._take_in(self._record.state())
+        self._take_in(self.log.state())
         return self.state
 
     def status(self) -> Status:
@@ -328,7 +324,13 @@ class Campaign(Closing):
         path, in_a_row = [self._milestone()], 0
         watch(path[0])
         with noted_interrupts() as heeding:
-            while not isinstance(asked := self._next_of_run(path), Ended):
+            while True:
+                accuracies = [milestone.accuracy for milestone in path]
+                before = partial(estimated, self.case(), self.state.readings[:-FUTILE])
+                hopeless = out_of_reach(self.description.target, accuracies, before, self.estimate())
+                asked = Ended(hopeless) if hopeless and not self.reached() else self.next()
+                if isinstance(asked, Ended):
+                    return self.finish(asked.because)
                 with heeding():
                     answer = answered(source, self.request(asked))
                 if isinstance(answer, Skip):
@@ -343,13 +345,6 @@ class Campaign(Closing):
                     refuse_implausible(self.estimate())
                 with heeding():
                     pass  # before the next plan is made
-            return self.finish(asked.because)
-
-    def _next_of_run(self, path: Sequence[Milestone]) -> Asked | Ended:
-        accuracies = [milestone.accuracy for milestone in path]
-        before = partial(estimated, self.case(), self.state.readings[:-FUTILE])
-        hopeless = out_of_reach(self.description.target, accuracies, before, self.estimate())
-        return Ended(hopeless) if hopeless and not self.reached() else self.next()
 
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
@@ -357,28 +352,23 @@ class Campaign(Closing):
         seconds = self.seconds([place]) if setup.drift > 0 else 0.0
         return Request(asked.reading, setup, self.description.machine.axes, place.pose, place.approach, seconds)
 
-    def copy(self, path: Path) -> None:
-        """Write a copy of the record, in the place of an earlier one; raises RecordError if there is anything else."""
-        write_copy(self._record, path)
-
-    def refuse_other(self, path: Path) -> None:
-        """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
-        refuse_other(self._record, path)
-
     def close(self) -> None:
         """Close the record."""
-        self._record.close()
+        self.log.close()
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def _append(self, *events: Event) -> None:
         if events:
-            self._record.append(*events, after=self.state.last)
-        self._take_in(self._record.state())
+            self.log.append(*events, after=self.state.last)
+        self._take_in(self.log.state())
 
     def _take_in(self, state: State) -> None:
         """Go on from a state; with set-ups mounted anew or warm, and bumps, from another description, too."""
         before, self.state = self.state, state
         if (state.mounted, state.warmed, state.bumps) != (before.mounted, before.warmed, before.bumps):
-            self.description = described(self._record)
+            self.description = described(self.log)
             self._memo = Memo(_ANSWERS)
 
     def _times(self) -> Timed:

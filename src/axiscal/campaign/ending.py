@@ -22,7 +22,7 @@ from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.record.events import State
-from axiscal.record.result import NOT_SAID, Result
+from axiscal.record.kept_result import NOT_SAID, KeptResult
 from axiscal.units import format_quantity
 
 
@@ -203,14 +203,14 @@ def refuse_finished(finished: str | None, record: Path) -> None:
         raise RecordError(what, remedy, record, finished=because_text(finished))
 
 
-def result_of(known: Estimation) -> Result:
+def result_of(known: Estimation) -> KeptResult:
     """Return what the readings of a campaign that has ended come to, in the four digits that a record keeps."""
     if not known.readings:
         return NOT_SAID
     if known.agreement.withheld:
-        return Result(None, None, "contradict")
+        return KeptResult(None, None, "contradict")
     rms, expanded = (float(f"{size:.4g}") for size in (known.accuracy.rms, expanded_uncertainty(known).space))
-    return Result(rms, expanded, "agree")
+    return KeptResult(rms, expanded, "agree")
 
 
 def refuse_implausible(known: Estimation) -> None:

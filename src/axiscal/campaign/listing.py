@@ -9,7 +9,7 @@ from typing import NamedTuple
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import machine_from_text
 from axiscal.record.events import Finished
-from axiscal.record.result import NOT_SAID, Result
+from axiscal.record.kept_result import NOT_SAID, KeptResult
 from axiscal.record.store import Record
 
 
@@ -30,7 +30,7 @@ class Standing(NamedTuple):
     taken: int
     coming: int
     finished: str | None
-    result: Result
+    result: KeptResult
 
 
 def standings(files: Iterable[Path]) -> tuple[list[Standing], list[AxiscalError]]:

@@ -86,22 +86,6 @@ def kept_text(text: str, what: str, remedy: str) -> str:
     return text
 
 
-def refuse_absurd(*values: float) -> None:
-    """Raise ReadingError for a number that no instrument reads; values : m or rad."""
-    for value in values:
-        if not abs(value) < LARGEST:
-            remedy = "Give the reading with its unit, such as 1.7 um"
-            raise ReadingError("{value:g} m or rad is no deviation of a machine", remedy, value=value)
-
-
-def _refuse_gone(setup: str, mounted: Sequence[Mounted]) -> None:
-    """Raise ReadingError for a set-up as it stood before its zero jumped: it has gone."""
-    for each in mounted:
-        if each.name == setup:
-            what = '"{setup}" has gone: its zero jumped'
-            raise ReadingError(what, 'Read "{instead}"', setup=setup, instead=each.setup)
-
-
 def jump_told(state: State, setup: str | None, number: int, path: Path) -> Accepted:
     """Return the event that a zero was set anew, as a person tells it.
 
@@ -130,7 +114,7 @@ def note_told(description: CampaignDescription, state: State, text: str, path: P
         return Noted(text)
     refuse_finished(state.finished, path)
     name, kelvin = _standing(state), within(plain, "temperature", *WARM)
-    if not any(takes_temperature(each, description.machine) for each in description.setups if each.name == name):
+    if not any(takes_temperature(each) for each in description.setups if each.name == name):
         what = '"{setup}" compares no length of the machine with one at 20 degC: its temperature changes nothing'
         raise ReadingError(what, "Write a sentence: note the workshop has {text}", setup=name, text=text)
     return Warmed(name, kelvin, text)
@@ -147,30 +131,40 @@ def refuse_unreadable(
     setup: Setup, values: Sequence[float], std: float | None, mounted: Sequence[Mounted] = ()
 ) -> None:
     """Raise ReadingError for what a set-up's instrument does not read, or one that has gone.  values, std : m or rad"""
-    _refuse_gone(setup.name, mounted)
+    for each in mounted:
+        if each.name == setup.name:
+            what = '"{setup}" has gone: its zero jumped'
+            raise ReadingError(what, 'Read "{instead}"', setup=setup.name, instead=each.setup)
     for value in values:
         if not math.isfinite(value):
             remedy = "Give the reading, or skip it with its reason"
             raise ReadingError("{value} is not a finite number", remedy, value=value)
-    refuse_absurd(*values, std or 0.0)
-    refuse_other_values(setup, len(values))
+    _refuse_absurd(setup, values, std)
     if std is not None and not std >= FINEST:
         remedy = "Give one of at least 0.1 nm or 0.1 nrad, or none"
         shown = format_quantity(std, reading_unit(setup))
         raise ReadingError("{std} is no standard deviation", remedy, std=shown)
 
 
+def _refuse_absurd(setup: Setup, values: Sequence[float], std: float | None) -> None:
+    """Raise ReadingError for numbers, m or rad, that no instrument reads, or more or fewer than a set-up's does."""
+    for value in (*values, std or 0.0):
+        if not abs(value) < LARGEST:
+            remedy = "Give the reading with its unit, such as 1.7 um"
+            raise ReadingError("{value:g} m or rad is no deviation of a machine", remedy, value=value)
+    refuse_other_values(setup, len(values))
+
+
 @dataclass(frozen=True, slots=True)
 class Possible:
-    """What can happen on a machine with these set-ups.
+    """What can happen on a machine with these set-ups, by the names that they have had.
 
-    bounds : of each axis, m or rad; before_jumps : names of set-ups as they stood before their zeros jumped
+    bounds : of each axis, m or rad
     """
 
     axes: tuple[Axis, ...]
     bounds: tuple[tuple[float, float], ...]
     setups: Mapping[str, Setup]
-    before_jumps: frozenset[str] = frozenset()
 
     @classmethod
     def at_start(cls, description: CampaignDescription) -> Possible:
@@ -182,37 +176,32 @@ class Possible:
 
     def after(self, event: Event) -> Possible:
         """Return what can happen behind an event that can."""
-        if isinstance(event, Mounted):
-            return replace(self, setups={**self.setups, event.name: self.setups[event.setup]})
-        if isinstance(event, Accepted) and event.name:  # the same once more where that was taken back
-            named = {**self.setups, event.name: self.setups[event.setups[0]]}
-            return replace(self, setups=named, before_jumps=self.before_jumps | {event.name})
+        if isinstance(event, Mounted | Accepted) and event.name:
+            of = event.setup if isinstance(event, Mounted) else event.setups[0]
+            return replace(self, setups={**self.setups, event.name: self.setups[of]})
         return self
 
     def fault(self, event: Event) -> str:
         """Return what is wrong with an event, "" if nothing is."""
-        if isinstance(event, Recorded):
-            return self._of_place(event.reading) or _of_values(event.reading, self.setups[event.reading.setup])
-        if isinstance(event, Warmed):
-            return self._of_setups([event.setup])
-        if isinstance(event, Mounted):
-            return self._of_setups([event.setup]) or self._of_new_name(event.name, "")
-        if isinstance(event, Accepted):
-            return self._of_setups(event.setups) or self._of_new_name(event.name, event.name)
-        if isinstance(event, Asked):
-            return self._of_place(event.place)
-        if isinstance(event, Planned):
-            return next(filter(None, map(self._of_place, event.places)), "")
+        match event:
+            case Recorded(reading):
+                return self._of_place(reading) or _of_values(reading, self.setups[reading.setup])
+            case Asked(place=place):
+                return self._of_place(place)
+            case Planned(places):
+                return next(filter(None, map(self._of_place, places)), "")
+            case Warmed(setup):
+                return self._of_setups([setup])
+            case Mounted(setup, name):
+                return self._of_setups([setup]) or _of_new_name(name, name in self.setups)
+            case Accepted(setups=setups, name=name):  # the same once more where that was taken back
+                given = name in self.setups and self.setups[name].name == name
+                return self._of_setups(setups) or _of_new_name(name, given)
         return ""
 
     def _of_setups(self, names: Sequence[str]) -> str:
         missing = next((name for name in names if name not in self.setups), None)
         return "" if missing is None else said('there is no set-up "{name}"', name=missing[:60])
-
-    def _of_new_name(self, name: str, jumped: str) -> str:
-        """Return what is wrong with a name.  jumped : the same where it is that of a set-up before its zero jumped"""
-        taken = name in self.setups and jumped not in self.before_jumps
-        return said('there is a set-up "{name}" already', name=name[:60]) if taken else ""
 
     def _of_place(self, at: Place | Reading) -> str:
         if missing := self._of_setups([at.setup]):
@@ -227,10 +216,13 @@ class Possible:
         return ""
 
 
+def _of_new_name(name: str, taken: bool) -> str:
+    return said('there is a set-up "{name}" already', name=name[:60]) if taken else ""
+
+
 def _of_values(reading: Reading, setup: Setup) -> str:
     try:
-        refuse_absurd(*reading.values, reading.std or 0.0)
-        refuse_other_values(setup, len(reading.values))
+        _refuse_absurd(setup, reading.values, reading.std)
     except ReadingError as absurd:
         return absurd.what
     if reading.std is not None and reading.std < _LEAST:

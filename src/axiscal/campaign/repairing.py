@@ -20,13 +20,13 @@ from axiscal.estimation.inheritance import created_description
 from axiscal.exceptions import CodeError, NewerError, RecordError
 from axiscal.language.spoken import counted, said
 from axiscal.record.accepted import Accepted
+from axiscal.record.door import refuse_existing
 from axiscal.record.earlier import UNPROVEN, told_anew
 from axiscal.record.events import (
     Created,
     Event,
     EventOrderError,
     Finished,
-    Folding,
     Lost,
     Newer,
     Noted,
@@ -37,9 +37,9 @@ from axiscal.record.events import (
     Undone,
 )
 from axiscal.record.lines import EMPTY, HEAD, DamageError, EventText, KeptLine, counts, entry, whole_lines
-from axiscal.record.payload import PayloadError, decode, encode, hand_of
-from axiscal.record.store import Record, content_of_lines, refuse_existing, said_hand
-from axiscal.record.story import rows_of, signed_by
+from axiscal.record.payload import PayloadError, decode, encode, hand_of, stored
+from axiscal.record.store import Record, content_of_lines, said_hand
+from axiscal.record.story import Story, rows_of, signed_by
 
 _MOST = 20
 """So many stretches and entries are listed in the note; all are printed."""
@@ -59,10 +59,6 @@ class Repaired:
     left: tuple[str, ...]
 
 
-class _TakenBackError(Exception):
-    """The event of this number must have been taken back by one that is missing."""
-
-
 def repaired(
     paths: Sequence[Path],
     new: Path,
@@ -78,121 +74,80 @@ def repaired(
     Raises RecordError, also where there is something at `new`.
     """
     refuse_existing(new)
-    try:
-        found = _united((path.read_bytes() for path in paths), campaign)
-    except _SeveralError as several:
-        raise _not_one(several, paths[0]) from None
-    trunk = dict(found.trunk)
+    found = _united((path.read_bytes() for path in paths), campaign, paths[0])
+    trunk, left = dict(found.trunk), list[str]()
     if beginning is not None and 1 not in trunk:
         trunk |= {1: entry(rows_of([beginning]), next(iter(trunk.values())).campaign, "")[0]}
-    left = list[str]()
-    unproven = {number: line for number, line in trunk.items() if line.writer == UNPROVEN}
-    if unproven and not asked(_unproven_words(unproven)):
-        left.append(_unproven_words(unproven))
-        trunk = {number: line for number, line in trunk.items() if number not in unproven}
-    rows, folding, possible = _told(trunk, paths[0], left)
-    if folding.created is None:
+    unproven = [number for number, line in trunk.items() if line.writer == UNPROVEN]
+    if unproven:
+        form = said("a record of an earlier form does not say whose the lines behind a gap are")
+        one, many = "{count} line from event {first} on", "{count} lines from event {first} on"
+        question = f"{form}: {counted(one, many, len(unproven), first=min(unproven))}"
+        if not asked(question):
+            left.append(question)
+            trunk = {number: line for number, line in trunk.items() if number not in unproven}
+    rows, story, possible = _told(trunk, paths[0], left)
+    if story.created is None:
         what = "Event 1, with the descriptions, does not stand whole; {kept} readings stand"
         remedy = "Name a copy of the record by `axiscal data merge`, or its campaign.toml: --beginning FILE"
         raise RecordError(what, remedy, paths[0], kept=sum(line.row.kind == "recorded" for line in trunk.values()))
-    rows += _taken_in(found, folding, possible, asked, left)
+    rows += _taken_in(found, story, possible, asked, left)
     missing = tuple(_missing_words(trunk, found))
     told = [*missing, *left]
     more = [f"and {len(told) - _MOST} more"] if len(told) > _MOST else []
     listed = "; ".join([*told[:_MOST], *more]) or "nothing"
     names = " and ".join(path.name for path in paths)
     rows += rows_of([Noted(f"repaired from {names}, {len(trunk)} events. Missing: {listed}")])
-    with Record.made(new, content_of_lines(_chained(trunk, rows))) as record:
+    with Record.made(new, content_of_lines(_chained(trunk, rows)), like=paths[0]) as record:
         return Repaired(record.state(), len(trunk), missing, tuple(left))
 
 
-def _not_one(several: _SeveralError, path: Path) -> RecordError:
-    if not several.lines:
-        remedy = "Name a record that `axiscal step start` or `axiscal step run` has made, or restore it from a copy"
-        return RecordError("No entry of a record stands whole here", remedy, path)
-    listed = ", ".join(f"{name[:8]} ({count})" for name, count in several.lines.items())
-    what = "Lines of several campaigns stand here: {listed}"
-    return RecordError(what, "Name the one that you mean, such as --campaign {name}", path, listed=listed, name="1a2b")
-
-
-def _unproven_words(lines: Mapping[int, KeptLine]) -> str:
-    form = said("a record of an earlier form does not say whose the lines behind a gap are")
-    one, many = "{count} line from event {first} on", "{count} lines from event {first} on"
-    return f"{form}: {counted(one, many, len(lines), first=min(lines))}"
-
-
-def _told(
-    trunk: Mapping[int, KeptLine], path: Path, left: list[str]
-) -> tuple[list[EventText], Folding, Possible | None]:
+def _told(trunk: Mapping[int, KeptLine], path: Path, left: list[str]) -> tuple[list[EventText], Story, Possible | None]:
     """Return the events of all numbers, those that are lost or cannot be as `Lost`; adds why to `left`."""
-    taken_back = dict[int, str]()
+    undone, first = dict[int, str](), next(iter(trunk.values())).row.at if trunk else ""
     while True:
-        why = dict(taken_back)
-        try:
-            rows, folding, possible = _followed(trunk, why, path)
-        except _TakenBackError as must:
-            taken_back[must.args[0]] = "what follows shows that it was taken back"
+        rows, story, possible, why, whole = list[EventText](), Story(), None, dict(undone), True
+        for number in range(1, max(trunk, default=0) + 1):
+            if number in trunk and number not in why:
+                row = trunk[number].row
+                try:
+                    each = stored(number, row)
+                    _refuse_unfit(each.event, row, rows, whole, possible)
+                    story.add(each)
+                    if story.stopped:
+                        newer = each if isinstance(each.event, Newer) else story.first_newer or each
+                        what, kind = "Event {number} is an entry of a newer version: {kind}", encode(newer.event)[0]
+                        raise NewerError(what, "Repair it with that one", path, number=newer.number, kind=kind)
+                    rows.append(row)
+                    possible = _possible(each.event) if number == 1 else possible and possible.after(each.event)
+                    continue
+                except EventOrderError as fault:
+                    last, behind = story.undo[-1].number if story.undo else 0, story.finished is not None
+                    if not whole and last and (behind or (isinstance(each.event, Undone) and each.event.event < last)):
+                        undone[last] = "what follows shows that it was taken back"
+                        break
+                    why[number] = str(fault)
+                except ValueError as fault:
+                    why[number] = str(fault)
+            lost, whole = Lost(why.get(number, "not whole")), False
+            rows.append(EventText(rows[-1].at if rows else first, *encode(lost)))
+            if story.created is not None:
+                story.add(Stored(number, rows[-1].at, lost))
         else:
             left += [f"event {number} ({trunk[number].row.kind}): {each}" for number, each in sorted(why.items())]
-            return rows, folding, possible
+            return rows, story, possible
 
 
-def _followed(
-    trunk: Mapping[int, KeptLine], left: dict[int, str], path: Path
-) -> tuple[list[EventText], Folding, Possible | None]:
-    folding, rows, possible, whole = Folding(), list[EventText](), None, True
-    for number in range(1, max(trunk, default=0) + 1):
-        line = trunk.get(number)
-        if line is not None and number not in left:
-            row, event = line.row, _event(line.row)
-            if isinstance(event, Newer) and event.of_readings:
-                what = "Event {number} is an entry of a newer version: {kind}"
-                raise NewerError(what, "Repair it with that one", path, number=number, kind=event.kind)
-            why = _unfit(event, row, rows, whole, possible)
-            try:
-                if not why and not isinstance(event, str):
-                    folding.add(Stored(number, row.at, event))
-            except EventOrderError as fault:
-                last = folding.undo[-1].number if folding.undo else 0
-                behind = folding.finished is not None or (isinstance(event, Undone) and event.event < last)
-                if not whole and last and behind:
-                    raise _TakenBackError(last) from None
-                why = str(fault)
-            if not why and not isinstance(event, str):
-                possible = _possible(event) if number == 1 else possible and possible.after(event)
-                rows.append(row)
-                continue
-            left[number] = why
-        whole = False
-        lost = Lost(left.get(number, "not whole"))
-        rows.append(EventText(rows[-1].at if rows else _first(trunk).at, *encode(lost)))
-        if folding.created is not None:
-            folding.add(Stored(number, rows[-1].at, lost))
-    return rows, folding, possible
-
-
-def _first(trunk: Mapping[int, KeptLine]) -> EventText:
-    return next(iter(trunk.values())).row
-
-
-def _event(row: EventText) -> Event | str:
-    try:
-        return decode(row.kind, row.payload)
-    except PayloadError as error:
-        return str(error)
-
-
-def _unfit(
-    event: Event | str, row: EventText, before: Sequence[EventText], whole: bool, possible: Possible | None
-) -> str:
-    """Return why a whole entry cannot stand where others are missing, "" where it can."""
-    if isinstance(event, str):
-        return event
+def _refuse_unfit(
+    event: Event, row: EventText, before: Sequence[EventText], whole: bool, possible: Possible | None
+) -> None:
+    """Raise DamageError for a whole entry that cannot stand.  whole : whether none before it is missing"""
     if isinstance(event, Accepted) and not whole:
-        return "what it puts right may be missing; accept it anew"
+        raise DamageError("what it puts right may be missing; accept it anew")
     if isinstance(event, Signed) and not (whole and signed_by(row, event, before)[1]):
-        return "it answers for what is missing, or was changed; sign anew"
-    return possible.fault(event) if possible is not None else ""
+        raise DamageError("it answers for what is missing, or was changed; sign anew")
+    if possible is not None and (fault := possible.fault(event)):
+        raise DamageError(fault)
 
 
 def _possible(created: Event) -> Possible | None:
@@ -203,7 +158,7 @@ def _possible(created: Event) -> Possible | None:
 
 
 def _taken_in(
-    found: _Union, folding: Folding, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
+    found: _Union, story: Story, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
 ) -> list[EventText]:
     """Return the readings of branches that a person wants, to come last; adds the others to `left`."""
     taken = list[EventText]()
@@ -225,8 +180,8 @@ def _taken_in(
             taken += readings
         else:
             left.append(words)
-    if taken and folding.finished is not None:
-        end = next(each.number for each in reversed(folding.undo) if isinstance(each.event, Finished))
+    if taken and story.finished is not None:
+        end = next(each.number for each in reversed(story.undo) if isinstance(each.event, Finished))
         return [*rows_of([Undone(end)]), *taken]
     return taken
 
@@ -234,14 +189,16 @@ def _taken_in(
 def _readings(branch: Sequence[KeptLine]) -> Iterator[EventText]:
     """Yield the readings that a branch leaves standing, without numbers: others may have been given the same."""
     standing = list[EventText | None]()
-    for line in branch:
-        event = _event(line.row)
+    for row in (line.row for line in branch):
+        event = None
+        with suppress(PayloadError):
+            event = decode(row.kind, row.payload)
         if isinstance(event, Recorded):
             free = Recorded(replace(event.reading, number=None))
-            standing.append(line.row._replace(payload=encode(free, hand_of(line.row.payload))[1]))
+            standing.append(row._replace(payload=encode(free, hand_of(row.payload))[1]))
         elif isinstance(event, Undone) and standing:
             standing.pop()  # which is what came last of what can be taken back
-        elif line.row.kind in ("skipped", "accepted", "warmed", "finished"):
+        elif row.kind in ("skipped", "accepted", "warmed", "finished"):
             standing.append(None)
     return filter(None, standing)
 
@@ -285,18 +242,10 @@ _NUMBERS = 10**7
 """Events: no record has a tenth of them, and a number beyond is nobody's."""
 
 
-class _SeveralError(Exception):
-    """Lines of several campaigns, or of none, that a name fits.  lines : how many there are of each"""
+def _united(contents: Iterable[bytes], campaign: str, path: Path) -> _Union:
+    """Return the union of the lines of files; raises RecordError for lines of several campaigns, or of none.
 
-    def __init__(self, lines: Mapping[str, int]) -> None:
-        super().__init__(lines)
-        self.lines = lines
-
-
-def _united(contents: Iterable[bytes], campaign: str = "") -> _Union:
-    """Return the union of the lines of files.  campaign : the first digits of its id, where there are several
-
-    Raises _SeveralError.
+    campaign : the first digits of its id, where there are several; path : of the first file
     """
     found, least = dict[str, KeptLine](), 0
     for content in contents:
@@ -309,8 +258,13 @@ def _united(contents: Iterable[bytes], campaign: str = "") -> _Union:
         found |= {line.hash: line for line in whole if line.hash not in found and line.number <= _NUMBERS}
     lines = Counter(line.campaign for line in found.values())
     fitting = [each for each in lines if each.startswith(campaign)]
+    if not lines:
+        remedy = "Name a record that `axiscal step start` or `axiscal step run` has made, or restore it from a copy"
+        raise RecordError("No entry of a record stands whole here", remedy, path)
     if len(fitting) != 1:
-        raise _SeveralError(lines)
+        listed = ", ".join(f"{name[:8]} ({count})" for name, count in lines.items())
+        remedy = "Name the one that you mean, such as --campaign {name}"
+        raise RecordError("Lines of several campaigns stand here: {listed}", remedy, path, listed=listed, name="1a2b")
     mine = {digest: line for digest, line in found.items() if line.campaign == fitting[0]}
     trunk, branches, taken = dict[int, KeptLine](), list[Sequence[KeptLine]](), set[int]()
     for run in _runs(mine):

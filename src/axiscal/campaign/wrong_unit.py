@@ -24,7 +24,6 @@ from axiscal.estimation.judged import bent, judged, unit_guess
 from axiscal.estimation.promise.problem import problem
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import put, said
-from axiscal.measurement.instrument import reads_angles
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.numerics import Array
@@ -50,7 +49,7 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
         return
     first = readings[min(doubt.reading for doubt in doubts)]
     size = float(np.median([doubt.surprise for doubt in doubts]))
-    guess = unit_guess(size, reads_angles(campaign.setup(first.setup)))
+    guess = unit_guess(size, campaign.setup(first.setup).reads == "angle")
     what = (
         "{count} of {readings} readings are some {size:.0f} standard deviations from all that the "
         "stated std of the errors allow"

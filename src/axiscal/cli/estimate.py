@@ -13,7 +13,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, Zero, length_unit
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell
-from axiscal.cli.progress import tell_mind, tell_unasked
+from axiscal.cli.progress import tell_minds
 from axiscal.cli.record import placed_log
 from axiscal.description.campaign import read_campaign
 from axiscal.evaluation.standards import Positioning, figures_of
@@ -24,8 +24,9 @@ from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import evaluated, read_in
 from axiscal.present.findings import hidden_in_files, of_how_it_was_read, of_readings
+from axiscal.present.plan_words import open_questions
+from axiscal.present.result_of_campaign import Extras
 from axiscal.present.result_set import RECORD, mend
-from axiscal.present.summarising import Extras
 from axiscal.units import to_unit
 
 
@@ -106,9 +107,7 @@ def estimate(
         kept = out / RECORD
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
-    for each in () if details else seen:
-        tell_mind(each.text)
-    tell_unasked(description)
+    tell_minds(*(() if details else (each.text for each in seen)), *open_questions(description))
 
 
 def iso230(

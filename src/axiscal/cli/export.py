@@ -25,8 +25,8 @@ from axiscal.measurement.readers.homing import zero_by
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.present.delivery import introduced, write_files
 from axiscal.present.findings import findings
+from axiscal.present.result_of_campaign import record_state
 from axiscal.present.result_set import result_set, write_manifest
-from axiscal.present.summarising import record_state
 from axiscal.tables import registry
 from axiscal.tables.bump import bumped
 from axiscal.tables.exporter import ExportOptions, informed

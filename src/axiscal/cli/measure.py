@@ -17,7 +17,7 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import ask, say
-from axiscal.cli.progress import tell_out_of_reach
+from axiscal.cli.progress import MINDS, tell_out_of_reach
 from axiscal.cli.texts import help_text, opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now
@@ -33,8 +33,8 @@ from axiscal.present.guide.question import (
     question_text,
     stands,
 )
+from axiscal.present.result_of_campaign import Extras
 from axiscal.present.result_set import RECORD
-from axiscal.present.summarising import Extras
 from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
 from axiscal.units import um_text
@@ -160,7 +160,7 @@ class Prompt:
             if (chosen := _chosen(named)) is not None:
                 say(f"  {progress.confirmed(self.campaign, named, chosen)}")
                 minds = []
-        for sentence in [*minds, *progress.contradictions(self.campaign)]:
+        for sentence in [*progress.contradictions(self.campaign), *minds][:MINDS]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
         return "anew"
 
@@ -188,7 +188,7 @@ class Prompt:
         minutes, promised = minutes_text(now.left_minutes), um_text(now.promised_um)
         figures = {"figure": said(now.figure), "now": um_text(now.now_um), "promised": promised}
         say("  " + said(stands, coming=coming, minutes=minutes, **figures))
-        rows = answer_text(standing_answer(self.campaign), "", "").rows
+        rows = answer_text(standing_answer(self.campaign), "").rows
         say("\n".join(columns(rows)) if rows else "")
         choice = said("Type yes to end it here and write the results, Enter to go on:")
         return "finish" if _is_yes(choice) else "same"
@@ -300,7 +300,7 @@ def measure(record: OwnRecord, out: ResultsFolder = None, language: Language = N
             except EOFError:
                 say("")
             if over:
-                campaign.refuse_other(folder / RECORD)
+                campaign.log.refuse_other(folder / RECORD)
                 campaign.finish()
                 write_outputs(campaign, folder, as_json=False, extras=Extras(spoken=spoken_now()))
         if not over:

@@ -17,10 +17,9 @@ from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.delivery import deliver
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_screen
-from axiscal.present.result_document import result_json
+from axiscal.present.result import Result, TableFile
+from axiscal.present.result_of_campaign import Extras
 from axiscal.present.sentences import U_OF_TABLES
-from axiscal.present.summarising import Extras
-from axiscal.present.summary import Summary, TableOffer
 
 
 def write_outputs(
@@ -46,7 +45,7 @@ def write_outputs(
     whole = f"The results in {out} are whole, those of before or the new ones"
     again = again or said("write them by: axiscal finish {record} --out {out}", record=campaign.path, out=out)
     try:
-        summary = deliver(campaign, campaign.estimate(ended=True), out, replace(extras or Extras(), anyway=anyway))
+        result = deliver(campaign, campaign.estimate(ended=True), out, replace(extras or Extras(), anyway=anyway))
     except OSError as failure:
         what, reason = "The results were not written: {reason}", failure.strerror or failure
         remedy = "Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"
@@ -55,12 +54,12 @@ def write_outputs(
         raise AxiscalError(f"Stopped by Ctrl-C. Every reading is kept. {whole}; {again}") from None
     if as_json:
         with speaking("en"):
-            say_document(result_json(summary))
+            say_document(result.model_dump(mode="json", by_alias=True))
     else:
         if details:
-            tell_details(summary, out)
-        say(written_screen(summary, record or campaign.path, out))
-    if summary.answer.withheld:
+            tell_details(result, out)
+        say(written_screen(result, record or campaign.path, out, evidence_words(campaign)))
+    if result.answer.withheld:
         remedy = (
             "Take the readings again that stand out, or write U and tables all the same with finish --anyway; all "
             "readings are kept and the report is written"
@@ -68,30 +67,32 @@ def write_outputs(
         raise ReadingError(NOT_KNOWN, remedy, out)
 
 
-def tell_details(summary: Summary, out: Path) -> None:
+def tell_details(result: Result, out: Path) -> None:
     """Print what U holds for, where the files are, what each control's leave, and all warnings."""
-    say(put("{what}: {these}", what=said("Holds"), these=summary.expanded["U_holds_for"]))
-    names = ["report.pdf", "result.json", *([] if summary.answer.withheld else ["tables"])]
+    if result.U_holds_for is not None:
+        say(put("{what}: {these}", what=said("Holds"), these=result.U_holds_for))
+    names = ["report.pdf", "result.json", *([] if result.answer.withheld else ["tables"])]
     say(said("Files: {files}", files=", ".join(str(out / name) for name in names)))
-    for offer in summary.tables:
-        say(_offered(offer))
-    if summary.tables and not summary.answer.withheld:
+    for table in {each.controller: each for each in result.tables}.values():
+        say(_offered(table))
+    if result.tables and not result.answer.withheld:
         say(said(U_OF_TABLES))
-    for warning in summary.warnings:
+    for warning in result.warnings:
         say(said("Mind: {sentence}", sentence=warning.text))
 
 
-def _offered(offer: TableOffer) -> str:
-    where = offer.controller if offer.axes else said("No table for {control}", control=offer.controller)
-    return put("{where}: {why}", where=where, why=again(offer.left_out))
+def _offered(table: TableFile) -> str:
+    where = table.controller if table.file else said("No table for {control}", control=table.controller)
+    return put("{where}: {why}", where=where, why=again(table.left_out))
 
 
-def written_screen(summary: Summary, record: Path, out: Path) -> str:
-    """Return the screen of a campaign whose results are written.  record : where it stays"""
-    signed, offers = "" if summary.record is None else summary.record.signed, summary.tables
-    none = "" if summary.answer.withheld or any(each.axes for each in offers) else _offered(offers[0]) if offers else ""
-    paths = str(record), str(out), str(out / "report.pdf")
-    return screen(summary.answer, summary.agreement_words, *paths, signed, none)
+def written_screen(result: Result, record: Path, out: Path, signed: str = "") -> str:
+    """Return the screen of a campaign whose results are written.
+
+    record : where it stays; signed : who answers for it, "" for nobody
+    """
+    none = "" if result.answer.withheld or any(each.file for each in result.tables) else _offered(result.tables[0])
+    return screen(result.answered, result.agreement.text, str(record), str(out), str(out / "report.pdf"), signed, none)
 
 
 def standing_screen(campaign: Campaign) -> str:

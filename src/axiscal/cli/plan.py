@@ -13,7 +13,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document, say_either
-from axiscal.cli.progress import tell_mind, tell_out_of_reach, tell_unasked
+from axiscal.cli.progress import tell_minds, tell_out_of_reach
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, as_exact, read_campaign
 from axiscal.document.durable import write_whole
@@ -34,7 +34,7 @@ from axiscal.planning.proposal import (
 )
 from axiscal.planning.unseen import seen_as_one
 from axiscal.present.plan_answer import plan_answer
-from axiscal.present.plan_words import plan_list, plan_screen
+from axiscal.present.plan_words import open_questions, plan_list, plan_screen
 from axiscal.present.schematic import plan_picture
 from axiscal.programs import write_programs
 from axiscal.programs.dialects import dialect
@@ -82,18 +82,15 @@ def plan(
     if gcode is not None:
         dialect(gcode)
     described = read_campaign(campaign, target_needed=False)
-    if (unused := unused_artefacts(described.text)) is not None:
-        tell_mind(unused)
+    tell_minds(unused_artefacts(described.text))
     ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
     limits = _limits(case, readings, target, budget)
     refuse_endless(case, limits, candidates)
     if target is not None:
         refuse_out_of_reach(case, limits)
     if (unread := reached_unread(case, limits)) is not None:
-        tell_mind(unread)
         limits = few_more(limits)
-    if (late := beyond_budget(case, limits)) is not None:
-        tell_mind(late)
+    tell_minds(unread, beyond_budget(case, limits))
     plan = proposed(case, limits, candidates)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
@@ -165,7 +162,7 @@ def start(
     with Campaign.create(path, description) as begun:
         try:
             tell_out_of_reach(begun)
-            tell_unasked(description)
+            tell_minds(*open_questions(description))
             planned = begun.prepared()
         except BaseException:  # nothing stays of one that cannot be planned
             begun.close()

@@ -10,12 +10,11 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Milestone
 from axiscal.cli.printing import rewrite, tell
 from axiscal.cli.texts import accuracy_text
-from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import Target
 from axiscal.language.spoken import again, put, said
 from axiscal.language.stages import listening
 from axiscal.present.plan_answer import reach_answer
-from axiscal.present.plan_words import open_questions, reach_text
+from axiscal.present.plan_words import reach_text
 from axiscal.units import to_unit
 
 
@@ -55,15 +54,14 @@ def progress_line(milestone: Milestone, target: Target) -> str:
     return put("{number}: {accuracy}, {minutes}", number=number, accuracy=accuracy, minutes=minutes)
 
 
-def tell_unasked(description: CampaignDescription) -> None:
-    """Ask what the descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
-    for question in open_questions(description):
-        tell_mind(question)
+MINDS = 2
+"""Sentences that are to be minded, on a screen: nobody minds more."""
 
 
-def tell_mind(sentence: str) -> None:
-    """Write what is to be minded to stderr, in the language of the person."""
-    tell(said("Mind: {sentence}", sentence=again(sentence)))
+def tell_minds(*sentences: str | None) -> None:
+    """Write the first sentences that are to be minded to stderr, in the language of the person."""
+    for sentence in [*filter(None, sentences)][:MINDS]:
+        tell(said("Mind: {sentence}", sentence=again(sentence)))
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:

@@ -15,12 +15,12 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.printing import say_either, tell
+from axiscal.cli.progress import MINDS
 from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import counted, joined, later, listed, quoted, said
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.readers.csv_table import approach_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose, units_of
 from axiscal.measurement.setup import Setup
@@ -50,8 +50,8 @@ def record(
     """Keep a reading: actual minus commanded.
 
     A value is positive along (about) the set-up's direction. It is on the disk when the command ends. A reading that
-    the others contradict is kept but not used, and the answer says so. Take it back with undo and read again, or record
-    it with --accept if it is right.
+    the others contradict is kept but not used, and the answer says so. Take it back with undo and read again, or
+    record it with --accept if it is right.
 
     \b
     Examples:
@@ -82,7 +82,7 @@ def record(
             pose = placed_pose(chosen, machine, _position(at, machine))
             place = Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
         mounted = campaign.description.setup(place.setup)
-        reads = model_of(mounted).reads_each(mounted)
+        reads = mounted.reads_each
         met = found_at(text, mounted, Stands(campaign.description.machine, place.pose))
         parts = value_texts(text, mounted) if met is None else []
         number, *others = [*map(parse_quantity, parts, reads)] if met is None else met.tolist()
@@ -92,10 +92,10 @@ def record(
         kept = campaign.record(number, noise, place, accepted=accept, others=tuple(others))
         doubt = last_doubt(campaign)
         found = [*others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
-        minded = [sentence for sentence in (*found, open_question(campaign), *contradictions(campaign)) if sentence]
+        minded = [sentence for sentence in (*contradictions(campaign), *found, open_question(campaign)) if sentence]
         document, line = _kept(campaign, kept)
         document |= {"surprise": None if doubt is None else round(doubt.surprise, 2), "mind": minded}
-        lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]
+        lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded[:MINDS])]
         _answered(campaign, document, lines, then_next=then_next, as_json=json)
 
 

@@ -21,7 +21,7 @@ from axiscal.document.consent import asking
 from axiscal.exceptions import CodeError, NewerError, RecordError
 from axiscal.language.spoken import capital, counted, said
 from axiscal.record.signing import key_file, make_key
-from axiscal.record.store import Record, write_copy
+from axiscal.record.store import Record
 
 
 def copy_record(
@@ -49,8 +49,8 @@ def copy_record(
         readings: int | None = len(log.state().readings)
     except NewerError:  # only a newer version can know
         readings = None
-    write_copy(log, target)
-    last, name = log.last_read, log.name
+    log.copy_to(target)
+    last, name = len(log.lines), log.name
     count = counted("{count} reading", "{count} readings", readings or 0)
     if readings is None:
         count = counted("{count} event", "{count} events", last)

@@ -16,9 +16,9 @@ from axiscal.cli.texts import opened_to_write
 from axiscal.document.gone import instead_of
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
-from axiscal.present.delivery import write_report
+from axiscal.present.delivery import language_of_report, write_report
+from axiscal.present.result_of_campaign import Extras, result_of
 from axiscal.present.result_set import RECORD
-from axiscal.present.summarising import Extras, summarise
 
 
 def report(
@@ -46,9 +46,10 @@ def report(
         what = "the report is a PDF, and {out} is the name of none"
         raise RecordError(what, "Write it to {name}", target, out=target.name, name=target.with_suffix(".pdf").name)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, campaign.estimate(ended=True), Extras(answer=standing_answer(campaign)))
-    target.parent.mkdir(parents=True, exist_ok=True)
-    write_report(summary, target, language)
+        known = campaign.estimate(ended=True)
+        result, _ = result_of(campaign, known, Extras(answer=standing_answer(campaign)))
+        target.parent.mkdir(parents=True, exist_ok=True)
+        write_report(campaign, known, result, target, language_of_report(campaign.description.particulars, language))
     say(said("The report is in {file}.", file=target))
 
 
@@ -66,6 +67,6 @@ def finish(
 
     with opened_to_write(record) as campaign:
         folder = out or results_of(record)
-        campaign.refuse_other(folder / RECORD)
+        campaign.log.refuse_other(folder / RECORD)
         campaign.finish()
         write_outputs(campaign, folder, as_json=json, details=details, anyway=anyway)

@@ -16,8 +16,8 @@ from axiscal.document.ports import rendered
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, said, speaking
 from axiscal.measurement.readers.text_file import TextFile, read_text
+from axiscal.present.result_of_campaign import record_state
 from axiscal.present.result_set import result_set, write_manifest
-from axiscal.present.summarising import record_state
 from axiscal.programs.part_program import Spot
 from axiscal.tables.rewriting import Rewritten, rewrite
 from axiscal.units import format_quantity, parse_quantity, to_unit, within

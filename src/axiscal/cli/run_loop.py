@@ -131,7 +131,7 @@ def demo(
         folder = out.with_name(f"{out.name}-{number}")
     folder.mkdir(parents=True, exist_ok=True)
     with shown_progress(case.description.target) as watch:
-        summary = run_demo(case, folder, watch)
+        result = run_demo(case, folder, watch)
     if details:
-        tell_details(summary, folder)
-    say(written_screen(summary, folder / RECORD, folder))
+        tell_details(result, folder)
+    say(written_screen(result, folder / RECORD, folder))

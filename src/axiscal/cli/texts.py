@@ -15,7 +15,6 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import ending, put, said
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import asked_values, reading_unit, sense
 from axiscal.present.guide.question import ACTIONS, axis_places, question_text, sign_on, touch_text
 from axiscal.record.events import Asked, State
@@ -25,7 +24,7 @@ from axiscal.units import said_quantity
 def asked_screen(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
-    values = asked_values(setup) if any(model_of(setup).names_of(setup)) else f"VALUE {reading_unit(setup)}"
+    values = asked_values(setup) if any(setup.names) else f"VALUE {reading_unit(setup)}"
     then = said("then"), f'axiscal step record {campaign.path} "{values}"'
     head = said(
         'Reading {number}: set-up "{setup}", {instrument}, reads {reads}',

@@ -30,8 +30,7 @@ from axiscal.document.ports import names
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import DescribedMachine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.motion import Driving
-from axiscal.measurement.instruments.kind import CARRIED, TRUED
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.setup import CARRIED, TRUED, Setup, Unknown
 from axiscal.record.accepted import Bumped
 from axiscal.record.carried import TYPE
 from axiscal.record.events import Mounted, Warmed

@@ -50,9 +50,8 @@ from axiscal.machine.motion import Driving, move_groups
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.instruments.kind import Instrument, Reads
 from axiscal.measurement.instruments.written import PORTS
-from axiscal.measurement.setup import FINEST, Nodes, Vector
+from axiscal.measurement.setup import FINEST, Nodes, Reads, Setup, Vector
 from axiscal.units import dimension_of, format_quantity, within
 from axiscal_core.theta import Sure
 
@@ -65,39 +64,39 @@ _FASTEST = 1e-3 / 60
 """A zero that wanders by more than 1 mm (1 mrad) a minute is loose."""
 
 
-def _by_instrument(read: Callable[[str, Instrument], float], form: object = QuantityText) -> ReadAs:
+def _by_instrument(read: Callable[[str, type[Setup]], float], form: object = QuantityText) -> ReadAs:
     """Return what reads a key by the instrument of its set-up; where that is wrong itself, it is not read."""
 
     def made(text: str, known: Beside) -> float:
-        usual = known.data.get("instrument")
-        if usual is not None and usual.model.scales:
+        kind = known.data.get("instrument")
+        if kind is not None and not kind.alike:
             raise DescriptionError(
-                "the numbers of {instrument} are not alike", "Say it in its class", instrument=usual.name
+                "the numbers of {instrument} are not alike", "Say it in its class", instrument=kind.instrument
             )
-        return 0.0 if usual is None else read(text, usual)
+        return 0.0 if kind is None else read(text, kind)
 
     return ReadAs(form, made, by=True)
 
 
 def _shown(most: float = math.inf) -> ReadAs:
     """Return what reads a size of what an instrument reads, m or rad."""
-    return _by_instrument(lambda text, usual: within(text, usual.model.reads, FINEST, most))
+    return _by_instrument(lambda text, kind: within(text, kind.reads, FINEST, most))
 
 
-def _chips(text: str, usual: Instrument) -> float:
+def _chips(text: str, kind: type[Setup]) -> float:
     """Return by how much chips shift a reading, m, with their side."""
     sign, size = text.strip()[:1], text.strip()[1:].strip()
     if sign not in ("+", "-"):
         remedy = 'Write "+" or "-", with their usual size behind it if it is known, such as "+ 20 um"'
         raise DescriptionError("{text} does not say to which side", remedy, text=shown(text))
-    if usual.model.reads == "angle":
+    if kind.reads == "angle":
         raise DescriptionError("chips shift what touches a surface, and this instrument reads an angle", "Take it out")
     return (1 if sign == "+" else -1) * (within(size, "length", FINEST, _WIDEST) if size else _CHIP)
 
 
-def stated_drift(text: str, usual: Instrument) -> float:
+def stated_drift(text: str, kind: type[Setup]) -> float:
     """Return the rate that a set-up states, m/s or rad/s; raises DescriptionError or UnitError for none."""
-    angular = usual.model.reads == "angle"
+    angular = kind.reads == "angle"
     return 0.0 if text.strip() == "0" else within(text, "rotation_speed" if angular else "speed", 0.0, _FASTEST)
 
 
@@ -106,15 +105,18 @@ def _type_b(name: str, text: str, known: Beside) -> float:
     instrument = known.data.get("instrument")
     causes = {} if instrument is None else type_b_names(instrument)
     if name not in causes:
-        what, named = "{name} is not known of an instrument such as this {instrument}", instrument and instrument.name
-        raise DescriptionError(what, meant(name, causes), name=shown(name), instrument=named or "")
+        what, named = (
+            "{name} is not known of an instrument such as this {instrument}",
+            getattr(instrument, "instrument", ""),
+        )
+        raise DescriptionError(what, meant(name, causes), name=shown(name), instrument=named)
     return within(text, dimension_of(causes[name].unit), 0.0)
 
 
 def _unknown(name: str, text: str, known: Beside) -> float:
     """Return the std of an unknown, m or rad; which there are depends on where it is read."""
-    usual = known.data.get("instrument")
-    own: Mapping[str, Reads] = {"slope": "angle"} if usual is None else {"slope": "angle", **usual.model.unknown_reads}
+    kind = known.data.get("instrument")
+    own: Mapping[str, Reads] = {"slope": "angle"} if kind is None else {"slope": "angle", **kind.unknown_reads}
     return within(text, own.get(name, reads_as(name)), FINEST)
 
 
@@ -178,7 +180,7 @@ class SetupTable(Table):
 
     name: Name = Field(examples=['"laser along X"'])
     # Before what is read by it: pydantic goes from key to key.
-    instrument: Annotated[Instrument, ReadAs(str, read_instrument, by=True)] = Field(examples=['"interferometer"'])
+    instrument: Annotated[type[Setup], ReadAs(str, read_instrument, by=True)] = Field(examples=['"interferometer"'])
     direction: Direction | None = Field(None, examples=['"x"'])
     offset: Spot | None = Field(None, examples=['["-33 mm", "-46 mm", "0 mm"]'])
     temperature: Warm | None = Field(None, examples=['"22.5 degC"'])

@@ -17,9 +17,8 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import LANGUAGES, later, said
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.instruments.kind import Instrument
 from axiscal.measurement.instruments.written import PORTS, named
-from axiscal.measurement.setup import FINEST, Nodes, Vector
+from axiscal.measurement.setup import FINEST, Nodes, Setup, Vector
 from axiscal.units import parse_quantity
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
@@ -230,7 +229,7 @@ CONTROLS = "axiscal.exporters"
 """Group of the entry points by which packages bring controls."""
 
 
-def read_instrument(name: str, known: Beside) -> Instrument:
+def read_instrument(name: str, known: Beside) -> type[Setup]:
     """Return an instrument of ours, or the one that somebody wrote; raises DescriptionError."""
     if name in INSTRUMENTS:
         return INSTRUMENTS[name]

@@ -24,7 +24,6 @@ from axiscal.machine.axis import travel_text
 from axiscal.measurement.candidates import arrivals_of
 from axiscal.measurement.charts.kinds import Circle, Held
 from axiscal.measurement.charts.room import Chart
-from axiscal.measurement.instrument import values_of
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import RawPose, raw_pose, table_of
 from axiscal.measurement.readers.text_file import read_text
@@ -234,7 +233,7 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
 
 def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     setup, sign = setup_of(row, campaign)
-    named = values_of(setup) == 1 or (row.form == "stations") == bool(setup.stations)
+    named = len(setup.names) == 1 or (row.form == "stations") == bool(setup.stations)
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     if row.test == "circle":
         pose, directions = _on_circle(row, setup, campaign.machine)

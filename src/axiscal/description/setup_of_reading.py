@@ -12,7 +12,6 @@ from axiscal.language.spoken import WORDS, joined, said
 from axiscal.machine.error_names import parse_error_name
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.charts.kinds import Circle
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -32,7 +31,7 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
         return _only_setup(campaign), 1
     component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
     moving = {campaign.machine.index(name) for name in row.position}
-    reads = (s for s in campaign.setups if model_of(s).reads == row.dimension and moving <= set(s.moves))
+    reads = (s for s in campaign.setups if s.reads == row.dimension and moving <= set(s.moves))
     ways = ((setup, float(_direction_in_frame(setup, campaign.machine)[component])) for setup in reads)
     fitting = [(setup, along) for setup, along in ways if abs(along) > _ALONG]
     if len(fitting) != 1:
@@ -74,7 +73,7 @@ def _tested(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]
 def _reads_test(row: RawReading, setup: Setup, machine: Machine) -> bool:
     if row.test == "circle":
         return isinstance(setup.chart, Circle)
-    axis, reads = machine.axes[setup.moves[0]], model_of(setup).reads
+    axis, reads = machine.axes[setup.moves[0]], setup.reads
     if len(setup.moves) != 1 or reads != row.dimension:
         return False
     fits = reads == "angle" or abs(_along(setup, machine)) < _ASIDE

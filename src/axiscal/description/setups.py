@@ -25,8 +25,14 @@ from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import joined, said
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.charts.kinds import Line
-from axiscal.measurement.instrument import HALVES, PRINTER_PROBE, model_of
-from axiscal.measurement.instruments.displacement import SQUARE
+from axiscal.measurement.instruments.displacement import (
+    SQUARE,
+    HalvedLength,
+    Interferometer,
+    PrinterProbe,
+    Probe,
+    Straightedge,
+)
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.setup import Nodes, Setup, Unknown, Vector
@@ -53,11 +59,11 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
             refuse_of_length(stated)
             if around.anew:
                 refuse_stray_keys(stated)
-            printed = around.printer and table.instrument.name == "probe"
-            usual = PRINTER_PROBE if printed else table.instrument
+            printed = around.printer and table.instrument is Probe
+            kind = PrinterProbe if printed else table.instrument
             halved = table.lengths and not around.whole_lengths
-            usual, each_one = (HALVES, _halved(table)) if halved else (usual, each_alone(table))
-            setups += [_Reader(document, each, stated.keys, around, usual).setup() for each in each_one]
+            kind, each_one = (HalvedLength, _halved(table)) if halved else (kind, each_alone(table))
+            setups += [_Reader(document, each, stated.keys, around, kind).setup() for each in each_one]
     with faults.noted():
         _refuse_same_name(setups, document)
     faults.refuse()
@@ -84,7 +90,7 @@ def each_alone(table: SetupTable) -> list[SetupTable]:
 
 def _halved(table: SetupTable) -> list[SetupTable]:
     """Return a set-up for each length as records of before read it: at both ends, each with its part of the noise."""
-    noise = (table.instrument.noise if table.noise is None else table.noise) / math.sqrt(2.0)
+    noise = (table.instrument.usual.noise if table.noise is None else table.noise) / math.sqrt(2.0)
     steps = ((each, {"along": math.dist(*each.along)}) for each in each_alone(table) if each.along)
     return [each.model_copy(update={"noise": noise, "raster": raster}) for each, raster in steps]
 
@@ -92,11 +98,11 @@ def _halved(table: SetupTable) -> list[SetupTable]:
 def _refuse_choice(stated: Stated[SetupTable], places: Sequence[Vector]) -> None:
     """Raise DescriptionError where a plan may choose from places that are none."""
     table, kind = stated.table, stated.table.instrument
-    stands = kind.site == "bar" or (kind.site == "sight" if table.artefact is None else kind.contact != "free")
+    stands = kind.site == "bar" or (kind.site == "sight" if table.artefact is None else kind.usual.contact != "free")
     with stated.at_key("choose_from"):
         if not stands:
             what = "a {instrument} stands at no place that could be chosen"
-            raise DescriptionError(what, "Write a set-up for each way to mount it", instrument=table.instrument.name)
+            raise DescriptionError(what, "Write a set-up for each way to mount it", instrument=kind.instrument)
         if table.stations or any(each is not None for each in (table.station, table.at)):
             what = "it is said twice where it stands"
             raise DescriptionError(what, "Keep choose_from, or station, stations or at")
@@ -117,7 +123,7 @@ class _Reader(SiteReader):
     """Reads one table."""
 
     def setup(self) -> Setup:
-        table, machine, usual = self.table, self.around.machine, self.usual
+        table, machine, kind = self.table, self.around.machine, self.kind
         setup = self.sited()
         with self.at_key("direction"):
             self._refuse_direction(setup)
@@ -134,16 +140,16 @@ class _Reader(SiteReader):
             reach=self._reach(setup.moves) if table.reach else None,
             nodes=self._nodes(setup.moves) if table.map else None,
         )
-        setup = with_drift(table, usual, setup, self.around.usual_doubts)
-        setup = with_material(self, usual, machine, setup)
-        if usual.name == "straightedge" and table.artefact is not None:
+        setup = with_drift(table, setup, self.around.usual_doubts)
+        setup = with_material(self, setup)
+        if kind is Straightedge and table.artefact is not None:
             setup = self._on_square(setup)
         setup = seen(self, machine, setup) if setup.chart is None else self._charted(setup)
         with self.at_key("instrument" if setup.base is None else "base"):
-            model_of(setup).check_setup(setup, machine)
-            if issubclass(usual.model, Foreign):
-                setup = replace(setup, written=replace(usual, curved=usual.model.curved_in(setup, machine)))
-        setup = dense(self, machine, setup)
+            setup.check()
+            if isinstance(setup, Foreign):
+                setup = replace(setup, curved=setup.curved_by())
+        setup = dense(self, setup)
         lack = lack_of(setup, machine, table.reach, table.moves is not None)
         if lack is not None and self.around.asking:
             raise self.misstated("instrument", *lack)
@@ -166,11 +172,11 @@ class _Reader(SiteReader):
     def _refuse_direction(self, setup: Setup) -> None:
         """Raise DescriptionError where a direction is lacking, or given beside that of a line."""
         given, lined = self.table.direction, isinstance(setup.chart, Line)
-        if lined and given is not None and self.usual.name == "interferometer":
+        if lined and given is not None and self.kind is Interferometer:
             raise DescriptionError("the direction of a laser along a line is that of the line", "Take direction out")
-        if self.usual.model.directed and given is None and not lined:
+        if self.kind.directed and given is None and not lined:
             what = '"direction" is missing: the {instrument} reads in one direction'
-            raise DescriptionError(what, WAYS, instrument=self.usual.name)
+            raise DescriptionError(what, WAYS, instrument=self.kind.instrument)
 
     def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...]:
         spans = [axis.travel for axis in self.around.machine.axes]
@@ -222,15 +228,15 @@ class _Reader(SiteReader):
             raise DescriptionError(what, remedy, axis=name, known=joined(known) or said("no axis"))
 
     def _unknowns(self, setup: Setup) -> tuple[Unknown, ...]:
-        given, moves, usual = self.table.unknowns, setup.moves, self.usual
+        given, moves, kind = self.table.unknowns, setup.moves, self.kind
         if setup.unknowns:
             return setup.unknowns if given is None else self._chosen(given, setup.unknowns)
         if given is None:
             turns = any(self.around.machine.axes[index].rotary for index in moves)
-            unknowns = tuple(unknown for unknown in usual.unknowns if turns or unknown.name not in TOOL)
+            unknowns = tuple(unknown for unknown in kind.usual.unknowns if turns or unknown.name not in TOOL)
         else:
             unknowns = tuple(self._unknown(name, std) for name, std in given.items())
-        if usual.model.directed and "slope" in (unknown.name for unknown in unknowns):
+        if kind.directed and "slope" in (unknown.name for unknown in unknowns):
             with self.at_key(*(["moves"] if given is None else ["unknowns", "slope"])):
                 self._refuse_slope(moves, given is None)
         return unknowns
@@ -241,24 +247,24 @@ class _Reader(SiteReader):
         for name in given:
             if name not in known:
                 what, remedy = "{name} is not an unknown of this {instrument}", "Known are {known}"
-                told = {"name": shown(name), "instrument": self.usual.name, "known": ", ".join(known)}
+                told = {"name": shown(name), "instrument": self.kind.instrument, "known": ", ".join(known)}
                 raise self.misstated(("unknowns", name), what, remedy, **told)
         return tuple(replace(known[name], std=std) for name, std in given.items())
 
     def _unknown(self, name: str, std: float) -> Unknown:
-        usual, kinds = self.usual, self.usual.model.unknown_reads
-        if name not in kinds and not (name == "slope" and usual.model.reads == "angle"):  # refused for its own reason
+        kind, kinds = self.kind, self.kind.unknown_reads
+        if name not in kinds and not (name == "slope" and kind.reads == "angle"):  # refused for its own reason
             what = "{name} is not an unknown of a set-up with a {instrument}"
-            length = usual.site == "length" and name == "zero"
+            length = kind.site == "length" and name == "zero"
             remedy = "Take it out: a length is the difference of two places" if length else meant(name, kinds)
-            raise self.misstated(("unknowns", name), what, remedy, name=shown(name), instrument=usual.name)
+            raise self.misstated(("unknowns", name), what, remedy, name=shown(name), instrument=kind.instrument)
         return Unknown(name, std)
 
     def _refuse_slope(self, moves: tuple[int, ...], by_default: bool) -> None:
-        usual = self.usual
-        if usual.model.reads == "angle":
+        kind = self.kind
+        if kind.reads == "angle":
             what = "an unknown slope turns the line of a displacement, and the {instrument} reads an angle"
-            raise DescriptionError(what, "Take slope out", instrument=usual.name)
+            raise DescriptionError(what, "Take slope out", instrument=kind.instrument)
         moving = [self.around.machine.axes[index].name for index in moves if not self.around.machine.axes[index].rotary]
         if len(moving) != 1:
             what = "an unknown slope needs exactly one linear axis that moves; here {axes} move"
@@ -268,7 +274,7 @@ class _Reader(SiteReader):
                 )
             remedy = 'Name one in moves, such as moves = ["X"], or give unknowns without slope'
             axes = ", ".join(moving) or said("none")
-            raise DescriptionError(what, remedy, instrument=usual.name, axes=axes)
+            raise DescriptionError(what, remedy, instrument=kind.instrument, axes=axes)
 
     def _on_square(self, setup: Setup) -> Setup:
         """Return a set-up whose straightedge is a leg of a square: the turn of the square replaces the slope."""

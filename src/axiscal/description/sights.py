@@ -23,9 +23,9 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
-from axiscal.measurement.instrument import instrument_of
-from axiscal.measurement.instruments.displacement import Displacement
-from axiscal.measurement.instruments.kind import Rotation
+from axiscal.measurement.instruments.displacement import Displacement, Straightedge
+from axiscal.measurement.instruments.distance import Tracer
+from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
@@ -174,30 +174,34 @@ _CONE = math.radians(60.0)
 
 def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
     """Raise DescriptionError for keys that belong to what the set-up has not: nothing would come of them."""
-    table, usual = stated.table, stated.table.instrument
-    bar, lies = usual.site == "bar" and table.length is not None, usual.name == "straightedge"
-    balls = table.artefact is not None and usual.contact != "free"
-    warm = table.temperature is not None or usual.against_length or balls
+    table, kind = stated.table, stated.table.instrument
+    bar, lies = kind.site == "bar" and table.length is not None, kind is Straightedge
+    balls = table.artefact is not None and kind.usual.contact != "free"
+    warm = table.temperature is not None or kind.against_length or balls
     owners = (
         ("temperature_std expansion expansion_std", warm, later("a temperature, or a length that is compared with")),
-        ("direction", usual.model.directed, later("an instrument that reads in one direction")),
-        ("offset", issubclass(usual.model, Displacement), later("an instrument that reads a length in one direction")),
-        ("base", issubclass(usual.model, Rotation), later("a level or the mirror of an autocollimator")),
-        ("range sight faces", usual.site == "sight", later("a tracker or tracer")),
-        ("stations", usual.name == "tracer", later('instrument = "tracer"')),
-        ("station", usual.site in ("sight", "bar"), later("a ball bar, tracker or tracer")),
-        ("lengths", usual.site == "length", later('instrument = "gauge"')),
-        ("length", usual.site == "bar", later("a ball bar")),
+        ("direction", kind.directed, later("an instrument that reads in one direction")),
+        ("offset", issubclass(kind, Displacement), later("an instrument that reads a length in one direction")),
+        ("base", issubclass(kind, Rotation), later("a level or the mirror of an autocollimator")),
+        ("range sight faces", kind.site == "sight", later("a tracker or tracer")),
+        ("stations", kind is Tracer, later('instrument = "tracer"')),
+        ("station", kind.site in ("sight", "bar"), later("a ball bar, tracker or tracer")),
+        ("lengths", kind.site == "length", later('instrument = "gauge"')),
+        ("length", kind.site == "bar", later("a ball bar")),
         ("plane", bar, later("a ball bar with its length")),
         ("arc turning", bar and table.plane is not None, later("a ball bar with its length and plane")),
-        ("stroke", bar or (balls and usual.contact == "held"), later("a ball bar with its length, or an R-test")),
+        ("stroke", bar or (balls and kind.usual.contact == "held"), later("a ball bar with its length, or an R-test")),
         ("reach map", not (bar or balls), later("an instrument that no ball or bar holds")),
-        ("artefact", usual.contact != "free" or usual.site == "bar" or lies, later("what reads balls, or a square")),
+        (
+            "artefact",
+            kind.usual.contact != "free" or kind.site == "bar" or lies,
+            later("what reads balls, or a square"),
+        ),
         ("ball at turn", table.artefact is not None and not lies, later("an artefact with balls")),
         ("mounted", table.artefact is not None, later("an artefact")),
         ("retract", bar or balls, later("what touches balls, or a ball bar with its length")),
         ("sides", bar or balls or table.along is not None, later("balls, a ball bar or a line")),
-        ("touches", usual.all_round and table.sides != "mean", later("a sphere that is not read as the mean of sides")),
+        ("touches", kind.all_round and table.sides != "mean", later("a sphere that is not read as the mean of sides")),
     )
     _refuse_idle(stated, owners)
 
@@ -236,13 +240,13 @@ def refuse_of_length(stated: Stated[SetupTable]) -> None:
         remedy = (
             'Write lengths = {{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }}, in the workpiece frame'
         )
-        raise stated.misstated("instrument", what, remedy, instrument=table.instrument.name)
+        raise stated.misstated("instrument", what, remedy, instrument=table.instrument.instrument)
 
 
 def refuse_both(stated: Stated[SetupTable]) -> None:
     """Raise DescriptionError for keys that exclude one another."""
     table = stated.table
-    if table.along is None or table.instrument.name == "straightedge":
+    if table.along is None or table.instrument is Straightedge:
         return
     for pair in (sorted(("along", key)) for key in ("length", "artefact", "reach") if getattr(table, key)):
         what = "{first} and {second} exclude one another"
@@ -310,7 +314,7 @@ def lack_of(setup: Setup, machine: Machine, reached: Collection[str], chosen: bo
     """
     moving = [machine.axes[k].name for k in setup.moves]
     everywhere = all(name in reached for name in moving)
-    site = instrument_of(setup).site
+    site = setup.site
     enough = len(moving) == 1 or (site != "line" and (chosen or everywhere))
     enough = everywhere if site == "reach" else enough and site not in ("ball", "bar")
     if enough or setup.chart is not None or site == "sight":

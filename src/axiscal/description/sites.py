@@ -23,8 +23,6 @@ from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
 from axiscal.measurement.instruments.displacement import Length
 from axiscal.measurement.instruments.distance import RADIUS
-from axiscal.measurement.instruments.kind import Instrument
-from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.observation import unknowns_at
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
@@ -80,11 +78,11 @@ def evened(table: SetupTable) -> bool:
 class SiteReader(Stated[SetupTable]):
     """Reads the keys of one table that say where; every failure is placed at the key it is about.
 
-    around : what its set-up is described in; usual : its instrument, with what is usual of it there
+    around : what its set-up is described in; kind : its instrument, with what is usual of it there
     """
 
     around: Surroundings
-    usual: Instrument
+    kind: type[Setup]
 
     def sited(self) -> Setup:
         """Return the set-up where it is read; without a chart where any pose of the axes that move will do.
@@ -93,19 +91,19 @@ class SiteReader(Stated[SetupTable]):
         """
         if self.table.along is not None:
             return self._line(self.table.along)
-        if self.usual.site == "bar" and self.table.length is not None:
+        if self.kind.site == "bar" and self.table.length is not None:
             return self._bar(self.table.length)
-        if self.usual.contact != "free" and self.table.artefact is not None:
+        if self.kind.usual.contact != "free" and self.table.artefact is not None:
             return self._held()
         return self._anywhere()
 
     def _standing(self, moves: Sequence[int], park: Sequence[float] | Array) -> Setup:
         """Return the set-up as far as neither its place nor its unknowns matter.  moves, park : as of `Setup`"""
-        table, usual = self.table, self.usual
+        table, usual = self.table, self.kind.usual
         noise = usual.noise if table.noise is None else table.noise
-        return Setup(
+        return self.kind(
             name=table.name,
-            instrument=usual.name,
+            machine=self.around.machine,
             direction=table.direction or (_DIAGONAL, _DIAGONAL, _DIAGONAL),
             offset=table.offset,
             moves=tuple(moves),
@@ -121,7 +119,6 @@ class SiteReader(Stated[SetupTable]):
             at_20=self.around.at_20,
             base=table.base,
             resolution=table.resolution,
-            written=usual if issubclass(usual.model, Foreign) else None,
         )
 
     def _anywhere(self) -> Setup:
@@ -136,7 +133,7 @@ class SiteReader(Stated[SetupTable]):
     def _line(self, ends: tuple[Vector, Vector]) -> Setup:
         step, park = self.table.raster.get("along", 0.0), self._park()
         # nobody says how the ends of a length are met
-        overrun = 0.0 if self.usual.site == "length" else self._overrun()
+        overrun = 0.0 if self.kind.site == "length" else self._overrun()
         line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
@@ -147,7 +144,7 @@ class SiteReader(Stated[SetupTable]):
                 raise self.misstated("along", what, "Let it end within the travels: {lacking}", lacking=lacks)
         x, y, z = line.direction.tolist()
         given, start = self.table.direction, None
-        if issubclass(self.usual.model, Length):
+        if issubclass(self.kind, Length):
             line, start = line.at_its_end(), tuple(poses[0].tolist())
         return replace(
             self._standing(linear_axes(self.around.machine), park),
@@ -249,7 +246,7 @@ class SiteReader(Stated[SetupTable]):
         self._refuse_one_place(turning, steps)
         coordinates = turns(self.around.machine, turning, steps)
         park, free, at = self._park(turning), np.array(artefact.free), artefact.points
-        contact = self.usual.contact
+        contact = self.kind.usual.contact
         back = 0.0 if contact == "held" else self.table.retract or RETRACT
         even = evened(self.table)  # both sides of approach: none is come from
         coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.around.machine.axes])
@@ -266,7 +263,7 @@ class SiteReader(Stated[SetupTable]):
 
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
-        all_round, size = self.usual.all_round and self.table.touches is None, artefact.diameter
+        all_round, size = self.kind.all_round and self.table.touches is None, artefact.diameter
         if not all_round or size is None or self.around.machine.nose.stylus <= 0:
             return None
         return partial(gone_to, self.around.machine, Cycle((size + self.around.machine.nose.stylus) / 2))
@@ -336,7 +333,7 @@ class SiteReader(Stated[SetupTable]):
         for k, axis in enumerate(self.around.machine.axes):
             if at_zero and axis.rotary and axis.travel[0] <= 0.0 <= axis.travel[1]:
                 places[k] = 0.0
-        usual = self.usual.park
+        usual = self.kind.usual.park.items()
         own = {name: place for name, place in usual if self.around.machine.index(name) not in moves}
         for name, place in (own | self.table.park).items():
             index = self.around.machine.index(name)

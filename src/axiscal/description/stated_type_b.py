@@ -17,12 +17,9 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.instrument import instrument_of, model_of
-from axiscal.measurement.instruments.kind import CARRIED, TRUED, Instrument
-from axiscal.measurement.setup import STEEL, Setup, Unknown
+from axiscal.measurement.setup import CARRIED, STEEL, TRUED, Setup, Unknown
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
-from axiscal_core.machine import Machine
 
 REFERENCE = 293.15
 """20 degC (ISO 1), K."""
@@ -87,7 +84,7 @@ def _against_length(setup: SetupTable, artefacts: Mapping[str, Artefact]) -> boo
     return setup.instrument.against_length or (artefact is not None and artefact.calibrated is not None)
 
 
-def with_material(stated: Stated[SetupTable], usual: Instrument, machine: Machine, setup: Setup) -> Setup:
+def with_material(stated: Stated[SetupTable], setup: Setup) -> Setup:
     """Return a set-up with what its table says of the measured material; raises DescriptionError.
 
     Its growth is an unknown where it is stated how well that is known.
@@ -99,39 +96,40 @@ def with_material(stated: Stated[SetupTable], usual: Instrument, machine: Machin
     setup = replace(setup, expansion=expansion, stated=(*known.items(), *table.type_b.items()))
     if table.temperature is None:
         return setup
-    if not _grows(usual, machine, setup):
+    if not _grows(setup):
         what = "a temperature corrects a length along the linear axes that move, and this set-up reads none"
         raise stated.misstated("temperature", what, "Take temperature out, or name the axis in moves")
     warmer = table.temperature - REFERENCE
     std = math.hypot(expansion * known.get("temperature", 0.0), warmer * known.get("expansion", 0.0))
-    growth = (Unknown("growth", std),) if std > 0 and "growth" in usual.model.unknown_reads else ()
+    growth = (Unknown("growth", std),) if std > 0 and "growth" in setup.unknown_reads else ()
     return replace(setup, warmer=warmer, unknowns=(*setup.unknowns, *growth))
 
 
-def _grows(usual: Instrument, machine: Machine, setup: Setup) -> bool:
+def _grows(setup: Setup) -> bool:
     """Return whether an instrument reads how far a machine expands: it follows the tool, or reads along what moves."""
-    if not usual.model.directed:
-        return usual.light
+    if not setup.directed:
+        return setup.light
+    machine = setup.machine
     linear, park = [k for k in setup.moves if not machine.axes[k].rotary], np.array(setup.park)
     ways = [
         float(np.array(machine.axes[k].direction) @ in_frame(machine, k, park) @ np.array(setup.direction))
         for k in linear
     ]
-    return "growth" in usual.model.unknown_reads and math.hypot(*ways) >= _ALONG
+    return "growth" in setup.unknown_reads and math.hypot(*ways) >= _ALONG
 
 
-def takes_temperature(setup: Setup, machine: Machine) -> bool:
+def takes_temperature(setup: Setup) -> bool:
     """Return whether a temperature changes what the readings of a set-up say of the machine."""
-    return setup.at_20 and _grows(instrument_of(setup), machine, setup)
+    return setup.at_20 and _grows(setup)
 
 
-def lacks_temperature(setup: Setup, machine: Machine) -> bool:
+def lacks_temperature(setup: Setup) -> bool:
     """Return whether a set-up compares a machine at 20 °C with a length, and nobody says how warm the machine is."""
     stated = "temperature" in dict(setup.stated)
-    return TEMPERATURE.met(setup) and not stated and takes_temperature(setup, machine)
+    return TEMPERATURE.met(setup) and not stated and takes_temperature(setup)
 
 
-def dense(stated: Stated[SetupTable], machine: Machine, setup: Setup) -> Setup:
+def dense(stated: Stated[SetupTable], setup: Setup) -> Setup:
     """Return a set-up whose readings are not all normal, as its table says; raises DescriptionError.
 
     A dead band along the moving axis is a lag: its sign follows from the side of approach. Across it, or with several
@@ -142,24 +140,23 @@ def dense(stated: Stated[SetupTable], machine: Machine, setup: Setup) -> Setup:
         raise stated.misstated(
             "dead_band", "a dead band is a lag, which is among the unknowns already", "Keep one of them"
         )
-    if band and lags(setup, machine):
+    if band and lags(setup):
         setup, band = replace(setup, unknowns=(*setup.unknowns, Unknown("lag", band))), 0.0
     bound = table.bound + band
     noise = math.hypot(setup.noise, bound / math.sqrt(3.0))
     return replace(setup, noise=noise, bound=bound, one_sided=table.one_sided)
 
 
-def lags(setup: Setup, machine: Machine) -> bool:
+def lags(setup: Setup) -> bool:
     """Whether the side of approach says on which side of a dead band each reading is."""
-    linear = [k for k in setup.moves if not machine.axes[k].rotary]
-    kind = model_of(setup)(setup, machine)
-    if "lag" not in kind.unknown_reads or setup.moves != tuple(linear) or len(linear) != 1 or setup.chart:
+    linear = [k for k in setup.moves if not setup.machine.axes[k].rotary]
+    if "lag" not in setup.unknown_reads or setup.moves != tuple(linear) or len(linear) != 1 or setup.chart:
         return False
-    parked = kind.places(np.array([setup.park]), np.ones((1, len(machine.axes))))
-    return bool(kind.own_slopes(parked, ("lag",)).any())
+    parked = setup.places(np.array([setup.park]), np.ones((1, len(setup.park))))
+    return bool(setup.own_slopes(parked, ("lag",)).any())
 
 
-def with_drift(table: SetupTable, usual: Instrument, setup: Setup, by_default: bool) -> Setup:
+def with_drift(table: SetupTable, setup: Setup, by_default: bool) -> Setup:
     """Return a set-up with the rate of its zero, and who says so.
 
     Where none is stated it is the instrument's, for one axis under a zero that is not known; else it stands still.
@@ -168,5 +165,5 @@ def with_drift(table: SetupTable, usual: Instrument, setup: Setup, by_default: b
     if table.drift is not None:
         return replace(setup, drift=table.drift, drift_said="stated" if table.drift > 0 else "denied")
     zeroed = any(unknown.name.startswith("zero") for unknown in setup.unknowns)
-    rate = usual.wanders[table.warm] if by_default and len(setup.moves) == 1 and zeroed else 0.0
+    rate = setup.usual.wanders[table.warm] if by_default and len(setup.moves) == 1 and zeroed else 0.0
     return replace(setup, drift=rate, drift_said="usual" if rate > 0 else "nothing")

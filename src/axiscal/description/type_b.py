@@ -13,10 +13,8 @@ from typing import Literal
 
 import numpy as np
 
-from axiscal.measurement.instrument import LENGTH, instrument_of
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import Distance
-from axiscal.measurement.instruments.kind import Instrument, Kind
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touch_frames
 from axiscal.numerics import Array
@@ -41,7 +39,7 @@ class Read:
     at : places of r readings; ways : (k, r, 3) along which each of their numbers reads; values : (k, r)
     """
 
-    kind: Kind
+    setup: Setup
     at: At
     ways: Array
     values: Array
@@ -49,7 +47,7 @@ class Read:
     @property
     def along(self) -> Array:
         """How far the tool is from where lengths count, along what each number reads, (k, r), m."""
-        along: Array = np.sum(self.ways * (self.at.tcp - self.kind.middle(self.at)), axis=2)
+        along: Array = np.sum(self.ways * (self.at.tcp - self.setup.middle(self.at)), axis=2)
         return along
 
     @property
@@ -89,11 +87,11 @@ class TypeB:
 
     def column(self, read: Read) -> Array:
         """Return what one standard deviation does to each number, (k, r), m or rad."""
-        size = dict(read.kind.setup.stated).get(self.name, self.size + self.longer * (read.kind.setup.length or 0.0))
+        size = dict(read.setup.stated).get(self.name, self.size + self.longer * (read.setup.length or 0.0))
         shown = _STDS[self.distribution] * self.effect(read, size)
         highest, lowest = shown.max(axis=1, initial=0.0), shown.min(axis=1, initial=0.0)
         apart = float(np.max(highest - lowest))
-        if self.least and self.name not in dict(read.kind.setup.stated) and 0 < apart < self.least:
+        if self.least and self.name not in dict(read.setup.stated) and 0 < apart < self.least:
             shown = shown * min(self.least / apart, 1 / size)  # never more than all of the reading
         return shown
 
@@ -109,13 +107,13 @@ def _scaled(read: Read, size: float) -> Array:
 
 def _distant(read: Read, size: float) -> Array:
     """Return a strain of the distance from the station, (k, r)."""
-    stations = np.array(read.kind.setup.standing)
+    stations = np.array(read.setup.standing)
     strained: Array = size * np.linalg.norm(read.at.tcp - stations[:, None], axis=2)
     return strained
 
 
 def _by_light(read: Read, size: float) -> Array:
-    return _distant(read, size) if isinstance(read.kind, Distance) else _scaled(read, size)
+    return _distant(read, size) if isinstance(read.setup, Distance) else _scaled(read, size)
 
 
 def _constant(read: Read, size: float) -> Array:
@@ -124,27 +122,27 @@ def _constant(read: Read, size: float) -> Array:
 
 def _unlike(read: Read, size: float) -> Array:
     """Return what another expansion does, by as much as the material is warm or may be, (k, r)."""
-    setup = read.kind.setup
+    setup = read.setup
     warmer = dict(setup.stated).get("temperature", TEMPERATURE.size) if setup.warmer is None else setup.warmer
     return size * warmer * read.along
 
 
 def _of_reading(read: Read, size: float) -> Array:
-    zeroed = any(unknown.name.startswith("zero") for unknown in read.kind.setup.unknowns)
+    zeroed = any(unknown.name.startswith("zero") for unknown in read.setup.unknowns)
     return size * (read.values - read.values.mean(axis=1, keepdims=True) if zeroed else read.values)
 
 
 def _larger(read: Read, size: float) -> Array:
     """Return what a larger sphere and stylus do: in the mean of opposite sides its pole alone shows them, (k, r)."""
-    touched = touch_frames(read.kind.machine, read.at.poses)
-    met = touched.sum(axis=1) if read.kind.setup.three_touches else touched[:, 2]
+    touched = touch_frames(read.setup.machine, read.at.poses)
+    met = touched.sum(axis=1) if read.setup.three_touches else touched[:, 2]
     larger: Array = -size * np.sum(read.ways * met, axis=2)
     return larger
 
 
 def _bowed(read: Read, size: float) -> Array:
     """Return a bow, (k, r), whose sag is `size` times its length."""
-    way = read.kind.travelled(read.at.poses)
+    way = read.setup.travelled(read.at.poses)
     span = float(np.ptp(way))
     bowed: Array = size * span * (2 * (way - way.min()) / (span or 1.0) - 1) ** 2 * read.ones
     return bowed
@@ -153,7 +151,7 @@ def _bowed(read: Read, size: float) -> Array:
 def _warm(setup: Setup, cause: str, measured: bool | None = None) -> bool:
     """Whether a cause of the material's temperature counts.  measured : only where that is, or is not, measured"""
     balls = setup.artefact is not None and setup.artefact.calibrated is not None
-    measures = balls or instrument_of(setup).against_length  # compares positions with them, or a wavelength
+    measures = balls or setup.against_length  # compares positions with them, or a wavelength
     if not setup.at_20 or not measures or measured not in (None, setup.warmer is not None):
         return False
     stated = {"temperature", "expansion"} & set(dict(setup.stated))
@@ -161,14 +159,14 @@ def _warm(setup: Setup, cause: str, measured: bool | None = None) -> bool:
     return not (grown and (cause in stated or not stated))
 
 
-_ALL_LENGTHS = (*WITH_LIGHT, LENGTH, "rtest", "sphere")
+_ALL_LENGTHS = (*WITH_LIGHT, "gauge", "rtest", "sphere")
 _ASSUMED = "assumption"
 _REFRACTION = "1 ppm/K of 0.5 K, 0.27 ppm/hPa of 2 hPa (Birch and Downs 1994; the room is an assumption)"
 _EXPANDS = "steel, 11.7 um/m/K; ISO 1, ISO/TR 230-9"
 
 TEMPERATURE = TypeB(
     "temperature", _ALL_LENGTHS, "normal", 1.0, "K", f"assumption; {_EXPANDS}", "machine",
-    lambda read, size: size * read.kind.setup.expansion * read.along,
+    lambda read, size: size * read.setup.expansion * read.along,
     partial(_warm, cause="temperature", measured=False),
 )  # fmt: skip
 MEASURED_TEMPERATURE = replace(
@@ -182,7 +180,7 @@ TYPE_B = (
         "no certificate; a free red helium-neon laser is known to 1.5 ppm (Stone et al. 2009)", "instrument", _by_light,
     ),
     TypeB(
-        "scale", (LENGTH,), "normal", 20e-6, "um/m", "assumption; a gauge block has 1 um/m", "instrument", _scaled,
+        "scale", ("gauge",), "normal", 20e-6, "um/m", "assumption; a gauge block has 1 um/m", "instrument", _scaled,
     ),
     TypeB("air", WITH_LIGHT, "normal", _OF_AIR, "um/m", _REFRACTION, "machine", _by_light),
     TypeB(
@@ -191,7 +189,7 @@ TYPE_B = (
     ),
     TypeB(
         "dead_path", ("interferometer",), "normal", 0.2, "mm", "assumption; its air is as above", "set-up",
-        lambda read, size: dict(read.kind.setup.stated).get("air", _OF_AIR) * size * read.ones, covered=("zero",),
+        lambda read, size: dict(read.setup.stated).get("air", _OF_AIR) * size * read.ones, covered=("zero",),
     ),
     TEMPERATURE,
     MEASURED_TEMPERATURE,
@@ -209,7 +207,7 @@ TYPE_B = (
     ),
     TypeB(  # each leg has half of the angle between two
         "square", ("straightedge",), "normal", 10e-6, "urad", _ASSUMED, "set-up",
-        lambda read, size: size / np.sqrt(2.0) * read.kind.travelled(read.at.poses) * read.ones,
+        lambda read, size: size / np.sqrt(2.0) * read.setup.travelled(read.at.poses) * read.ones,
         lambda setup: any(unknown.name in SQUARE for unknown in setup.unknowns),
     ),
     TypeB("bow", ("straightedge",), "normal", 2e-6, "um/m", _ASSUMED, "set-up", _bowed),
@@ -233,17 +231,17 @@ _OWN_KEYS = ("temperature", "expansion")
 
 def _by_itself(read: Read, size: float, name: str) -> Array:
     """Return what the class of an instrument shows of a cause of its own, (k, r)."""
-    return size * read.kind.own_slopes(read.at, (name,))[:, :, 0].T
+    return size * read.setup.own_slopes(read.at, (name,))[:, :, 0].T
 
 
-def rows_of(instrument: Instrument) -> Iterator[TypeB]:
+def rows_of(instrument: type[Setup]) -> Iterator[TypeB]:
     """Yield the causes of an instrument: of the table, and those that its class names."""
-    yield from (row for row in TYPE_B if instrument.name in row.instruments)
+    yield from (row for row in TYPE_B if instrument.instrument in row.instruments)
     for name, size, unit in instrument.type_b:
-        effect, of = partial(_by_itself, name=name), (instrument.name,)
+        effect, of = partial(_by_itself, name=name), (instrument.instrument,)
         yield TypeB(name, of, "normal", size, unit, "its class", "instrument", effect, covered=(name,))
 
 
-def type_b_names(instrument: Instrument) -> dict[str, TypeB]:
+def type_b_names(instrument: type[Setup]) -> dict[str, TypeB]:
     """Return the causes of an instrument that the key type_b of a set-up may state, by name."""
     return {row.name: row for row in rows_of(instrument) if row.name not in _OWN_KEYS}

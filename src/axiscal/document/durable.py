@@ -8,14 +8,12 @@ import math
 import os
 import random
 import re
+import shutil
 import sys
 import time
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 _NAP = 0.002
 """Seconds between two looks, at most; by chance, so that nobody is always too late."""
@@ -33,11 +31,6 @@ _PIECE = 1 << 24
 _DRAFT = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
 
 
-def draft_of(path: Path) -> Path:
-    """Return the name under which this process writes `path` before it is published."""
-    return path.with_name(f".{path.name}.{os.getpid()}.new")
-
-
 def written(path: Path, content: bytes) -> None:
     """Write a new file to the disk; raises OSError, FileExistsError where there is something already."""
     handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
@@ -48,18 +41,36 @@ def written(path: Path, content: bytes) -> None:
         os.close(handle)
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file, in the place of an earlier one, so that it is there whole or not at all; raises OSError."""
-    draft = draft_of(path)
+def write_whole(path: Path, content: bytes, *, new: bool = False, like: Path | None = None) -> None:
+    """Write a file so that it is there whole or not at all; raises OSError.
+
+    new : FileExistsError where something is there, which is replaced otherwise
+    like : a file whose permissions it gets, by default those of the one that it replaces
+    """
+    draft = path.with_name(f".{path.name}.{os.getpid()}.new")
     clear_drafts(path.parent, path.name)
     try:
         written(draft, content)
-        os.replace(draft, path)
+        with contextlib.suppress(FileNotFoundError):
+            shutil.copymode(like or path, draft)
+        (_named_anew if new else os.replace)(draft, path)
         sync_folder(path.parent)
     except OSError as failure:
+        raise OSError(failure.errno, failure.strerror, str(path)) from None
+    finally:
         with contextlib.suppress(OSError):
             draft.unlink(missing_ok=True)
-        raise OSError(failure.errno, failure.strerror, str(path)) from None
+
+
+def _named_anew(draft: Path, path: Path) -> None:
+    try:
+        os.link(draft, path)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without hard links
+        if path.exists():
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
+        os.rename(draft, path)
 
 
 def write_at(handle: int, offset: int, content: bytes) -> None:
@@ -129,60 +140,30 @@ def drafts_left(folder: Path, name: str) -> list[Path]:
 
 def is_running(process: int) -> bool:
     """Whether there is such a process besides this one."""
-    if process == os.getpid():
-        return False
     try:
         os.kill(process, 0)
     except (ProcessLookupError, OverflowError):
         return False
     except OSError:
         return True
-    return True
-
-
-class Closing(ABC):
-    """A context manager that is closed after its block."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """Let go of what it holds."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        self.close()
+    return process != os.getpid()
 
 
 if sys.platform == "win32":
     import msvcrt
 
-    _FAR = 2**30
+    _TAKE, _LEAVE = msvcrt.LK_NBLCK, msvcrt.LK_UNLCK
 
-    def _taken(handle: int) -> bool:
-        os.lseek(handle, _FAR, os.SEEK_SET)
-        try:
-            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
-        except OSError:
-            return False
-        return True
-
-    def _left(handle: int) -> None:
-        os.lseek(handle, _FAR, os.SEEK_SET)
-        msvcrt.locking(handle, msvcrt.LK_UNLCK, 1)
+    def _hold(handle: int, how: int) -> None:
+        os.lseek(handle, 2**30, os.SEEK_SET)  # far behind what is written
+        msvcrt.locking(handle, how, 1)
 
 else:
-    import fcntl
+    from fcntl import LOCK_EX, LOCK_NB
+    from fcntl import LOCK_UN as _LEAVE
+    from fcntl import flock as _hold
 
-    def _taken(handle: int) -> bool:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        return True
-
-    def _left(handle: int) -> None:
-        fcntl.flock(handle, fcntl.LOCK_UN)
+    _TAKE = LOCK_EX | LOCK_NB
 
 
 _last_left: dict[int, float] = {}
@@ -202,13 +183,17 @@ def alone(handle: int, patience: float) -> Iterator[None]:
     until, looks = time.monotonic() + patience, 0
     if time.monotonic() - _last_left.get(handle, -math.inf) < _AGAIN:  # others may be waiting: they get their turn
         time.sleep(_NAP * random.random())
-    while not _taken(handle):
-        looks += 1
-        if looks > _LOOKS and time.monotonic() > until:
-            raise HeldError
-        time.sleep(_NAP * random.random())
+    while True:
+        try:
+            _hold(handle, _TAKE)
+            break
+        except (BlockingIOError, PermissionError):
+            looks += 1
+            if looks > _LOOKS and time.monotonic() > until:
+                raise HeldError from None
+            time.sleep(_NAP * random.random())
     try:
         yield
     finally:
-        _left(handle)
+        _hold(handle, _LEAVE)
         _last_left[handle] = time.monotonic()

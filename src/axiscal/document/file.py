@@ -1,6 +1,6 @@
 """Reading a TOML text from a file, and saying what is wrong with it when it cannot be read.
 
-Every key knows its line. Where these are looked for the text is known to be valid; only positions are looked for.
+Every key knows its line.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ import re
 import select
 import stat
 import tomllib
-from collections.abc import Iterator, Mapping
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -122,17 +124,38 @@ class Document:
         except ValueError as fault:
             raise DescriptionError("not valid TOML: {fault}", "Write a shorter number", path, fault=fault) from None
 
-    @cached_property
-    def lines(self) -> dict[KeyPath, int]:
-        """Line (from 1) of every key path, list entries counted from 0; looked for at the first fault."""
-        return line_numbers(self.text)
-
     def line(self, *keys: Key) -> int | None:
-        """Return the line of a key path such as ("setups", 1, "noise"), or of the nearest table around it."""
-        for end in range(len(keys), 0, -1):
-            if (found := self.lines.get(keys[:end])) is not None:
-                return found
+        """Return the line of a key path such as ("setups", 1, "noise"), or of the nearest table around it.
+
+        It is the last of the fewest lines that say it; None where these have been looked for for too long.
+        """
+        lines = range(1, self.text.count("\n") + 2)
+        for path in (keys[:end] for end in range(len(keys), 0, -1)):
+            if _holds(self.data, path):
+                found = bisect_left(lines, True, key=lambda count: _holds(self._said_by(count), path))
+                return lines[found] if self._tried.total() < _MOST_TRIED else None
         return None
+
+    @cached_property
+    def _tried(self) -> Counter[int]:
+        return Counter()
+
+    @cached_property
+    def _beginnings(self) -> dict[int, dict[str, Any]]:
+        return {}
+
+    def _said_by(self, count: int) -> dict[str, Any]:
+        """Return what so many lines say, of a value that goes on behind them what stands in them."""
+        lines = self.text.split("\n")[:count]
+        while lines and count not in self._beginnings and self._tried.total() < _MOST_TRIED:
+            begun = "\n".join([*lines, ""])
+            self._tried[count] += len(begun)
+            for closing in _CLOSINGS:
+                with suppress(tomllib.TOMLDecodeError):
+                    self._beginnings[count] = tomllib.loads(begun + closing)
+                    break
+            lines.pop()
+        return self._beginnings.get(count, {})
 
     def fault(self, failure: InputError, *keys: Key) -> InputError:
         """Return a failure placed in this file at the line of a key path, its text beginning with the dotted path."""
@@ -223,64 +246,16 @@ def shown_path(path: Path) -> str:
     return shown(str(path))[1:-1]
 
 
-_DEEPEST = 100
-"""Parts of a key path; whoever writes more wants to break the reader, which goes into each."""
-_MOST_TRIED = 500_000
-"""Characters: of time. A value of many lines is tried at each of them, and a file that nobody wrote has many such."""
+_MOST_TRIED = 300_000
+"""Characters that are read once more to find lines: of time. A description has a few thousand."""
 _CLOSINGS = ("", "]", "]]", "]}", "}]", '"""', "'''")
 """What makes a statement whole that goes on in the next line."""
 
-KeyPath = tuple[Key, ...]
 
-
-def line_numbers(text: str) -> dict[KeyPath, int]:
-    """Return the line (from 1) of every key path of a valid TOML text, list entries counted from 0.
-
-    A table that is named several times has the line of its first mention. A value that goes over hundreds of lines
-    ends the search: what is behind it has none, nor have keys of more than 100 parts.
-    """
-    lines, last, table = dict[KeyPath, int](), dict[KeyPath, int](), KeyPath()
-    begun, tried, since = "", 0, 1
-    for number, line in enumerate(text.split("\n"), 1):
-        begun += f"{line}\n"
-        tried += len(begun)
-        if tried > _MOST_TRIED:
-            break
-        closing, statement = _statement(begun)
-        heading = closing == "" and begun.lstrip().startswith("[")
-        paths = _heading(statement, last) if heading else [*_paths(statement, table)]
-        table = paths[-1] if heading else table
-        for path in paths:
-            lines.setdefault(path, since)
-        since = since if closing is None else number + 1
-        begun = "" if closing == "" else begun
-    return lines
-
-
-def _statement(text: str) -> tuple[str | None, dict[str, Any]]:
-    """Return what makes the beginning of a statement whole, None where none of these does, and what it says so far."""
-    for closing in _CLOSINGS:
-        with suppress(tomllib.TOMLDecodeError):
-            return closing, tomllib.loads(text + closing)
-    return None, {}
-
-
-def _heading(statement: Mapping[str, Any], last: dict[KeyPath, int]) -> list[KeyPath]:
-    """Return the key paths of a heading, the whole one last.  last : number of the last entry of each list"""
-    paths, content = [KeyPath()], statement
-    while isinstance(content, dict) and content:
-        ((key, content),) = content.items()
-        paths.append((*paths[-1], key))
-        if isinstance(content, list):
-            last[paths[-1]] = last.get(paths[-1], -1) + 1
-        if paths[-1] in last:
-            paths.append((*paths[-1], last[paths[-1]]))
-    return paths[1:]
-
-
-def _paths(value: object, path: KeyPath) -> Iterator[KeyPath]:
-    """Yield the key paths below a path."""
-    entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, entry in entries if len(path) < _DEEPEST else ():
-        yield (*path, key)
-        yield from _paths(entry, (*path, key))
+def _holds(said: Any, path: tuple[Key, ...]) -> bool:
+    """Return whether there is a key path in a value."""
+    for key in path:
+        if not (key in said if isinstance(said, dict) else isinstance(said, list) and int(key) < len(said)):
+            return False
+        said = said[key]
+    return True

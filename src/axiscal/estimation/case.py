@@ -22,12 +22,11 @@ from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import TURNS
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import About, Observation
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import rows_at
-from axiscal.measurement.setup import About, Setup, Unknown
+from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Itself, Memo
@@ -133,9 +132,11 @@ class Case:
 
     def turned(self, names: Sequence[str]) -> Case:
         """Return the case of a machine of which some axes, by name, count the other way."""
-        machine = self.description.machine
-        axes = tuple(axis.turned if axis.name in names else axis for axis in machine.axes)
-        return replace(self, description=replace(self.description, machine=replace(machine, axes=axes)))
+        before = self.description.machine
+        axes = tuple(axis.turned if axis.name in names else axis for axis in before.axes)
+        machine = replace(before, axes=axes)
+        setups = tuple(replace(setup, machine=machine) for setup in self.description.setups)
+        return replace(self, description=replace(self.description, machine=machine, setups=setups))
 
     def shown_by(self, readings: Sequence[Reading]) -> Case:
         """Return the case with the steps of displays that readings show; itself where all are stated."""
@@ -283,7 +284,7 @@ class Case:
 
     def unit_of(self, setup: Setup, unknown: Unknown) -> str:
         """Return the unit in which an unknown of a set-up is shown."""
-        reads = model_of(setup).unknown_reads.get(unknown.name) or reads_as(unknown.name)
+        reads = setup.unknown_reads.get(unknown.name) or reads_as(unknown.name)
         return "um" if reads == "length" else "urad"
 
     def index(self, setup: str) -> int:
@@ -329,7 +330,7 @@ def _located_by(setup: Setup, unknowns: set[str]) -> tuple[str, ...] | None:
     The centre of a bar is where its ball is found; what touches a ball is linear in where that stands.
     """
     if setup.artefact is None:
-        names = model_of(setup).located(setup)
+        names = setup.located
         return names if set(names) & unknowns else None
     if setup.length is None or setup.artefact.calibrated is not None:
         return None

@@ -22,7 +22,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
-from axiscal.measurement.setup import About
+from axiscal.measurement.observation import About
 from axiscal.numerics import Array
 from axiscal_core.draws import sized
 from axiscal_core.machine import Machine

@@ -16,7 +16,6 @@ import numpy as np
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import later, listed, said
 from axiscal.measurement.cells import wandered
-from axiscal.measurement.instrument import reads_angles
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, reading_text, units_of
@@ -73,7 +72,7 @@ def objection(doubt: Doubt, reading: Reading, setup: Setup, axes: Sequence[Axis]
     pairs = zip(reading.values, units_of(setup), strict=True)
     value = listed(", ", [said_quantity(each, unit, 6) for each, unit in pairs])
     size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else said("more than a million")
-    guess = unit_guess(doubt.surprise, reads_angles(setup))
+    guess = unit_guess(doubt.surprise, setup.reads == "angle")
     text = said(
         "{reading}, {value}, is {size} standard deviations from all that the stated std and the other readings allow",
         reading=named,

@@ -147,7 +147,7 @@ def warmth(known: Estimation, scale: str, strain: float) -> float | None:
     """
     described, read = known.stated.description, {reading.setup for reading in known.readings}
     axis, setups = described.machine.index(scale), [each for each in described.setups if each.name in read]
-    unsaid = (each for each in setups if axis in each.moves and lacks_temperature(each, described.machine))
+    unsaid = (each for each in setups if axis in each.moves and lacks_temperature(each))
     return next((strain / each.expansion for each in unsaid if each.expansion), None)
 
 

@@ -12,7 +12,6 @@ from axiscal.estimation.promise.mistaken import with_feed
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.promise.sick import repeats
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import in_workpiece
@@ -52,7 +51,7 @@ def framed(case: Case, readings: Sequence[Reading]) -> Iterator[Framed]:
     for index, setup in enumerate(case.description.setups):
         mine = [reading for reading in readings if reading.setup == setup.name]
         turns = any(machine.axes[k].rotary and machine.axes[k].workpiece_side for k in setup.moves)
-        if mine and turns and model_of(setup) is Nest:
+        if mine and turns and isinstance(setup, Nest):
             yield index, posed(case, in_workpiece(machine, readings, setup.name))
 
 

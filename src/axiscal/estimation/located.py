@@ -17,9 +17,9 @@ from axiscal.estimation.stations import GAUSSIAN, MOST, BentReadings, Optimum, i
 from axiscal.exceptions import AmbiguityError
 from axiscal.language.spoken import said
 from axiscal.measurement.cells import Cell
+from axiscal.measurement.observation import About
 from axiscal.measurement.reading import Reading, drawn, place_text
 from axiscal.measurement.reading_rows import linear_values, places_of, seen
-from axiscal.measurement.setup import About
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.draws import as_stated

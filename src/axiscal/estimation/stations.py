@@ -19,9 +19,9 @@ import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.observation import About
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.measurement.reading_rows import Seen, scaled_values, seen, shown_by_each
-from axiscal.measurement.setup import About
 from axiscal.numerics import Array
 from axiscal_core.eigen import settled
 from axiscal_core.from_scipy import least_squares

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import turn_between
-from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
@@ -139,17 +138,16 @@ def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> in
     """
     own = _own_rows(machine, setup, poses)
     off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
-    return int((off & ~_on_board(setup)).sum()) // values_of(setup) + 1
+    return int((off & ~_on_board(setup)).sum()) // len(setup.names) + 1
 
 
 def _own_rows(machine: Machine, setup: Setup, poses: Array) -> Array:
     """Return how the unknowns of a set-up show in its values, (values, unknowns), one reading after another."""
-    kind = model_of(setup)(setup, machine)
-    return np.concatenate(list(kind.own_slopes(kind.places(poses))))
+    return np.concatenate(list(setup.own_slopes(setup.places(poses))))
 
 
 def _setups_of_values(setups: Sequence[Setup], places: Places) -> NDArray[np.intp]:
-    return np.repeat(places.setups, [values_of(setups[s]) for s in places.setups])
+    return np.repeat(places.setups, [len(setups[s].names) for s in places.setups])
 
 
 def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDArray[np.bool_]:
@@ -188,15 +186,14 @@ def upright(machine: Machine, setups: Sequence[Setup], places: Places, datums: D
         found = {(datum.setup, datum.unknown): float(datum.row @ values) for datum in datums.taken}
         for index, mine in places.by_setup():
             setup, of = setups[index], each == index
-            kind = model_of(setup)(setup, machine)
             keys = {unknown.name: (unknown.owner or setup.name, unknown.name) for unknown in setup.unknowns}
             own = {name: found[key] for name, key in keys.items() if key in found}
-            at = kind.places(places.poses[mine])
+            at = setup.places(places.poses[mine])
             linear, moved = free[of].reshape(len(mine), -1), np.zeros((len(mine), 3))
-            for number, way in enumerate(kind.slopes(at).moved.swapaxes(0, 1)):
+            for number, way in enumerate(setup.slopes(at).moved.swapaxes(0, 1)):
                 moved += linear[:, number, None] * way
-            linear = linear + kind.own_slopes(at, [*own]) @ np.array([*own.values()])
-            beyond[of] = (kind.shown(at._replace(moved=moved), own) - linear).ravel()
+            linear = linear + setup.own_slopes(at, [*own]) @ np.array([*own.values()])
+            beyond[of] = (setup.shown(at._replace(moved=moved), own) - linear).ravel()
         values = shown - beyond
     return values
 
@@ -206,14 +203,13 @@ def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Ar
 
     What stands on a way shows the way's own shape, wherever the control sends the axes.
     """
-    kind = model_of(setup)(setup, machine)
     if setup.base is not None:
-        return np.zeros((len(poses), values_of(setup)))
+        return np.zeros((len(poses), len(setup.names)))
     before, after = machine.frames(poses), machine.frames(poses + control(poses, approaches))
-    seen = kind.slopes(kind.places(poses, approaches))
+    seen = setup.slopes(setup.places(poses, approaches))
     pairs = (seen.moved, after.tcp - before.tcp), (seen.turned, turn_between(before.tool, after.tool))
     added: Array = sum(np.einsum("mkc,mc->mk", ways, moved) for ways, moved in pairs)
     if setup.start is not None:  # what is added at its first end as well is no part of a length
         there = np.array([setup.start])
         added = added - added_to_values(machine, replace(setup, start=None), there, approaches[:1], control)
-    return added / scales_of(setup)
+    return added / setup.scales

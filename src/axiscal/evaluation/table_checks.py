@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.datums import Datum, added_to_values
 from axiscal.language.spoken import said
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -172,8 +171,8 @@ def idle_axes(estimate: Estimate, setups: Sequence[Setup], places: Places) -> tu
     turned = machine.frames(places.poses).rotations
     seen = list[tuple[NDArray[np.intp], Array]]()
     for index, of in places.by_setup():
-        kind = model_of(setups[index])(setups[index], machine)
-        seen.append((of, kind.slopes(kind.places(places.poses[of])).moved))
+        setup = setups[index]
+        seen.append((of, setup.slopes(setup.places(places.poses[of])).moved))
     for k, (axis, (low, high)) in enumerate(zip(machine.axes, estimate.box, strict=True)):
         along, way = np.full(len(places), axis.rotary), turned[k] @ np.array(axis.direction)
         for of, ways in seen:

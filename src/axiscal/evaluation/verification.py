@@ -31,10 +31,10 @@ from axiscal.evaluation.table_checks import (
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import said
 from axiscal.measurement.candidates import distinct, drawn_places
-from axiscal.measurement.instrument import INSTRUMENTS, model_of, values_of
+from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import Nest, Tracker
-from axiscal.measurement.instruments.kind import levers_of
+from axiscal.measurement.observation import levers_of
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.setup import Setup
@@ -44,7 +44,7 @@ from axiscal_core.from_scipy import chi_square_quantile, chi_square_share
 from axiscal_core.threads import one_thread
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
-_CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if issubclass(kind.model, _DISPLACEMENTS)))
+_CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if issubclass(kind, _DISPLACEMENTS)))
 """Instruments that read displacements along fixed directions: the ones a check is made with."""
 _REMEDY = "A check is made with {known}: give the campaign a set-up of that kind"
 _PER_SETUP = 4
@@ -75,7 +75,7 @@ class Values(NamedTuple):
 
 def values_at(setups: Sequence[Setup], places: Places) -> Values:
     """Return the values that readings at these places have."""
-    each = [(place, number) for place, s in enumerate(places.setups) for number in range(values_of(setups[s]))]
+    each = [(place, number) for place, s in enumerate(places.setups) for number in range(len(setups[s].names))]
     return Values(*np.array(each, dtype=np.intp).reshape(-1, 2).T)
 
 
@@ -97,8 +97,7 @@ def expected(
     rests = np.zeros((len(values.of), len(model.terms)))
     for index, mine in places.by_setup():
         poses, approaches, of = places.poses[mine], places.approaches[mine], np.isin(values.of, mine)
-        kind = model_of(setups[index])(setups[index], model)
-        seen = kind.slopes(kind.places(poses))
+        seen = setups[index].slopes(setups[index].places(poses))
         levers = levers_of(model, seen, poses)
         turned = model.along(levers_of(model, seen._replace(moved=np.zeros_like(seen.moved)), poses), poses, approaches)
         ways = np.einsum("mkc,mc->mk", seen.moved, tips[mine])
@@ -190,7 +189,7 @@ def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: 
     mean, factor, values = mean.copy(), factor.copy(), values_at(setups, places)
     for index in np.unique(places.setups):
         if any(is_zero(unknown.name) for unknown in setups[index].unknowns):
-            for number in range(values_of(setups[index])):
+            for number in range(len(setups[index].names)):
                 mine = (places.setups[values.of] == index) & (values.number == number)
                 mean[mine] -= mean[mine].mean()
                 factor[mine] -= factor[mine].mean(axis=0)

@@ -19,7 +19,6 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from importlib import resources
 from string import Formatter
@@ -115,17 +114,16 @@ def again(text: str) -> str:
 
 
 def resaid(thing: _Thing) -> _Thing:
-    """Return plain data with every text in it said in the language that is spoken now."""
+    """Return a document or plain data with every text in it said in the language that is spoken now."""
     if type(thing) in _SILENT:
         return thing
     found: Any = thing
     if isinstance(thing, Said):
         found = again(thing)
-    elif is_dataclass(thing) and not isinstance(thing, type):
-        now = ((each.name, getattr(thing, each.name)) for each in fields(thing) if each.init)
-        spoken = {name: resaid(value) for name, value in now if type(value) not in _SILENT}
+    elif hasattr(thing, "model_copy"):  # a document of pydantic, which nothing loads for this
+        spoken = {name: resaid(value) for name, value in found if type(value) not in _SILENT}
         new = {name: said for name, said in spoken.items() if said is not getattr(thing, name)}
-        found = replace(thing, **new) if new else thing
+        found = thing.model_copy(update=new) if new else thing
     elif isinstance(thing, dict):
         both = [*thing, *thing.values()]
         each = resaid(both)

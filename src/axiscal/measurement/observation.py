@@ -7,6 +7,14 @@ cell share its rest, so repeating there does not average it away.
 Whose an unknown is: that of one set-up, or of an artefact, a bar or a tool which several set-ups share.
 
 What has an owner is one quantity wherever it is met: all set-ups that read the same ball share the column of its place.
+
+Where readings are linearised: about the machine that is believed, instead of about the nominal one.
+
+    e_i(x) = f_i(x) − h_i x,    y_i ← y_i − e_i(x)                                                (chord iteration)
+
+f_i what the instrument would show by the exact chain where errors and unknowns are x, h_i the row of the reading. With
+rows at the nominal machine each round converges by the largest rotation, about 1e-3. If that is not enough, the rows
+are taken at x as well (Gauss-Newton; Bell and Cathey 1993).
 """
 
 from __future__ import annotations
@@ -23,13 +31,23 @@ from numpy.typing import NDArray
 from axiscal.errors.volume import MovedErrors, deviations_of
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
-from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import Kind, levers_of
-from axiscal.measurement.setup import About, Setup, Unknown
+from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.travel import feet_of, heights, slope_rows
 from axiscal.numerics import Array
-from axiscal_core.instrument import At
+from axiscal_core.instrument import At, Slopes
 from axiscal_core.machine import Machine
+
+
+def levers_of(errors: Machine, seen: Slopes, poses: Array) -> Array:
+    """Return what a unit of each error adds to each number of readings, sides apart, (k, terms, m).  poses : (m, q)"""
+    result = np.zeros((seen.moved.shape[1], len(errors.terms), len(poses)))
+    for angular, ways in enumerate(seen):
+        if ways.any():
+            field = errors.levers(poses, bool(angular))
+            for number, lever in enumerate(result):
+                lever += np.einsum("fmc,mc->fm", field, ways[:, number])
+    return result
+
 
 Key = tuple[str, str]
 """Owner and name; the owner of what belongs to one set-up is that set-up."""
@@ -85,6 +103,14 @@ class JointRows(NamedTuple):
 
     rows: Array
     covariances: Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class About:
+    """point : (k,) errors of the machine, then unknowns of the set-ups; bent : rows are those of the machine there"""
+
+    point: Array
+    bent: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +212,7 @@ class Observation:
         levers = self._levers(setup, at)
         rows = np.zeros((len(levers), len(poses), self.size))
         rows[:, :, : self.errors.size] = self._error_rows(setup, levers, poses, approaches)
-        rows[:, :, self.unknowns_of(setup)] = self._kinds[setup].own_slopes(at).swapaxes(0, 1)
+        rows[:, :, self.unknowns_of(setup)] = self.setups[setup].own_slopes(at).swapaxes(0, 1)
         for number, course in self.drifts_shown(setup):
             rows[number][:, list(course.columns)] = course.rows(times)
         variances = mounted.noise**2 + self._unknown_sides(mounted, levers, poses, approaches)
@@ -247,10 +273,10 @@ class Observation:
         if self.about is not None:
             point = self.about.point
             return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
-        kind = self._kinds[setup]
-        at, found = kind.places(poses), kind.found(kind.setup)
-        linear: Array = kind.own_slopes(at, [*found]) @ np.array([*found.values()])
-        return kind.shown(at, found) - linear
+        mounted = self.setups[setup]
+        at, found = mounted.places(poses), mounted.found_at
+        linear: Array = mounted.own_slopes(at, [*found]) @ np.array([*found.values()])
+        return mounted.shown(at, found) - linear
 
     def shown(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return what each number of readings would show, nothing linearised, (m, k).
@@ -261,25 +287,25 @@ class Observation:
 
     def shown_by_each(self, setup: int, poses: Array, approaches: Array, points: Array) -> Iterator[Array]:
         """Yield the same for each of many machines and set-ups.  points : (n, k) errors, then unknowns"""
-        if self.setups[setup].base is not None:
+        mounted = self.setups[setup]
+        if mounted.base is not None:
             yield from (self._first_order(setup, poses, approaches, point) for point in points)
             return
-        kind, names = self._kinds[setup], [unknown.name for unknown in self.setups[setup].unknowns]
-        at = kind.places(poses, approaches)
-        standing, machines = feet_of(self.setups[setup], poses), points[:, : self.errors.size]
+        at, names = mounted.places(poses, approaches), [unknown.name for unknown in mounted.unknowns]
+        standing, machines = feet_of(mounted, poses), points[:, : self.errors.size]
         weights = np.array([foot.weight for foot in standing])
         done = (deviations_of(self.errors, machines, foot.poses, approaches) for foot in standing)
         for point, *actual in zip(points, *done, strict=True):
             moved, turned = (np.tensordot(weights, each, axes=1) for each in zip(*actual, strict=True))
             there = at._replace(moved=moved, turned=turned)
             own = point[self.unknowns_of(setup)].tolist()
-            yield kind.shown(there, dict(zip(names, own, strict=True)))
+            yield mounted.shown(there, dict(zip(names, own, strict=True)))
 
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""
         at = self._places(setup, poses, approaches)
         rows = self._error_rows(setup, self._levers(setup, at), poses, approaches)
-        own: Array = self._kinds[setup].own_slopes(at) @ point[self.unknowns_of(setup)]
+        own: Array = self.setups[setup].own_slopes(at) @ point[self.unknowns_of(setup)]
         return own + (rows @ point[: self.errors.size]).T
 
     def rest_effects(self, setup: int, poses: Array, approaches: Array) -> RestEffects:
@@ -304,15 +330,11 @@ class Observation:
         mounted = self.setups[setup]
         if mounted.base is not None:
             return heights(self.errors, mounted, at.poses)[None]
-        return levers_of(self.errors, self._kinds[setup].slopes(at), at.poses)
+        return levers_of(self.errors, self.setups[setup].slopes(at), at.poses)
 
     def _places(self, setup: int, poses: Array, approaches: Array | None = None) -> At:
         actual = self.errors.motion(poses) if isinstance(self.errors, MovedErrors) else None
-        return self._kinds[setup].places(poses, approaches, actual)
-
-    @cached_property
-    def _kinds(self) -> tuple[Kind, ...]:
-        return tuple(model_of(setup)(setup, self.machine) for setup in self.setups)
+        return self.setups[setup].places(poses, approaches, actual)
 
     @cached_property
     def with_rest(self) -> tuple[int, ...]:

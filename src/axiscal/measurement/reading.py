@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.instruments.kind import Reads
-from axiscal.measurement.setup import Setup, Vector
+from axiscal.measurement.setup import Reads, Setup, Vector
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
@@ -266,19 +264,19 @@ class Sense(NamedTuple):
 
 def sense(setup: Setup) -> Sense:
     """Return what a set-up reads."""
-    model, direction = model_of(setup), direction_text(setup)
+    direction = direction_text(setup)
     if setup.written:
-        return Sense(", ".join(model.names_of(setup)), said("+ as the instrument counts"), ())
+        return Sense(", ".join(setup.names), said("+ as the instrument counts"), ())
     towards = "+ where the tool stands too far towards {way}, seen from the workpiece"
-    if len(model.numbers) > 1:
+    if len(setup.numbers) > 1:
         every = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
         return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"), every)
-    if not model.directed:
+    if not setup.directed:
         several, one = "the distances from its {count} stations, in their order", "the distance from its station"
         reads = said(several, count=len(setup.stations)) if setup.stations else said(one)
         return Sense(reads, said("+ where the distance is longer than it should be"), ())
     way = direction if direction[0] in "-(" else f"+{direction}"
-    if model.reads == "angle":
+    if setup.reads == "angle":
         turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
         return Sense(said("about {way}", way=direction), said(turned, way=way), (setup.direction,))
     return Sense(said("along {way}", way=direction), said(towards, way=way), (setup.direction,))
@@ -286,13 +284,12 @@ def sense(setup: Setup) -> Sense:
 
 def value_columns(setup: Setup) -> tuple[str, ...]:
     """Return the columns of a file of readings for its values, such as value_um, or value_x_um and two more."""
-    kind = model_of(setup)
-    return tuple(f"{kind.column(n)}_{unit}" for n, unit in zip(kind.names_of(setup), units_of(setup), strict=True))
+    return tuple(f"{setup.column(n)}_{unit}" for n, unit in zip(setup.names, units_of(setup), strict=True))
 
 
 def refuse_other_values(setup: Setup, count: int, dimension: str | None = None) -> None:
     """Raise ReadingError for values that a set-up's instrument does not read.  dimension : where a file says it"""
-    reads, values, instrument = model_of(setup).reads, values_of(setup), setup.instrument
+    reads, values, instrument = setup.reads, len(setup.names), setup.instrument
     if dimension not in (None, reads):
         what = 'the {instrument} of the set-up "{setup}" reads a length, not an angle'
         if reads == "angle":
@@ -326,13 +323,13 @@ def reading_units(setup: Setup) -> str:
 
 def asked_values(setup: Setup) -> str:
     """Return what is asked for at a reading: "um", or of several numbers "dx um, dy um"."""
-    pairs = zip(model_of(setup).names_of(setup), units_of(setup), strict=True)
+    pairs = zip(setup.names, units_of(setup), strict=True)
     return listed(", ", [put("{name} {unit}", name=name, unit=unit) if name else unit for name, unit in pairs])
 
 
 def units_of(setup: Setup) -> tuple[str, ...]:
     """Return the unit in which each number of its readings is shown."""
-    return tuple(_UNIT[reads] for reads in model_of(setup).reads_each(setup))
+    return tuple(_UNIT[reads] for reads in setup.reads_each)
 
 
 def seconds_since(begun: str, readings: Sequence[Reading]) -> float:

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.measurement.cells import Cell, Course, RestEffects, rest_effects
-from axiscal.measurement.instrument import scales_of, values_of
 from axiscal.measurement.observation import Observation, Zero
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
@@ -88,7 +87,7 @@ def _fresh_cells(observation: Observation, places: Places, among: Collection[Cel
 def _let_wander(observation: Observation, courses: dict[Zero, Course], setup: int, time: float, size: int) -> int:
     """Follow the drift of a set-up's zeros to a time, s, in place, and return how many columns there are then."""
     mounted = observation.setups[setup]
-    for number in range(values_of(mounted)):
+    for number in range(len(mounted.names)):
         before = courses.get((setup, number))
         if before is None:
             courses[setup, number] = Course.from_zero(mounted.drift, time, size)
@@ -162,7 +161,7 @@ def linear_values(observation: Observation, places: Places, readings: Sequence[R
 
 def scaled_values(setups: Sequence[Setup], readings: Sequence[Reading]) -> Array:
     """Return the values of all numbers of readings as rows have them, (m,)."""
-    scales = {setup.name: scales_of(setup) for setup in setups}
+    scales = {setup.name: setup.scales for setup in setups}
     return np.concatenate([np.array(r.values) * scales[r.setup] for r in readings] or [np.zeros(0)])
 
 
@@ -193,7 +192,7 @@ def places_of(setups: Sequence[Setup], readings: Sequence[Reading | Place]) -> P
 
 def blank_readings(setups: Sequence[Setup], places: Sequence[Place]) -> list[Reading]:
     """Return readings of zero at places, for results that do not depend on their values."""
-    more = {setup.name: values_of(setup) - 1 for setup in setups}
+    more = {setup.name: len(setup.names) - 1 for setup in setups}
     return [Reading(p.setup, p.pose, p.approach, 0.0, others=(0.0,) * more[p.setup], check=p.check) for p in places]
 
 
@@ -204,4 +203,4 @@ def times_of(readings: Sequence[Reading]) -> Array:
 
 def numbers_of_setups(setups: Sequence[Setup]) -> NDArray[np.intp]:
     """Return how many numbers a reading of each set-up has, (setups,)."""
-    return np.array([values_of(setup) for setup in setups], dtype=np.intp)
+    return np.array([len(setup.names) for setup in setups], dtype=np.intp)

@@ -1,32 +1,34 @@
-"""A set-up: one instrument, mounted in one way, that reads along (or about) one direction.
+"""A set-up: one instrument, mounted in one way. Its class says what it shows (`sees`), and what is usual of it.
 
-Where readings are linearised: about the machine that is believed, instead of about the nominal one.
-
-    e_i(x) = f_i(x) − h_i x,    y_i ← y_i − e_i(x)                                                (chord iteration)
-
-f_i what the instrument would show by the exact chain where errors and unknowns are x, h_i the row of the reading. With
-rows at the nominal machine each round converges by the largest rotation, about 1e-3. If that is not enough, the rows
-are taken at x as well (Gauss-Newton; Bell and Cathey 1993).
+Rows are derivatives of that by complex steps (`axiscal_core.instrument.slopes`); simulated readings are its values.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
+
+import numpy as np
 
 from axiscal.machine.motion import USUAL, Driving
+from axiscal_core import rigid
 from axiscal_core.axes import Axis
+from axiscal_core.instrument import TOOL, Approach, At, Slopes, Unknowns, numbers, own_slopes, slopes
+from axiscal_core.machine import Machine
 
 if TYPE_CHECKING:
     from axiscal.measurement.artefact import Artefact
     from axiscal.measurement.charts.room import Chart
 
+from axiscal.machine.kinematics import Deviation
 from axiscal.numerics import Array
 from axiscal.numerics.displays import COARSE
 
-Approach = Literal["both", "+", "-"]
+Reads = Literal["length", "angle"]
 Contact = Literal["free", "held", "retracted"]
 """Between two places nothing is in the way, or the tool keeps in touch, or it goes off and comes back."""
 Sited = Literal["anywhere", "line", "sight", "reach", "ball", "bar", "length"]
@@ -61,58 +63,58 @@ class Unknown:
     owner: str = ""
 
 
-Model = TypeVar("Model")
-"""Class of what an instrument sees."""
+ZERO = Unknown("zero", 1e-3)
+LASER, GAUGE, INCLINED = ((5e-6 / 3600, 3e-6 / 3600), (10e-6 / 3600, 3e-6 / 3600), (2e-6 / 3600, 2e-6 / 3600))
+"""Drifts of zeros by the hour, as a rule and where all is warm: of a laser 1 ppm/K of 0.2 m of dead path at 1 K/h,
+0.2 um/h (user's guides of HP 5528A and Agilent 5530), and of the machine 5 um/h, an assumption; of what touches 10 um/h
+in the first hour after power-up or a spindle run and 3 um/h after, an assumption, as ISO 230-3 and ISO/TR 16015 define
+a test and give no number; 2 urad/h is one as well."""
+CARRIED = 1e-4
+"""m, std along each of `TOOL` where nothing is said (an assumption)."""
+TRUED = 5e-6
+"""m: what is set in the spindle to be read is made to run true with a dial (an assumption)."""
+TOOL_READS: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(TOOL, "length"))
 
 
-@dataclass(frozen=True)
-class Figures(Generic[Model]):
-    """Usual figures of a kind of instrument; every one of them can be replaced in the description of a set-up.
+class Usual(NamedTuple):
+    """What is usual of a class of instruments, where the description of a set-up is silent.
 
-    model : what it sees; noise : standard deviation of one reading, m or rad
+    noise : standard deviation of one reading, m or rad
     unknowns : what each new mounting leaves open, with prior standard deviations
     setup_time, settle, reading_time : s
     wanders : std of the rate of its zero, m/s or rad/s: as a rule, and where machine and instrument are warm
-    site : what says where it reads; contact : as of `Setup`, at the balls of an artefact
-    light : whether it compares positions with the wavelength
-    display : whether a person reads a display that follows the tool, so that a jog shows on it
-    park, approach : where other axes stand, m or rad by name, and from which sides it is read, unless a set-up says it
-    type_b : what no reading shows: name, standard deviation in SI units, and the unit that it is shown in
-    curved : unknowns in which a class is not linear, so that readings are linearised where these have been found
+    contact : at the balls of an artefact; approach : from which sides it is read
+    park : where other axes stand, m or rad by name
     """
 
-    name: str
-    model: type[Model] = field(compare=False)
     noise: float
     unknowns: tuple[Unknown, ...]
     setup_time: float
     settle: float
     reading_time: float
-    wanders: tuple[float, float]
-    site: Sited = "anywhere"
+    wanders: tuple[float, float] = (0.0, 0.0)
     contact: Contact = "free"
-    light: bool = False
-    display: bool = False
-    park: tuple[tuple[str, float], ...] = ()
     approach: Approach = "+"
-    type_b: tuple[tuple[str, float, str], ...] = ()
-    curved: tuple[str, ...] = ()
-
-    @property
-    def all_round(self) -> bool:
-        """Whether it touches a ball from all sides."""
-        return self.site == "ball" and self.contact == "retracted"
-
-    @property
-    def against_length(self) -> bool:
-        """Whether it compares positions with a length that is known."""
-        return self.light or self.site == "length"
+    park: Mapping[str, float] = MappingProxyType({})
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Setup:
-    """How one instrument stands on the machine.
+    """An instrument as it stands on a machine. A class of instruments derives from it and writes `sees`.
 
+    Of each class:
+    instrument : its name; usual : figures; reads : lengths or angles
+    numbers : what those of a reading are told apart by
+    directed : it reads along or about a direction that has to be stated
+    unknown_reads : by name of each possible unknown of a set-up, whether it is a length or an angle
+    site : what says where it reads; all_round : it touches a ball from all sides
+    light, against_length : whether it compares positions with the wavelength; with a length that is known
+    display : whether a person reads a display that follows the tool, so that a jog shows on it
+    written : it is none of ours; alike : whether all its numbers are equally noisy
+    type_b : what no reading shows: name, standard deviation in SI units, and the unit that it is shown in
+
+    Of each set-up:
+    machine : on which it stands
     direction : unit vector in the workpiece frame, along which a length or about which an angle is read
     offset : of the point that is looked at from the tool point, along the tool's x, y, z, m; None where nobody said
     moves : indices of the axes that may move, in chain order
@@ -148,12 +150,27 @@ class Setup:
         where they touch
     length : of a ball bar, m; stroke : by how much what it reads may differ from nominal, m
     driving : how programs go from place to place
-    written : the instrument, where it is none of ours
+    curved : unknowns in which it is not linear, so that readings are linearised where these have been found
     lacks : what is not said before readings can be asked for, and what to add, in words; None where nothing is lacking
     """
 
+    instrument: ClassVar[str]
+    usual: ClassVar[Usual]
+    reads: ClassVar[Reads] = "length"
+    numbers: ClassVar[tuple[str, ...]] = ("",)
+    directed: ClassVar[bool] = True
+    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType({})
+    site: ClassVar[Sited] = "anywhere"
+    all_round: ClassVar[bool] = False
+    light: ClassVar[bool] = False
+    against_length: ClassVar[bool] = False
+    display: ClassVar[bool] = False
+    written: ClassVar[bool] = False
+    alike: ClassVar[bool] = True
+    type_b: ClassVar[tuple[tuple[str, float, str], ...]] = ()
+
     name: str
-    instrument: str
+    machine: Machine = field(compare=False, repr=False)
     direction: Vector
     moves: tuple[int, ...]
     park: tuple[float, ...]
@@ -163,7 +180,7 @@ class Setup:
     settle: float
     reading_time: float
     raster: tuple[float, ...]
-    approach: Approach
+    approach: Approach = "+"
     offset: Vector | None = None
     station: Vector | None = None
     stations: tuple[Vector, ...] = ()
@@ -192,7 +209,108 @@ class Setup:
     stroke: float | None = None
     driving: Driving = USUAL
     lacks: tuple[str, str] | None = None
-    written: Figures[Any] | None = None
+    curved: tuple[str, ...] = ()
+
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        """Return what it shows, nothing linearised, noise left out, (m,) each, m or rad.  u : all its unknowns"""
+        raise NotImplementedError
+
+    def check(self) -> None:
+        """Raise DescriptionError for a set-up that makes no sense on its machine; as a rule every one does."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the numbers of a reading are told apart by; "" of a single one."""
+        return self.numbers
+
+    @property
+    def reads_each(self) -> tuple[Reads, ...]:
+        """What each number of a reading is."""
+        return (self.reads,) * len(self.names)
+
+    @property
+    def scales(self) -> Array:
+        """By what each number of a reading is multiplied within rows, so that all are equally noisy, (k,)."""
+        return np.ones(len(self.names))
+
+    def column(self, name: str) -> str:
+        """Return what a file of readings calls the column of a number, its unit left out."""
+        return f"value_{name}" if name else "value"
+
+    @property
+    def located(self) -> tuple[str, ...]:
+        """The unknowns that say where it stands, which `found` has values of; as a rule none."""
+        return tuple(unknown.name for unknown in self.unknowns if unknown.name in self.curved)
+
+    @property
+    def found_at(self) -> dict[str, float]:
+        """Where these have been found so far: there its rows are taken, and at zero of all others."""
+        return dict(zip(self.located, self.found or (), strict=False))
+
+    @cached_property
+    def _nothing(self) -> dict[str, float]:
+        return dict.fromkeys((*self.unknown_reads, *(unknown.name for unknown in self.unknowns)), 0.0)
+
+    def places(
+        self, poses: Array, sides: Array | None = None, actual: rigid.Motion | None = None,
+        deviation: Deviation | None = None,
+    ) -> At:  # fmt: skip
+        """Return places of readings.
+
+        poses : (m, q) m or rad; sides : (m, q) from which each axis came, +1 or −1, 0 where nobody said
+        actual : where the tool is believed to be instead of where it is nominally; deviation : what it does there
+        """
+        come = np.zeros_like(poses) if sides is None else sides
+        moved, turned = np.zeros((2, len(poses), 3)) if deviation is None else deviation
+        if actual is not None:
+            return At(poses, come, actual.translation, actual.rotation, moved, turned)
+        nominal = self.machine.frames(poses)
+        return At(poses, come, nominal.tcp, nominal.tool, moved, turned)
+
+    def shown(self, at: At, own: Unknowns) -> Array:
+        """Return all that it shows, (m, k).  own : values of its unknowns, zero where none is given"""
+        return numbers(self, at, {**self._nothing, **own})
+
+    def slopes(self, at: At) -> Slopes:
+        """Return the derivatives of what it shows by what the tool does."""
+        return slopes(self, at, {**self._nothing, **self.found_at})
+
+    def own_slopes(self, at: At, names: Sequence[str] | None = None) -> Array:
+        """Return those by its own unknowns, (m, k, names).  names : None for those of the set-up"""
+        own = [unknown.name for unknown in self.unknowns] if names is None else names
+        return own_slopes(self, at, {**self._nothing, **self.found_at}, own)
+
+    def middle(self, at: At) -> Array:
+        """Return from where its lengths count, (1, 3) m: the middle of what is read."""
+        return np.asarray(at.tcp.mean(axis=0, keepdims=True))
+
+    def travelled(self, poses: Array) -> Array:
+        """Return how far the linear axis that moves is from the middle of its travel, (m,) m; zero where none does."""
+        if self.slide is None:
+            return np.zeros(len(poses))
+        return poses[:, self.slide] - sum(self.machine.axes[self.slide].travel) / 2
+
+    def ways(self, poses: Array) -> Array:
+        """Return the way that this axis goes in the workpiece frame, (m, 3); zero where none moves."""
+        if self.slide is None:
+            return np.zeros((len(poses), 3))
+        along = np.array(self.machine.axes[self.slide].direction)
+        return np.asarray(self.machine.frames(poses).rotations[self.slide] @ along)
+
+    @cached_property
+    def slide(self) -> int | None:
+        """The index of the linear axis that moves; None where none does."""
+        return next((k for k in self.moves if not self.machine.axes[k].rotary), None)
+
+    def grown(self, at: At) -> Array:
+        """Return how much farther a machine that is warmer than 20 °C takes the tool from the middle, (m, 3) m."""
+        away: Array = self.growth * (at.tcp - self.machine.frames(np.array([self.park])).tcp)
+        return away
+
+    def tip(self, at: At, u: Unknowns) -> Array:
+        """Return where the actual tool's point is from the nominal TCP, and from its ball, (m, 3) m."""
+        tip, artefact = at.tip(u) + self.grown(at) if self.growth else at.tip(u), self.artefact
+        return tip if artefact is None else tip - artefact.displacements(u, artefact.nearest(at.tcp, self.balls))
 
     def sided(self, axes: Sequence[Axis]) -> tuple[int, ...]:
         """Return the axes that are approached from a side of their own: on a chart the linear ones follow.
@@ -268,11 +386,3 @@ class Setup:
         low, high = axis.travel if self.reach is None else self.reach[index]
         half = (self.base or 0.0) / 2 if index in self.moves else 0.0
         return low + half, high - half
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class About:
-    """point : (k,) errors of the machine, then unknowns of the set-ups; bent : rows are those of the machine there"""
-
-    point: Array
-    bent: bool = False

@@ -22,7 +22,6 @@ from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine.error_names import ErrorName, parse_error_name
 from axiscal.machine.kinematics import Deviation, actual_deviation, composed
 from axiscal.measurement.cells import MEMORY
-from axiscal.measurement.instrument import model_of, scales_of, values_of
 from axiscal.measurement.observation import Owned
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
 from axiscal.measurement.readers.csv_table import table_of
@@ -152,8 +151,8 @@ class VirtualMachine:
         actual = self._chord(setup, at) if stepped else self._done(setup, at, come)
         shown = self.exactly(setup, at, actual, come)
         wander = self.drifts.get(setup.name)
-        moved = np.zeros(values_of(setup)) if wander is None else wander(seconds)
-        scales = scales_of(setup)
+        moved = np.zeros(len(setup.names)) if wander is None else wander(seconds)
+        scales = setup.scales
         off = ((d + _scattered(setup, rng)) / scale for d, scale in zip(moved, scales, strict=False))
         each = (v + o for v, o in zip(shown, off, strict=False))
         step = setup.resolution
@@ -191,9 +190,8 @@ class VirtualMachine:
 
         pose, approach : (1, q) where it reads; actual : what the machine does, there or where it touches beside
         """
-        kind = model_of(setup)(setup, self.model)
-        at = kind.places(pose, approach, deviation=actual)
-        shown: list[float] = (kind.shown(at, self.offsets.get(setup.name, {}))[0] / scales_of(setup)).tolist()
+        at = setup.places(pose, approach, deviation=actual)
+        shown: list[float] = (setup.shown(at, self.offsets.get(setup.name, {}))[0] / setup.scales).tolist()
         return shown
 
     def _done(self, setup: Setup, poses: Array, approaches: Array) -> Deviation:
@@ -278,7 +276,7 @@ class Simulator:
         pairs = zip(self.setups, owned.columns, strict=True)
         offsets = {s.name: dict(zip((u.name for u in s.unknowns), values[of].tolist(), strict=True)) for s, of in pairs}
         rng = np.random.default_rng((seed, 3))
-        drifting = {s.name: (s.drift, max(values_of(s), _DRAWN)) for s in self.setups if s.drift > 0}
+        drifting = {s.name: (s.drift, max(len(s.names), _DRAWN)) for s in self.setups if s.drift > 0}
         return offsets, {name: _wandering(*of, rng) for name, of in drifting.items()}
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -28,7 +27,6 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.instrument import TOOL
-from axiscal_core.machine import Machine
 
 _KINDS = ("interferometer", "ballbar", "dial", "sphere")
 """Those whose set-ups follow from the machine alone, and of which nothing has to be looked up first."""
@@ -69,7 +67,7 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     """Return what would let a target be reached or come nearer: something measured, or set-ups; None for nothing."""
     case, added = replace(case, description=replace(case.description, target=target), sized_from=None), list[str]()
     missed = before = _missed(case)
-    for name, measured in (("measured", partial(_warmed, case.description.machine)), ("tool", _tooled)):
+    for name, measured in (("measured", _warmed), ("tool", _tooled)):
         setups = tuple(measured(setup) for setup in case.description.setups)
         if setups != case.description.setups and _missed(known := _of(case, setups)) < 1.0:
             return replace(_planned(known, ()), measured=name == "measured", tool=name == "tool")
@@ -87,9 +85,9 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     return Helping(tuple(added), 0, 0.0, reached=False) if missed < _NEARER * before else None
 
 
-def _warmed(machine: Machine, setup: Setup) -> Setup:
+def _warmed(setup: Setup) -> Setup:
     """Return a set-up whose temperature is measured, as far from 20 °C as one that is not may be."""
-    return replace(setup, warmer=TEMPERATURE.size) if lacks_temperature(setup, machine) else setup
+    return replace(setup, warmer=TEMPERATURE.size) if lacks_temperature(setup) else setup
 
 
 def _tooled(setup: Setup) -> Setup:

@@ -11,7 +11,7 @@ from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.causes import at_feed
 from axiscal.language.spoken import listed, said
-from axiscal.present.summary import Finding
+from axiscal.present.result import Finding
 from axiscal.units import format_quantity, said_quantity
 
 _HARDLY_TOLD = 0.5
@@ -48,7 +48,7 @@ def beside_the_tool(estimation: Estimation) -> Iterator[Finding]:
             far = format_quantity(math.dist(setup.offset or (0.0,), (0.0, 0.0, 0.0)), "mm", 2)
             size = said_quantity(BAND * after, "um", 2)
             named = {"setup": setup.name, "far": far, "names": listed(", ", names), "size": size}
-            yield Finding("beside", None, said(text, **named))
+            yield Finding(code="beside", text=said(text, **named))
 
 
 def lagging(estimation: Estimation) -> Iterator[Finding]:
@@ -67,11 +67,11 @@ def lagging(estimation: Estimation) -> Iterator[Finding]:
     )
     for circle in at_feed(estimation.case.observation, estimation.readings):
         if not circle.both:
-            yield Finding("lag", None, said(once, setup=circle.setup))
+            yield Finding(code="lag", text=said(once, setup=circle.setup))
     if estimation.posterior is None:
         return
     problem, setups = estimation.posterior.draws[0].problem, estimation.case.description.setups
     passing = np.arange(len(problem.passing))
     servo = passing[(np.array(problem.passing) == "way") & (problem.size_at[passing] < 0)]
     for setup in np.unique(problem.setup[np.any(problem.rows[:, servo] != 0, axis=1)]).tolist():
-        yield Finding("lag", None, said(text, setup=setups[setup].name))
+        yield Finding(code="lag", text=said(text, setup=setups[setup].name))

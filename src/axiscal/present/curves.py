@@ -10,11 +10,10 @@ import numpy as np
 from axiscal.errors.iso230 import words
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.language.spoken import WORDS, said
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Reading, units_of
 from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
-from axiscal.present.summary import Written
+from axiscal.present.result import ConstantFigures, CurveFigures, ReadPoints
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.terms import Term
 
@@ -26,7 +25,7 @@ _SEEN = 0.5
 _UNKNOWNS = WORDS["unknowns"]
 
 
-def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, Written]:
+def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, CurveFigures]:
     """Return every error that is a function of position, by name, reversals last."""
     numbers = seen(estimation.printed.observation, readings)
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))  # the first number of each
@@ -42,7 +41,7 @@ def value_unit(function: Term) -> str:
     return "urad" if function.angular else "um"
 
 
-def _error(known: Estimation, function: Term, points: list[tuple[float, float]]) -> Written:
+def _error(known: Estimation, function: Term, points: list[tuple[float, float]]) -> CurveFigures:
     estimate = known.estimate()
     axis = known.case.errors.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
@@ -53,36 +52,37 @@ def _error(known: Estimation, function: Term, points: list[tuple[float, float]])
     seen: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)  # without what no allowed reading sees
     now = estimate.curve(function.name, positions)
     before = replace(estimate, belief=known.without_readings).curve(function.name, positions).std
-    return {
-        "axis": axis.name,
-        "words": words(function.name),
-        "position": to_unit(positions, position_unit).tolist(),
-        "mean": to_unit(now.mean, unit).tolist(),
-        "std": to_unit(now.std, unit).tolist(),
-        "position_unit": position_unit,
-        "value_unit": unit,
-        "std_seen": to_unit(seen, unit).tolist(),
-        "prior_std": to_unit(before, unit).tolist(),
-        "from_readings": float(np.clip(1.0 - np.sum(now.std**2) / np.sum(before**2), 0.0, 1.0)),
-        "read": {"position": [at for at, _ in points], "value": [value for _, value in points]},
-    }
+    return CurveFigures(
+        axis=axis.name,
+        words=words(function.name),
+        position=to_unit(positions, position_unit).tolist(),
+        mean=to_unit(now.mean, unit).tolist(),
+        std=to_unit(now.std, unit).tolist(),
+        position_unit=position_unit,
+        value_unit=unit,
+        std_seen=to_unit(seen, unit).tolist(),
+        prior_std=to_unit(before, unit).tolist(),
+        from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(before**2), 0.0, 1.0)),
+        read=ReadPoints(position=[at for at, _ in points], value=[value for _, value in points]),
+    )
 
 
-def constants(estimation: Estimation) -> dict[str, Written]:
+def constants(estimation: Estimation) -> dict[str, ConstantFigures]:
     """Return location errors, constant reversals, and the unknowns of the set-ups, by name."""
-    case, own = estimation.case, dict[str, Written]()
+    case, own = estimation.case, dict[str, ConstantFigures]()
     for function in (each for each in case.errors.curves if each.spline.size == 1):
         column = function.columns.start
         found = _found(estimation, words(function.name), column, value_unit(function))
         hidden = float(np.linalg.norm(case.yardstick.unseen[column]))
-        own[function.name] = found | {"seen": hidden**2 < _SEEN * float(function.covariance[0, 0])}
+        seen_of_it = hidden**2 < _SEEN * float(function.covariance[0, 0])
+        own[function.name] = found.model_copy(update={"seen": seen_of_it})
     for index, setup in enumerate(case.description.setups):
         columns = estimation.printed.observation.unknowns_of(index)
         for column, unknown in zip(columns, setup.unknowns, strict=True):
             found = _found(estimation, _unknown_words(unknown.name), column, case.unit_of(setup, unknown))
             own[f"{setup.name}: {unknown.name}"] = found
     for setup in case.description.setups:  # how far zeros that may wander came from the first reading to the last
-        ways = zip(model_of(setup).names_of(setup), units_of(setup), strict=True)
+        ways = zip(setup.names, units_of(setup), strict=True)
         for (way, unit), path in zip(ways, paths(estimation, setup), strict=False):
             spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
             sizes = (float(each[-1]) for each in (path.mean, path.std, path.prior))
@@ -90,15 +90,15 @@ def constants(estimation: Estimation) -> dict[str, Written]:
     return own
 
 
-def _found(known: Estimation, spoken: str, column: int, unit: str) -> Written:
+def _found(known: Estimation, spoken: str, column: int, unit: str) -> ConstantFigures:
     """Return one number of the belief.  spoken : what it is"""
     stds = (float(np.linalg.norm(each.factor[column])) for each in (known.printed.belief, known.without_readings))
     return _constant(spoken, unit, float(known.printed.belief.mean[column]), *stds)
 
 
-def _constant(spoken: str, unit: str, mean: float, std: float, before: float) -> Written:
-    sizes = {"mean": to_unit(mean, unit), "std": to_unit(std, unit), "unit": unit, "prior_std": to_unit(before, unit)}
-    return {"words": spoken, **sizes, "seen": True}
+def _constant(spoken: str, unit: str, mean: float, std: float, before: float) -> ConstantFigures:
+    shown, spread, first = (to_unit(each, unit) for each in (mean, std, before))
+    return ConstantFigures(words=spoken, mean=shown, std=spread, unit=unit, prior_std=first)
 
 
 def _unknown_words(name: str) -> str:

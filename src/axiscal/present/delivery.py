@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription, Particulars
 from axiscal.description.placed_readings import file_readings
@@ -25,11 +26,12 @@ from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.readers.homing import zero_by
 from axiscal.measurement.reading import Reading
+from axiscal.present.axis_tests_read import iso230_block
 from axiscal.present.conditions import NOT_KNOWN
-from axiscal.present.result_document import EFFECT, READINGS, readings_csv, result_json
+from axiscal.present.readings_file import READINGS
+from axiscal.present.result import RecordState, Result, TableFile
+from axiscal.present.result_of_campaign import Extras, result_of
 from axiscal.present.result_set import RECORD, result_set, write_manifest
-from axiscal.present.summarising import Extras, iso230_block, record_state, summarise
-from axiscal.present.summary import RecordState, Summary, TableOffer
 from axiscal.present.whose_language import named_language
 from axiscal.tables import registry
 from axiscal.tables.offer import Export, effect_sentence
@@ -93,41 +95,41 @@ def evaluated(description: CampaignDescription, readings: tuple[Reading, ...]) -
 
 
 @one_thread()
-def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras) -> Summary:
+def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras) -> Result:
     """Write record, tables, result and report of a campaign as a set, and return what they say.  Raises OSError.
 
     A table that a control cannot hold is not written; the report says why.
     The report is in the language of the campaign, else of the person who ends it, all other files are in English.
     """
-    described, spoken = campaign.description, extras.spoken
-    language = language_of_report(described.particulars, extras.language, spoken)
+    described = campaign.description
     with speaking("en"):
         with stage("tables", 1, 2):
             made = {name: _made(estimation, name, extras.anyway) for name in (*described.controls, _ALWAYS)}
         files = [each for each in made.values() if isinstance(each, Export)]
         controls = {each.controller: each.control for each in files if each.controller in described.controls}
         answer = answer_of(campaign, estimation, controls, written=True, anyway=extras.anyway)
-        offers = [_offer(name, each, described) for name, each in made.items()]
+        offers = [row for name, each in made.items() for row in _offered(name, each, described, answer.withheld)]
         advised = {step.control for step in answer.steps}
         best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
-        summary = summarise(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
+        result, readings = result_of(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
     home = out / RECORD
     live = home if home.exists() and campaign.path.exists() and home.samefile(campaign.path) else None
     with speaking("en"), result_set(out, live=live) as folder:
         if live is None:
-            campaign.copy(folder / RECORD)
-        told = [each.text for each in summary.warnings], summary.agreement_words, summary.record
+            campaign.log.copy_to(folder / RECORD)
+        told = [each.text for each in result.warnings], result.agreement.text, result.record, evidence_words(campaign)
         for name, each in made.items():
             if isinstance(each, Export):
                 write_files(introduced(each, *told), folder / "tables" / name)
-        document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
+        document = json.dumps(result.model_dump(mode="json", by_alias=True), indent=2, ensure_ascii=False)
         written(folder / "result.json", f"{document}\n".encode())
         with stage("the report", 2, 2):
-            write_report(summary, folder / "report.pdf", language)
+            language = language_of_report(described.particulars, extras.language, extras.spoken)
+            write_report(campaign, estimation, result, folder / "report.pdf", language, best)
         (folder / "data").mkdir()
-        write_whole(folder / "data" / READINGS, readings_csv(summary))
-        write_manifest(folder, record_state(campaign), summary.versions)
-    return summary
+        write_whole(folder / "data" / READINGS, readings)
+        write_manifest(folder, result.record, result.versions)
+    return result
 
 
 def language_of_report(particulars: Particulars, wanted: str | None, spoken: str = "en") -> str:
@@ -135,15 +137,14 @@ def language_of_report(particulars: Particulars, wanted: str | None, spoken: str
     return named_language(wanted) or particulars.language or spoken
 
 
-def write_report(summary: Summary, path: Path, language: str | None = None) -> None:
-    """Write the report as PDF; raises OSError.
+def write_report(
+    campaign: Campaign, known: Estimation, result: Result, path: Path, language: str, best: Export | None = None
+) -> None:
+    """Write the report as PDF; raises OSError.  best : the tables that its picture shows, None without them"""
+    with speaking(language):
+        from axiscal.present.rendering import drawn_pictures, pdf  # pictures, which only a report needs
 
-    language : that somebody wants it in
-    """
-    with speaking(language_of_report(summary.particulars, language)):
-        from axiscal.present.rendering import pdf  # pictures, which only a report needs
-
-        content = pdf(summary)
+        content = pdf(result, drawn_pictures(campaign, known, best))
     write_whole(path, content)
 
 
@@ -157,28 +158,39 @@ def _made(estimation: Estimation, controller: str, anyway: bool) -> Export | str
         return put("{what}. {remedy}.", what=refusal.what, remedy=capital(refusal.remedy))
 
 
-def _offer(controller: str, made: Export | str, described: CampaignDescription) -> TableOffer:
-    """Return what the files for one control hold and leave, or why there are none."""
+def _offered(
+    controller: str, made: Export | str, described: CampaignDescription, withheld: bool
+) -> Iterator[TableFile]:
+    """Yield each file for one control with what all leave, or why there are none."""
     if isinstance(made, str):
-        return TableOffer(controller, {}, made)
+        yield TableFile(controller=controller, left_out=made)
+        return
     left = effect_sentence(said("All files together"), made.effect, made.known)
     if (bump := described.bump_of(controller)) is not None:
         left = put("{left} {sign}", left=left, sign=said("Sign measured on {day}.", day=bump.day))
-    effect = {
-        name: to_unit(each, "um")
-        for name, each in zip(EFFECT, (*made.effect, made.expected, made.certain), strict=True)
-    }
-    axes = {f"tables/{controller}/{name}": name.partition(".")[0].replace("_", " ") for name in made.files}
-    return TableOffer(controller, axes, left, effect)
+    before, after, expected, certain = (to_unit(each, "um") for each in (*made.effect, made.expected, made.certain))
+    for name in made.files:
+        yield TableFile(
+            controller=controller,
+            file=f"tables/{controller}/{name}",
+            axis=name.partition(".")[0].replace("_", " "),
+            before_um=before,
+            after_um=after,
+            expected_um=expected,
+            U_um=None if withheld else certain,
+            left_out=left,
+        )
 
 
-def introduced(offered: Export, warnings: Sequence[str], agreement: str, record: RecordState | None) -> Export:
+def introduced(
+    offered: Export, warnings: Sequence[str], agreement: str, record: RecordState, signed: str = ""
+) -> Export:
     """Return an export whose README.txt says where it comes from, and last what is doubtful.
 
-    agreement : whether the readings agree, "" before the first
+    agreement : whether the readings agree, "" before the first; signed : who answers for the record, "" for nobody
     """
-    origin = "" if record is None else f"From the record {record.file} at event {record.event}: {record.hash}\n"
-    origin += "" if record is None or not record.signed else f"{record.signed}\n"
+    origin = f"From the record {record.file} at event {record.event}: {record.hash}\n"
+    origin += f"{signed}\n" if signed else ""
     before = origin + (f"{agreement}.\n" if agreement else "")
     text = offered.readme.replace("\nThese files hold ", f"\n{before}These files hold ", 1)
     if warnings:

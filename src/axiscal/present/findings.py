@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.answers.changes import changes
 from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.case import Case
@@ -21,14 +20,13 @@ from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import WORDS, capital, listed, put, said
-from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading, place_text, reading_unit, sense, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.displays import last_decimal
 from axiscal.planning.unseen import FEWEST, hidden_of, seeing, sees, unseen_periods
 from axiscal.present.beside import beside_the_tool, lagging
-from axiscal.present.summary import Finding
+from axiscal.present.result import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.theta import Kind
@@ -59,7 +57,11 @@ def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Fin
         found = repeated(mine, setup.noise)
         if found is not None:
             again, before = (_lines(mine, first, first + found.size - 1) for first in (found.again, found.before))
-            yield Finding("copies", None, said(text, setup=setup.name, count=found.size, again=again, before=before))
+            yield Finding(
+                code="copies",
+                error=None,
+                text=said(text, setup=setup.name, count=found.size, again=again, before=before),
+            )
 
 
 def _lines(readings: Sequence[Reading], first: int, last: int) -> str:
@@ -106,7 +108,7 @@ def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Ite
         if shown is not setup:
             step, unit = shown.resolution, reading_unit(setup)
             steps = {"step": said_quantity(step, unit, 6), "written": format_quantity(step, unit)}
-            yield Finding("resolution", None, said(text, setup=setup.name, times=step / setup.noise, **steps))
+            yield Finding(code="resolution", text=said(text, setup=setup.name, times=step / setup.noise, **steps))
 
 
 _FAR_FROM_STATED = 3.0
@@ -132,8 +134,7 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
         *of_how_it_was_read(estimation),
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
-        *(Finding("drift", None, listed(" ", found)) for found in drifted if found),
-        *_changes(estimation),
+        *(Finding(code="drift", text=listed(" ", found)) for found in drifted if found),
         *unread_prior(estimation),
     ]
 
@@ -162,11 +163,11 @@ def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: 
     )
     told = set[str]()
     for setup in setups:
-        kind, meant = model_of(setup), sense(setup).sign
-        angles, framed = kind.reads == "angle", bool(setup.station) and len(kind.numbers) > 1
+        meant = sense(setup).sign
+        angles, framed = setup.reads == "angle", bool(setup.station) and len(setup.numbers) > 1
         if meant not in told and (angles or framed) and any(each.setup == setup.name for each in readings):
             told.add(meant)
-            yield Finding("sign", None, said(sign if angles else frame, setup=setup.name, sign=meant))
+            yield Finding(code="sign", text=said(sign if angles else frame, setup=setup.name, sign=meant))
     yield from regular_places(readings, setups, axes)
 
 
@@ -178,7 +179,7 @@ def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Findin
         "as in a plan. If that took longer, the bands are too narrow: add a column time."
     )
     drifting = [setup.name for setup in setups if setup.drift_said == "stated" and setup.name in silent]
-    return [Finding("drift", None, said(text, setup=name)) for name in drifting]
+    return [Finding(code="drift", text=said(text, setup=name)) for name in drifting]
 
 
 _WRITTEN = 1e-3
@@ -206,7 +207,7 @@ def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: S
                 seen = sees(np.append(places, asked), float(hidden[0]))
                 others = said(more, places=listed(", ", odd)) if seen else said("Its raster has no others.")
                 named = {"axis": axes[k].name, "period": f"{1 / hidden[0]:.4g} {unit}", "others": others}
-                yield Finding("period", None, said(text, setup=setup.name, **named))
+                yield Finding(code="period", text=said(text, setup=setup.name, **named))
 
 
 _ENDS = 0.05
@@ -229,7 +230,7 @@ def turned_alike(estimation: Estimation) -> Iterator[Finding]:
             found = [_turns(estimation, setup, term.axis) for setup in setups if term.axis in setup.moves]
             inside = [np.minimum(turns - at.min(), at.max() - turns) for at, turns in found if len(at)]
             if all(np.all(far < _ENDS * axis.length) for far in inside):
-                yield Finding("reversal", term.name, said(text, what=words(term.name)))
+                yield Finding(code="reversal", error=term.name, text=said(text, what=words(term.name)))
 
 
 def once_over(estimation: Estimation) -> Iterator[Finding]:
@@ -241,13 +242,13 @@ def once_over(estimation: Estimation) -> Iterator[Finding]:
     )
     described, axes = estimation.case.description, estimation.case.description.machine.axes
     for setup in described.setups:
-        alone = described.usual and setup.drift_said == "nothing" and values_of(setup) == 1
+        alone = described.usual and setup.drift_said == "nothing" and len(setup.names) == 1
         for k in setup.moves if alone or setup.drift_said == "usual" else ():
             at, turns = _turns(estimation, setup, k)
             if len(set(at.tolist())) >= FEWEST and len(turns) <= 1:
                 again = np.quantile(at, (0.0, 0.5, 1.0), method="nearest").tolist()
                 places = listed(", ", [place_text(axes, [each] * len(axes), [k]) for each in again])
-                yield Finding("passes", None, said(text, setup=setup.name, axis=axes[k].name, places=places))
+                yield Finding(code="passes", text=said(text, setup=setup.name, axis=axes[k].name, places=places))
 
 
 def _turns(estimation: Estimation, setup: Setup, k: int) -> tuple[Array, Array]:
@@ -263,7 +264,7 @@ def _unobservable(estimation: Estimation) -> Iterator[Finding]:
     yardstick = estimation.case.yardstick_as_sized
     if yardstick.unseen_rms > _MATTERS * estimation.accuracy.rms:
         text = "No allowed reading can bring the RMS below {size}: see what could not be seen."
-        yield Finding("unobservable", None, said(text, size=said_quantity(yardstick.unseen_rms, "um")))
+        yield Finding(code="unobservable", text=said(text, size=said_quantity(yardstick.unseen_rms, "um")))
 
 
 def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
@@ -275,19 +276,19 @@ def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
             "record` takes it again, with --accept if it is right."
         )
     for doubt in estimation.outliers:
-        yield Finding("outlier", None, capital(said(text, objection=estimation.objection_to(doubt))))
+        yield Finding(code="outlier", text=capital(said(text, objection=estimation.objection_to(doubt))))
     left = {} if estimation.posterior is None else estimation.posterior.left_out
     far = [index for index, each in left.items() if each.z > AGREES and index not in estimation.left_out]
     for index in far if len(far) <= max(2.0, _MANY * len(left)) else ():
         if not estimation.readings[index].accepted:
             text = "{reading} is {away:.1f} standard deviations from what the other readings say, and is used."
             name = estimation.name_of(index)
-            yield Finding("outlier", None, capital(said(text, reading=name, away=float(left[index].z))))
+            yield Finding(code="outlier", text=capital(said(text, reading=name, away=float(left[index].z))))
 
 
 def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
     """Yield by how much a zero has drifted that may, and whether that is more than stated; nothing if it hardly has."""
-    apart = values_of(setup) > 1 and not setup.stations
+    apart = len(setup.names) > 1 and not setup.stations
     for number, path in enumerate(paths(estimation, setup)):
         unit = units_of(setup)[number if apart else 0]
         worst = int(np.argmax(np.abs(path.mean)))
@@ -299,7 +300,7 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
             seconds = float(path.times[worst] - path.times[0])
             yield said(
                 many if apart else one,
-                way=model_of(setup).names_of(setup)[number],
+                way=setup.names[number],
                 setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
                 size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
                 time=said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2),
@@ -312,27 +313,11 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
                 yield said(usual if setup.drift_said == "usual" else stated, rate=written)
 
 
-def _changes(estimation: Estimation) -> Iterator[Finding]:
-    """Say which curves have changed since the campaign whose result is the prior."""
-    for change in changes(estimation):
-        unit, place = ("urad" if change.angular else "um"), "deg" if change.rotary else "mm"
-        text = said(
-            "{name} ({words}) has changed since the last campaign: by up to {size} at {place} (by chance once in "
-            "{times:.0e}).",
-            name=change.name,
-            words=words(change.name),
-            size=said_quantity(abs(change.size), unit, 2),
-            place=said_quantity(change.position, place, 4),
-            times=float(1 / max(change.chance, 1e-12)),
-        )
-        yield Finding("drift", change.name, text)
-
-
 def unread_prior(estimation: Estimation) -> Iterator[Finding]:
     """Yield a warning where the record's prior is one that a type has taught, which is gone."""
     if estimation.stated.description.prior_gone:
         text = "The prior of this record came from a type, which is gone: the machine's stated prior counts instead."
-        yield Finding("prior-gone", None, said(text))
+        yield Finding(code="prior-gone", text=said(text))
 
 
 def learnt_sizes(estimation: Estimation) -> Iterator[Finding]:
@@ -348,4 +333,8 @@ def learnt_sizes(estimation: Estimation) -> Iterator[Finding]:
             owner = (
                 size.owners[0] if size.owners[0] in estimation.case.errors.by_name and len(size.owners) == 1 else None
             )
-            yield Finding("prior-misfit", owner, said(text, names=names, what=said(_WORDS[size.kind]), times=times))
+            yield Finding(
+                code="prior-misfit",
+                error=owner,
+                text=said(text, names=names, what=said(_WORDS[size.kind]), times=times),
+            )

@@ -196,7 +196,7 @@ def _mostly(blank: Blank, known: Knowledge) -> LargestCause | None:
     limits = case.description.target.expanded is not None or case.description.target.rms is not None
     wanted = [row for row in rows if row.want.limit is not None or (limits and row.map is None)] or rows
     causes = unseen_parts(blank)
-    unsaid = any(lacks_temperature(setup, case.description.machine) for setup in case.description.setups)
+    unsaid = any(lacks_temperature(setup) for setup in case.description.setups)
     for row in wanted if causes else ():
         at = case.yardstick.root.matrix if row.map is None else row.map.rows(case.errors)
         whole = float(np.sum((at @ known.belief.factor[: at.shape[1]]) ** 2))

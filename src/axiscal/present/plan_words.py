@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from axiscal.answers.answer import BoughtAccuracy, PlannedAnswer, PlannedRow, ReachAnswer
+from axiscal.answers.answer import AnswerWords, BoughtAccuracy, PlannedAnswer, PlannedRow, ReachAnswer
 from axiscal.answers.answer_words import (
     ROOM,
-    AnswerText,
-    FirstLine,
     aim_text,
     aims_text,
     by_kind,
@@ -41,20 +39,19 @@ _READ = 0.9
 
 def plan_screen(answer: PlannedAnswer, campaign: str, files: Sequence[str] = ()) -> str:
     """Return the screen of a plan.  campaign : its file, or its record; files : that were written"""
-    text = plan_text(answer, campaign)
+    text, commands = plan_text(answer), list(commands_of(answer.steps, campaign, readings=answer.readings))
     above, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence, 3)]
-    below += ending({said("Written"): files, said("Next"): text.commands})
+    below += ending({said("Written"): files, said("Next"): commands})
     room = LINES - len(above) - len(below) - 1
     return "\n".join([*above, *columns(_cells(answer.rows, room)), *below])
 
 
-def plan_text(answer: PlannedAnswer, campaign: str) -> AnswerText:
-    """Return a plan in words; arguments as of `plan_screen`."""
+def plan_text(answer: PlannedAnswer) -> AnswerWords:
+    """Return a plan in words."""
     reach = "" if answer.reach is None else reach_text(answer.reach, answer.rows)
     sentences = [_mounted(answer), _fewer(answer), _curve(answer.bought), reach or _mostly(answer) or _alike(answer)]
     found = [sentence for sentence in sentences if sentence]
-    coming = list(commands_of(answer.steps, campaign, readings=answer.readings))
-    return AnswerText(_first(answer), _cells(answer.rows, ROOM), found, coming)
+    return AnswerWords(first=_first(answer), rows=_cells(answer.rows, ROOM), sentences=found)
 
 
 def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
@@ -79,19 +76,18 @@ def open_questions(description: CampaignDescription, *, asked: bool = False) -> 
     return [question for question in (*questions(description.machine), *open_yet) if question]
 
 
-def _first(answer: PlannedAnswer) -> FirstLine:
+def _first(answer: PlannedAnswer) -> list[str]:
+    """Return what the readings reach, and the figure that decides where one is asked for."""
     minutes, aims = minutes_text(answer.minutes), aims_text(answer)
     if answer.verdict == "unreachable":
         readings = counted("{count} reading", "{count} readings", answer.readings)
         spent = put("{readings}, {time}", readings=readings, time=said("{minutes} min", minutes=minutes))
-        return FirstLine(said("CANNOT BE REACHED WITH THESE SET-UPS"), aims, spent)
+        return [said("CANNOT BE REACHED WITH THESE SET-UPS"), aims, spent]
     one, many = "{count} READING, {minutes} MIN", "{count} READINGS, {minutes} MIN"
     plan = counted(one, many, answer.readings, minutes=minutes)
     if answer.verdict == "planned":
-        return FirstLine(plan, "", "")
-    return FirstLine(
-        said("REACHED BY {plan}" if answer.verdict == "reached" else "NOT REACHED BY {plan}", plan=plan), aims, ""
-    )
+        return [plan]
+    return [said("REACHED BY {plan}" if answer.verdict == "reached" else "NOT REACHED BY {plan}", plan=plan), aims]
 
 
 def _cells(rows: Sequence[PlannedRow], room: int) -> list[list[str]]:

@@ -10,12 +10,16 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
+from axiscal.campaign.campaign import Campaign
+from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import PrintingError
 from axiscal.language.spoken import resaid, spoken_now
 from axiscal.present.drawing.svg_picture import Drawing
 from axiscal.present.found_and_left import found_and_left_drawing
-from axiscal.present.result_document import result_json
-from axiscal.present.summary import Summary
+from axiscal.present.result import Result
+from axiscal.present.schematic import read_schematics
+from axiscal.present.volume_error import bent_volume
+from axiscal.tables.offer import Export
 
 _PAPER = 840
 """Pixels that the picture of the volume is drawn in: its words are then as large as the notes of the report."""
@@ -23,18 +27,25 @@ _LEAST, _FLAT = 300, 0.72
 """Pixels that the picture of a set-up is wide at least, and how high for its width; a matter of taste."""
 
 
-def pdf(summary: Summary) -> bytes:
+def pdf(result: Result, pictures: Mapping[str, str]) -> bytes:
     """Return the report in the language that is spoken, as PDF/A-2b where letters hold all of its signs.
 
-    Raises SummaryError for a figure that is not finite.
+    pictures : the text of SVG files, by name
     """
-    summary = resaid(summary)
-    wide = max(_LEAST, _PAPER / max(2, len(summary.schematics)))
-    shown = (Drawing(wide, _FLAT * wide, each.svg(wide, _FLAT * wide)) for each in summary.schematics)
-    pictures = {f"setup-{n}.svg": each.on_paper() for n, each in enumerate(shown)}
-    if summary.bent is not None:
-        pictures["volume.svg"] = found_and_left_drawing(summary.bent, _PAPER).on_paper()
-    return printed(result_json(summary), pictures)
+    return printed(resaid(result).model_dump(mode="json", by_alias=True), pictures)
+
+
+def drawn_pictures(campaign: Campaign, known: Estimation, best: Export | None) -> dict[str, str]:
+    """Return the pictures of each set-up that was read, and of the volume.  best : the tables, None without them"""
+    readings = campaign.state.readings
+    if not readings:
+        return {}
+    shown = read_schematics(campaign.description, [reading.place for reading in readings])
+    wide = max(_LEAST, _PAPER / max(2, len(shown)))
+    drawings = (Drawing(wide, _FLAT * wide, each.svg(wide, _FLAT * wide)) for each in shown)
+    volume = bent_volume(known) if best is None else bent_volume(known, best.controller, best.control)
+    pictures = {f"setup-{n}.svg": each.on_paper() for n, each in enumerate(drawings)}
+    return pictures | {"volume.svg": found_and_left_drawing(volume, _PAPER).on_paper()}
 
 
 def printed(document: Mapping[str, Any], pictures: Mapping[str, str]) -> bytes:

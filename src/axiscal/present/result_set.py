@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from axiscal.document.durable import drafts_left, exchanged, sync_folder, write_whole
-from axiscal.present.summary import RecordState
+from axiscal.present.result import RecordState
 
 RECORD = "campaign.axiscal"
 MANIFEST = "manifest.json"
@@ -78,7 +78,7 @@ def write_manifest(folder: Path, record: RecordState, versions: Mapping[str, str
     files = sorted(path for path in every if path.suffix not in (".axiscal", ".before"))
     document = {
         "schema": _SCHEMA,
-        "record": {"file": record.file, "event": record.event, "hash": record.hash},
+        "record": record.model_dump(),
         "versions": dict(sorted(versions.items())),
         "files": {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
     }

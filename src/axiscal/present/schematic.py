@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, listed, put, said
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -32,7 +31,7 @@ from axiscal.present.drawing.scene import (
 from axiscal.present.drawing.strokes import text, wrapped
 from axiscal.present.drawing.svg_picture import SCREENS, Drawing, picture_file
 from axiscal_core import rigid
-from axiscal_core.axes import Axis
+from axiscal_core.axes import Axis, from_frame, to_frame
 from axiscal_core.machine import Machine
 
 _LINE = 20.0
@@ -85,8 +84,9 @@ class DrawnMachine:
     def on_table(self, points: Array | Sequence[Sequence[float]] | Sequence[float], turned: bool = True) -> Array:
         """Return points of the workpiece frame, (n, 3) m, in the room.  turned : whether rotary axes stand as posed"""
         pose = self.pose if turned else np.where([axis.rotary for axis in self.machine.axes], 0.0, self.pose)
-        held = self._carried(self.work[::-1], pose)
-        return (np.atleast_2d(points) @ held[:3, :3].T + held[:3, 3]) @ self.upright.T
+        held = self._across(self.work, pose)
+        placed: Array = (np.atleast_2d(points) - held.translation) @ held.rotation[0] @ self.upright.T
+        return placed
 
     def along(self, direction: Array | Sequence[float]) -> Array:
         """Return a direction of the workpiece frame in the room, (3,)."""
@@ -105,9 +105,13 @@ class DrawnMachine:
 
     def axis_point(self, axis: int) -> Array:
         """Return a point on the line of a rotary axis at home, in the room, (3,) m."""
-        order = self.work[::-1] if axis in self.work else self.tool
-        held = self._carried(order[: order.index(axis)], self.home)
-        there: Array = self.upright @ (held @ np.append(self.machine.axes[axis].origin, 1.0))[:3]
+        origin = np.array(self.machine.axes[axis].origin)
+        if axis in self.tool:
+            bedded = self._across(self.tool[: self.tool.index(axis)], self.home).apply(origin)[0]
+        else:
+            held = self._across(self.work[self.work.index(axis) + 1 :], self.home)
+            bedded = (origin - held.translation[0]) @ held.rotation[0]
+        there: Array = self.upright @ bedded
         return there
 
     def named(self, axis: int) -> str:
@@ -115,18 +119,12 @@ class DrawnMachine:
         own = self.machine.axes[axis]
         return own.name + ("′" if own.workpiece_side else "")
 
-    def _carried(self, order: Sequence[int], pose: Array) -> Array:
-        """Return the motion of what the axes carry against the bed, (4, 4).  order : from the bed"""
-        motion = np.eye(4)
-        for k in order:
-            axis, step = self.machine.axes[k], np.eye(4)
-            direction, origin = np.array(axis.direction), np.array(axis.origin)
-            if axis.rotary:
-                step[:3, :3] = rigid.turned_about(direction, pose[[k]])[0]
-                step[:3, 3] = origin - step[:3, :3] @ origin
-            else:
-                step[:3, 3] = float(pose[k]) * direction
-            motion = motion @ (np.linalg.inv(step) if axis.workpiece_side else step)
+    def _across(self, axes: Sequence[int], pose: Array) -> rigid.Motion:
+        """Return the motion over some axes of the chain, from the workpiece to the tool."""
+        motion = rigid.identity(1)
+        for k in axes:
+            axis, at = self.machine.axes[k], pose[[k]]
+            motion = from_frame(axis, to_frame(axis, motion, at, None), at, None)
         return motion
 
 
@@ -206,7 +204,7 @@ def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
         yield Stroke(room.on_table([tip, tip + way]), "beam", 2.2)
         if stands:
             yield RoundMark(room.on_table(at)[0], 0.03 * size, "gold", 5.0)
-    if model_of(setup).directed:
+    if setup.directed:
         yield Arrow(room.tip + _WAY * size * np.outer([-0.7, 1.0], room.along(setup.direction)), "+", "beam")
     yield RoundMark(room.tip, 0.018 * size, "beam", 4.0)
     yield Caption(room.tip, said(setup.title))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import listed, put
 from axiscal.numerics import Array
+from axiscal.present.result import PlaneMap, VolumeFigures
 from axiscal.tables.surface import Control, left_by
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.errors import COMPONENTS
@@ -28,7 +28,7 @@ _POSITIONS = 31
 """Points of a drawn map along each axis."""
 
 
-def planes(estimation: Estimation) -> dict[str, dict[str, Any]]:
+def planes(estimation: Estimation) -> dict[str, PlaneMap]:
     """Return every error that is a function of two positions, as `result.json` has it, by name.
 
     Maps have a row for each position of the first axis; sign : +1 or -1, how the tool shows the error
@@ -36,7 +36,7 @@ def planes(estimation: Estimation) -> dict[str, dict[str, Any]]:
     return {plane.name: _plane(estimation, plane) for plane in estimation.case.errors.planes}
 
 
-def _plane(estimation: Estimation, plane: Term) -> dict[str, Any]:
+def _plane(estimation: Estimation, plane: Term) -> PlaneMap:
     errors, belief = estimation.case.errors, estimation.printed.belief
     axes = tuple(errors.axes[index] for index in plane.axes)
     at = tuple(np.linspace(*axis.travel, _POSITIONS) for axis in axes)
@@ -54,20 +54,20 @@ def _plane(estimation: Estimation, plane: Term) -> dict[str, Any]:
     known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.without_readings))
     mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
     first, second = axes
-    return {
-        "axes": [first.name, second.name],
-        "words": words(plane.name),
-        "position": [to_unit(at[0], first.unit).tolist(), to_unit(at[1], second.unit).tolist()],
-        "mean": _map(sign * (own @ mean), unit),
-        "std": _map(known, unit),
-        "position_unit": [first.unit, second.unit],
-        "value_unit": unit,
-        "prior_std": _map(without, unit),
-        "whole_mean": _map(whole @ mean, unit),
-        "whole_std": _map(_std(whole, belief.factor[: errors.size], rests), unit),
-        "from_readings": float(np.clip(1.0 - np.sum(known**2) / np.sum(without**2), 0.0, 1.0)),
-        "sign": int(sign),
-    }
+    return PlaneMap(
+        axes=[first.name, second.name],
+        words=words(plane.name),
+        position=[to_unit(at[0], first.unit).tolist(), to_unit(at[1], second.unit).tolist()],
+        mean=_map(sign * (own @ mean), unit),
+        std=_map(known, unit),
+        position_unit=[first.unit, second.unit],
+        value_unit=unit,
+        prior_std=_map(without, unit),
+        whole_mean=_map(whole @ mean, unit),
+        whole_std=_map(_std(whole, belief.factor[: errors.size], rests), unit),
+        from_readings=float(np.clip(1.0 - np.sum(known**2) / np.sum(without**2), 0.0, 1.0)),
+        sign=int(sign),
+    )
 
 
 def _rows_of_plane(errors: Machine, terms: Sequence[Term], poses: Array) -> Array:
@@ -99,7 +99,7 @@ _COUNTS = {1: (11,), 2: (7, 7), 3: (5, 5, 3)}
 """Places along the axes that move, the longest first: enough to see a shape; a matter of taste."""
 
 
-def volume_error(estimation: Estimation, controller: str = "", control: Control | None = None) -> dict[str, Any]:
+def volume_error(estimation: Estimation, controller: str = "", control: Control | None = None) -> VolumeFigures:
     """Return the error of the volume as `result.json` has it; both sides from which an axis may come count alike.
 
     One shift of all places is taken off. control : what the tables of `controller` do, None where there are none
@@ -116,9 +116,15 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     spread = _shifted(_either_way(estimate.model.rows_at, poses)) @ estimate.factor
     rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
     half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
-    sizes = {"tcp_mm": places, "left_um": left}
-    sizes |= {"found_um": to_unit(found, "um").tolist(), "half_um": to_unit(half, "um").tolist()}
-    return {"axes": names, "parked": parked, **sizes, "controller": controller}
+    return VolumeFigures(
+        axes=names,
+        parked=parked,
+        tcp_mm=places,
+        found_um=to_unit(found, "um").tolist(),
+        half_um=to_unit(half, "um").tolist(),
+        left_um=left,
+        controller=controller,
+    )
 
 
 def places_over(estimate: Estimate, counts: Mapping[int, Sequence[int]]) -> tuple[list[int], Array, tuple[int, ...]]:

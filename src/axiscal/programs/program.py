@@ -13,7 +13,6 @@ from axiscal.document import shown
 from axiscal.document.ports import rendered
 from axiscal.exceptions import ProgramError
 from axiscal.machine.kinematics import drawn_back
-from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.readers.csv_readings import heading
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.readers.touch_log import plan_code
@@ -138,7 +137,7 @@ class _Writer:
             raise ProgramError(what, remedy, setup=shown(setup.name))
         self._machine, self._dialect, self._setup, self._places = machine, dialect, setup, places
         self._axes = steps.ProgramAxes.from_setup(machine, setup, [dialect.decimals] * len(machine.axes))
-        self.touches = log and setup.contact == "retracted" and instrument_of(setup).all_round
+        self.touches = log and setup.contact == "retracted" and setup.all_round
 
     def draft(self) -> tuple[tuple[steps.Step, ...], tuple[Listed, ...]]:
         """Return the actions of the program, and its readings."""

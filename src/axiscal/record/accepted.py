@@ -8,13 +8,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from axiscal.machine import machine_from_text
 from axiscal.machine.kinematics import bed_in_workpiece
 from axiscal.measurement.reading import Reading
 from axiscal_core.machine import Machine
+
+ABSURD = 1e9
+"""m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
+Size = Annotated[float, Field(gt=-ABSURD, lt=ABSURD)]
+_LARGEST_FACTOR = 1e4
+"""Ten times what units differ by that are taken for each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +43,23 @@ class Accepted:
     name: str = ""
     last: int = 0
 
+    def __post_init__(self) -> None:
+        count = max(len(self.setups), 1) if self.mistake == "stuck" else 1 + (self.mistake == "swapped")
+        if self.mistake not in KNOWN or len(self.setups) != count or len({*self.setups}) != count:
+            raise ValueError(f"{self.mistake!r} of {len(self.setups)} set-ups is no mistake that can be put right")
+        factor = abs(self.factor)
+        if not 1 / _LARGEST_FACTOR < factor < _LARGEST_FACTOR or (self.mistake == "shifted" and factor != 1):
+            raise ValueError(f"{self.factor:g} is no factor of a mistake")
+        if bool(self.name) != (self.mistake == "jump"):
+            raise ValueError("a jump names another set-up, and nothing else does")
+
 
 @dataclass(frozen=True, slots=True)
 class Bumped:
     """By how much the bump in the tables of a control moved the tool, m, on a day; its latest one counts."""
 
     controller: str
-    moved: float
+    moved: Size
     day: str
 
 

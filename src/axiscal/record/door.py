@@ -63,6 +63,8 @@ def record_errors(path: Path) -> Iterator[None]:
         yield
     except DamageError as error:
         raise RecordError("The record is damaged: {reason}", restoring(path), path, reason=error) from error
+    except FileExistsError:
+        raise _there_already(path) from None
     except HeldError:
         remedy = "Close it or wait, then give the command again"
         raise RecordError("Another program holds this record and is writing", remedy, path) from None
@@ -74,6 +76,17 @@ def record_errors(path: Path) -> Iterator[None]:
             what = "The disk did not take the entry ({reason})"
             remedy = "Make room; everything acknowledged before is kept"
         raise RecordError(what, remedy, path, reason=error.strerror or error) from error
+
+
+def refuse_existing(path: Path) -> None:
+    """Raise RecordError if there is something at `path` already."""
+    if path.exists():
+        raise _there_already(path)
+
+
+def _there_already(path: Path) -> RecordError:
+    remedy = "Go on with it by `axiscal step next`, or name another file for the record"
+    return RecordError("This file exists already", remedy, path)
 
 
 def restoring(path: Path) -> str:

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, Self
 
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import Accepted, Bumped, put_right
-from axiscal.record.result import NOT_SAID, Result
+from axiscal.record.kept_result import NOT_SAID, KeptResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +117,7 @@ class Finished:
     """The campaign ends, and why; result : what it came to, which records of before could not say."""
 
     because: str
-    result: Result = NOT_SAID
+    result: KeptResult = NOT_SAID
 
 
 @dataclass(frozen=True, slots=True)
@@ -301,13 +301,13 @@ class Folding:
     highest: int = 0
     last: int = 0
 
-    def copied(self) -> Folding:
+    def copied(self) -> Self:
         """Return another that goes on from here."""
-        return Folding(**{each.name: copy(getattr(self, each.name)) for each in fields(self)})
+        return type(self)(**{each.name: copy(getattr(self, each.name)) for each in fields(self)})
 
     def state(self) -> State:
         """Return the state so far."""
-        named = ((each.name, getattr(self, each.name)) for each in fields(self) if each.name != "highest")
+        named = ((each.name, getattr(self, each.name)) for each in fields(State) if each.name != "name")
         found: dict[str, Any] = {name: tuple(one) if isinstance(one, list) else one for name, one in named}
         return State(**found)
 

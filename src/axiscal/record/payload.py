@@ -1,26 +1,30 @@
-"""Events to and from the JSON text in which the record keeps them; floats survive to the last bit."""
+"""Events to and from the JSON text in which the record keeps them; floats survive to the last bit.
+
+The fields of an event are those of its class, except where a table here says how they are written.
+"""
 
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields
-from typing import Any, TypeVar, get_args
+from contextlib import suppress
+from dataclasses import asdict, fields, replace
+from datetime import datetime
+from functools import cache
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, with_config
 
 from axiscal.document.quoting import shown
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record import events
-from axiscal.record.accepted import KNOWN, Accepted, Bumped
-from axiscal.record.result import NOT_SAID, Result
+from axiscal.record.accepted import ABSURD, Size
+from axiscal.record.lines import EventText
 from axiscal.record.signing import Hand
 
-_T = TypeVar("_T")
 _BESIDE = (*Hand._fields, "step")
 """What stands beside the fields of every kind."""
-ABSURD = 1e9
-"""m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
 
 
 class PayloadError(ValueError):
@@ -48,13 +52,34 @@ def encode(event: events.Event, hand: Hand | None = None, step: str = "") -> tup
 def decode(kind: str, text: str) -> events.Event:
     """Return the event, `Newer` for one that this version does not know; raise PayloadError if this is none."""
     try:
-        found = _is(dict, json.loads(text))
-        beside = {name: _is(str, found.pop(name, "")) for name in _BESIDE}  # older records could not say it
-        if kind in _READ and found.keys() <= _KEYS[kind]:
-            return _READ[kind](found | beside)
-        return events.Newer(kind, text, kind != "noted" if kind in _READ else not _OF_READINGS.isdisjoint(found))
-    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
+        found = json.loads(text)
+        beside = {name: found.pop(name, "") for name in _BESIDE}  # older records could not say it
+        if not all(isinstance(each, str) for each in beside.values()):
+            raise ValueError(f"{beside} are no texts")
+        if kind not in _KINDS:
+            return events.Newer(kind, text, not _OF_READINGS.isdisjoint(found))
+        known, reader = _reader(_KINDS[kind])
+        if not found.keys() <= known:
+            return events.Newer(kind, text, kind != "noted")
+        read = reader.validate_json(text)
+        event = _READ[type(read)](read) if type(read) in _READ else read
+        return replace(event, by=beside["person"]) if isinstance(event, events.Created) else event
+    except ValidationError as error:
+        wrong = error.errors(include_url=False)[0]
+        where = ".".join(map(str, wrong["loc"]))
+        raise PayloadError(f"an entry of kind {kind!r} cannot be read: {where}: {wrong['msg']}") from error
+    except (AttributeError, TypeError, ValueError, RecursionError) as error:
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
+
+
+def stored(number: int, row: EventText) -> events.Stored:
+    """Return an event of a record; raises PayloadError, also for one without the time at which it was written."""
+    event, timeless = decode(row.kind, row.payload), True
+    with suppress(ValueError):
+        timeless = datetime.fromisoformat(row.at).tzinfo is None
+    if timeless:
+        raise PayloadError(f"{row.at[:40]!r} is no time")
+    return events.Stored(number, row.at, event)
 
 
 def hand_of(text: str) -> Hand | None:
@@ -77,11 +102,12 @@ def _fields(event: events.Event) -> dict[str, object]:
             circumstances = {"accepted": reading.accepted, "time": reading.time}
             numbered = {} if reading.number is None else {"reading": reading.number}
             return {**numbered, **_place_fields(reading.place), **of_value, **circumstances}
-        case events.Skipped(reason, False):
-            return {"reason": reason}  # as older versions wrote it
-        case Accepted(last=0):
-            return {name: value for name, value in asdict(event).items() if name != "last"}  # nor did they say this
-    return {name: value for name, value in asdict(event).items() if name in _KEYS[type(event).__name__.lower()]}
+    said = {name: value for name, value in asdict(event).items() if name != "by"}
+    return {name: value for name, value in said.items() if value or name not in _QUIET}
+
+
+_QUIET = "rest", "last"
+"""Written only where they say something, as older versions did not know them."""
 
 
 def _place_fields(place: Place) -> dict[str, object]:
@@ -89,114 +115,73 @@ def _place_fields(place: Place) -> dict[str, object]:
     return {"setup": place.setup, "position": place.pose, "approach": place.approach, **drawn}
 
 
-def _number(value: object, most: float = math.inf) -> float:
-    """Return a finite number below a size; raises ValueError."""
-    if not isinstance(value, int | float) or isinstance(value, bool) or not abs(value) < most:
-        raise ValueError(f"{value!r} is not a finite number that can be read")
-    return float(value)
+class _Strict(BaseModel):
+    model_config = ConfigDict(strict=True, allow_inf_nan=False)
 
 
-def _is(kind: type[_T], value: object) -> _T:
-    """Return a value of JSON that is of a kind; raises ValueError, also for text with half a character."""
-    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-        raise ValueError(f"{value!r} is no {kind.__name__}")
-    if isinstance(value, str):
-        value.encode()
-    return value
+class _At(_Strict):
+    setup: str
+    position: tuple[float, ...]
+    approach: tuple[Literal[-1, 0, 1], ...]  # from where an axis comes; 0 where nobody said
+    check: bool = False
+
+    def place(self) -> Place:
+        """Return it as the campaign has it; raises ValueError."""
+        if len(self.position) != len(self.approach):
+            raise ValueError(f"position {self.position} and approach {self.approach} do not belong together")
+        return Place(self.setup, self.position, self.approach, self.check)
 
 
-_SIDES = frozenset((-1, 0, 1))
-"""From where an axis comes; 0 where nobody said."""
+class _Asked(_At):
+    reading: int
 
 
-def _place(fields: Mapping[str, Any]) -> Place:
-    position = tuple(map(_number, fields["position"]))
-    approach = tuple(fields["approach"])
-    if len(position) != len(approach) or not all(type(side) is int and side in _SIDES for side in approach):
-        raise ValueError(f"position {position} and approach {approach} do not belong together")
-    return Place(_is(str, fields["setup"]), position, approach, _is(bool, fields.get("check", False)))
+class _Planned(_Strict):
+    places: tuple[_At, ...]
+    grounds: str = ""  # plans of older records do not say what they rest on
 
 
-def _created(fields: Mapping[str, Any]) -> events.Created:
-    versions = {_is(str, name): _is(str, value) for name, value in _is(dict, fields["versions"]).items()}
-    machine, campaign = _is(str, fields["machine_text"]), _is(str, fields["campaign_text"])
-    sources = _is(str, fields["machine_source"]), _is(str, fields["campaign_source"])
-    names = "usual_doubts", "fine_knots", "whole_lengths"  # not in older ones
-    doubts, knots, whole = (_is(bool, fields.get(name, False)) for name in names)
-    prior = _is(str, fields.get("prior_text", ""))
-    return events.Created(machine, campaign, *sources, versions, prior, doubts, knots, whole, fields["person"])
+class _Continued(_Strict):
+    grounds: str
 
 
-def _recorded(fields: Mapping[str, Any]) -> events.Recorded:
-    std = None if fields["std"] is None else _number(fields["std"], ABSURD)
-    if std is not None and std <= 0:
-        raise ValueError(f"{std:g} is no standard deviation")
-    accepted = _is(bool, fields.get("accepted", False))  # older records could not say it
-    others = tuple(_number(value, ABSURD) for value in fields.get("others", ()))
-    time = None if fields.get("time") is None else _number(fields["time"])
-    number = None if fields.get("reading") is None else _is(int, fields["reading"])
-    at, value = _place(fields), _number(fields["value"], ABSURD)
-    of_value = value, std, None, accepted, others, time, number
-    return events.Recorded(Reading(at.setup, at.pose, at.approach, *of_value, at.check, fields["person"]))
+class _Recorded(_At):
+    value: Size
+    std: Annotated[float, Field(gt=0, lt=ABSURD)] | None
+    others: tuple[Size, ...] = ()
+    accepted: bool = False  # this and what follows were not in older records
+    time: float | None = None
+    reading: int | None = None
+    person: str = ""
 
 
-_LARGEST_FACTOR = 1e4
-"""Ten times what units differ by that are taken for each other."""
+def _reading(said: _Recorded) -> Reading:
+    at, of_value = said.place(), (said.value, said.std, None, said.accepted, said.others, said.time, said.reading)
+    return Reading(at.setup, at.pose, at.approach, *of_value, at.check, said.person)
 
 
-def _accepted(fields: Mapping[str, Any]) -> Accepted:
-    mistake, name = _is(str, fields["mistake"]), _is(str, fields["name"])
-    setups, factor = tuple(_is(str, each) for each in fields["setups"]), _number(fields["factor"])
-    count = max(len(setups), 1) if mistake == "stuck" else 1 + (mistake == "swapped")
-    if mistake not in KNOWN or len(setups) != count or len(set(setups)) != len(setups):
-        raise ValueError(f"{mistake!r} of {len(setups)} set-ups is no mistake that can be put right")
-    if not 1 / _LARGEST_FACTOR < abs(factor) < _LARGEST_FACTOR or (mistake == "shifted" and abs(factor) != 1):
-        raise ValueError(f"{factor:g} is no factor of a mistake")
-    if bool(name) != (mistake == "jump"):
-        raise ValueError("a jump names another set-up, and nothing else does")
-    return Accepted(mistake, setups, _is(int, fields["reading"]), factor, name, _is(int, fields.get("last", 0)))
-
-
-def _finished(fields: Mapping[str, Any]) -> events.Finished:
-    said = _is(dict, fields.get("result", asdict(NOT_SAID)))  # older records could not say it
-    rms, expanded = (None if said[name] is None else _number(said[name]) for name in ("rms", "expanded"))
-    return events.Finished(_is(str, fields["because"]), Result(rms, expanded, _is(str, said["agreement"])))
-
-
-_READ: Mapping[str, Callable[[Mapping[str, Any]], events.Event]] = {
-    "created": _created,
-    "planned": lambda fields: events.Planned(
-        tuple(_place(place) for place in fields["places"]),
-        _is(str, fields.get("grounds", "")),  # plans of older records do not say what they rest on
-    ),
-    "asked": lambda fields: events.Asked(_is(int, fields["reading"]), _place(fields)),
-    "recorded": _recorded,
-    "skipped": lambda fields: events.Skipped(_is(str, fields["reason"]), _is(bool, fields.get("rest", False))),
-    "noted": lambda fields: events.Noted(_is(str, fields["text"])),
-    "warmed": lambda fields: events.Warmed(
-        _is(str, fields["setup"]), _number(fields["temperature"]), _is(str, fields["text"])
-    ),
-    "bumped": lambda fields: Bumped(
-        _is(str, fields["controller"]), _number(fields["moved"], ABSURD), _is(str, fields["day"])
-    ),
-    "continued": lambda fields: events.Continued(_is(str, fields["grounds"])),
-    "mounted": lambda fields: events.Mounted(*(_is(str, fields[name]) for name in ("setup", "name", "branch"))),
-    "accepted": _accepted,
-    "undone": lambda fields: events.Undone(_is(int, fields["event"])),
-    "lost": lambda fields: events.Lost(_is(str, fields["why"])),
-    "signed": lambda fields: events.Signed(_is(str, fields["key"]), _is(str, fields["signature"])),
-    "finished": _finished,
+_READ: Mapping[type, Callable[[Any], events.Event]] = {
+    _Asked: lambda said: events.Asked(said.reading, said.place()),
+    _Planned: lambda said: events.Planned(tuple(place.place() for place in said.places), said.grounds),
+    _Continued: lambda said: events.Continued(said.grounds),
+    _Recorded: lambda said: events.Recorded(_reading(said)),
 }
-_AT = frozenset(("setup", "position", "approach", "check"))
-_KEYS: Mapping[str, frozenset[str]] = {
-    kind.__name__.lower(): frozenset(field.name for field in fields(kind)) for kind in get_args(events.Event)
-} | {
-    "created": frozenset(field.name for field in fields(events.Created)) - {"by"},
-    "planned": frozenset(("places", "grounds")),
-    "continued": frozenset(("grounds",)),
-    "asked": _AT | {"reading"},
-    "recorded": _AT | {"reading", "value", "std", "others", "accepted", "time"},
+"""Kinds whose fields are written otherwise than those of their class."""
+_KINDS = {kind.__name__.lower(): kind for kind in get_args(events.Event) if kind != events.Newer} | {
+    kind.__name__.lower()[1:]: kind for kind in _READ
 }
-"""The fields that this version knows of each kind; one with others is a newer version's."""
-_OF_READINGS = _AT | {"reading", "readings", "event", "events", "setups", "value", "values"}
+
+
+@cache
+def _reader(kind: Any) -> tuple[frozenset[str], TypeAdapter[Any]]:
+    """Return the fields that this version knows of a kind, one with others is a newer version's, and what reads it."""
+    if kind in _READ:
+        return frozenset(kind.model_fields), TypeAdapter(kind)
+    names = frozenset(field.name for field in fields(kind)) - {"by"}
+    return names, TypeAdapter(with_config(_Strict.model_config)(kind))
+
+
+_OF_READINGS = frozenset(
+    ("setup", "position", "approach", "check", "reading", "readings", "event", "events", "setups", "value", "values")
+)
 """An unknown kind with one of these fields says something of readings. A kind to come keeps to that."""

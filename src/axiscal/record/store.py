@@ -19,23 +19,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
-from axiscal.document.durable import (
-    Closing,
-    alone,
-    clear_drafts,
-    draft_of,
-    read_at,
-    sync,
-    sync_folder,
-    write_at,
-    write_whole,
-    written,
-)
-from axiscal.exceptions import OvertakenError, RecordError
+from axiscal.document.durable import alone, clear_drafts, read_at, sync, write_at, write_whole
+from axiscal.document.quoting import shown
+from axiscal.exceptions import NewerError, OvertakenError, RecordError
 from axiscal.language.spoken import said
 from axiscal.record.door import ALL, BINARY, opened, record_errors, refuse_other_form, repairing
 from axiscal.record.earlier import told_anew
-from axiscal.record.events import Created, Event, Signed, State, Stored
+from axiscal.record.events import Created, Event, EventOrderError, Signed, State, Stored
 from axiscal.record.lines import (
     EMPTY,
     HEAD,
@@ -51,24 +41,27 @@ from axiscal.record.lines import (
     is_earlier,
     whole_lines,
 )
-from axiscal.record.payload import encode, hand_of
+from axiscal.record.payload import PayloadError, encode, hand_of, stored
 from axiscal.record.signing import Hand, key_file, signature
 from axiscal.record.story import SignedUntil, Story, now, rows_of, signable, signed_until
 
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
+_READ_IT = "This one can read and copy the record; nothing was written"
 
 
-class Record(Closing):
+class Record(contextlib.AbstractContextManager["Record"]):
     """An open campaign record; a context manager. Every failure is a RecordError that names the file.
 
-    path : as people name it
+    path : as people name it; lines : all that have been read
+    name : of what they hold: a hash chained over the contents of events, 64 hex digits
     """
 
     def __init__(self, path: Path, *, write: bool = True) -> None:
         self.path, self._file, self._write = path, path.absolute(), write
-        self.lines, self._story, self._chain = list[KeptLine](), Story(), EMPTY
-        self._end, self._seen, self._writer = HEAD, -1, uuid.uuid4().hex[:16]
+        self.lines, self.name = list[KeptLine](), EMPTY
+        self._events, self._story = list[Stored](), Story()
+        self._end, self._earlier, self._writer = HEAD, False, uuid.uuid4().hex[:16]
 
     @classmethod
     def create(cls, path: str | Path, created: Created) -> Self:
@@ -76,20 +69,15 @@ class Record(Closing):
         return cls.made(path, content_of(rows_of([created])))
 
     @classmethod
-    def made(cls, path: str | Path, content: bytes) -> Self:
-        """Return a new record of the content of a file; raises RecordError where there is a file."""
+    def made(cls, path: str | Path, content: bytes, like: Path | None = None) -> Self:
+        """Return a new record of the content of a file; raises RecordError where there is a file.
+
+        like : a file whose permissions it gets
+        """
         path = Path(path)
-        clear_drafts(path.parent, path.name)
-        refuse_existing(path)
-        draft = draft_of(path)
         with record_errors(path):
-            try:
-                written(draft, content)
-                cls.open(draft, write=False).close()
-                _publish(draft, path)
-            finally:
-                with contextlib.suppress(OSError):
-                    draft.unlink(missing_ok=True)
+            cls(path)._follow(content[:HEAD], content[HEAD:])
+            write_whole(path, content, new=True, like=like)
         return cls.open(path)
 
     @classmethod
@@ -118,18 +106,13 @@ class Record(Closing):
             raise RecordError(what, remedy, record.path, person=signed.by.person, number=signed.number)
         return record
 
-    @property
-    def name(self) -> str:
-        """The name of what the record holds: a hash chained over the contents of its events, 64 hex digits."""
-        return self._chain
-
     def append(self, *events: Event, after: int | None = None) -> int:
         """Keep `events`, all or none, and return the number of the last one.
 
         after : number of the last event the caller knows of; OvertakenError if another one has written since
         Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
-        self._story.refuse_to_add(self.path)
+        self._refuse_newer(self._story.first_newer is not None, _READ_IT)
         return self.extend(rows_of(events), after)
 
     def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
@@ -137,22 +120,32 @@ class Record(Closing):
         if not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
         with record_errors(self.path):
-            if self._seen >= 0:
+            if self._earlier:
                 self._bring()
             with self._held() as handle:
                 self._catch_up()
-                if after is not None and self.last_read != after:
+                if after is not None and len(self.lines) != after:
+                    what = "Another process has written to this record in the meantime"
                     remedy = "Look at it with `axiscal step status`, then give the command again"
-                    raise OvertakenError(
-                        "Another process has written to this record in the meantime", remedy, self.path
-                    )
+                    raise OvertakenError(what, remedy, self.path)
                 if rows:
-                    self._story.refuse_unfit(rows, self.path)
+                    self._refuse_unfit(rows)
                     self._add(handle, rows)
-        return self.last_read
+        return len(self.lines)
+
+    def _refuse_unfit(self, rows: Sequence[EventText]) -> None:
+        """Raise RecordError for events that are to be written behind and cannot follow."""
+        after = self._story.copied()
+        try:
+            for number, row in enumerate(rows, len(self.lines) + 1):
+                after.add(stored(number, row))
+        except EventOrderError as error:
+            what = "This cannot follow what the record holds: {error}"
+            remedy = "Look at it with `axiscal step status`; nothing was written"
+            raise RecordError(what, remedy, self.path, error=error) from error
 
     def _add(self, handle: int, rows: Sequence[EventText]) -> None:
-        added = entry(rows, self.campaign, self._writer, self.last_read, self.lines[-1].hash)
+        added = entry(rows, self.campaign, self._writer, len(self.lines), self.lines[-1].hash)
         content = b"".join(line.written() for line in added)
         size = os.fstat(handle).st_size
         if read_at(handle, size - 1, 1) != b"\n":
@@ -172,7 +165,7 @@ class Record(Closing):
         anew = os.open(self._file, os.O_RDWR | BINARY)
         try:
             least = [-1 if each is None else each for each in counts(read_at(anew, 0, HEAD))]
-            write_at(anew, SLOTS[least[0] > least[1]], count_bytes(self.last_read))
+            write_at(anew, SLOTS[least[0] > least[1]], count_bytes(len(self.lines)))
         finally:
             os.close(anew)
 
@@ -181,7 +174,7 @@ class Record(Closing):
 
         Raises NewerError as `append`, OvertakenError if another process writes meanwhile.
         """
-        self._story.refuse_to_add(self.path)
+        self._refuse_newer(self._story.first_newer is not None, _READ_IT)
         if not key_file().exists():
             return False
         self.last()
@@ -190,7 +183,7 @@ class Record(Closing):
         if by is None or (last.kind == "signed" and by.key in last.payload):
             return False
         row = EventText(at, *encode(Signed(by.key, by.signature), Hand(by.person, by.computer)))
-        self.extend([row], after=self.last_read)
+        self.extend([row], after=len(self.lines))
         return True
 
     def signed(self) -> SignedUntil | None:
@@ -203,11 +196,6 @@ class Record(Closing):
         return self.lines[0].campaign
 
     @property
-    def last_read(self) -> int:
-        """The number of the last event that has been read."""
-        return len(self.lines)
-
-    @property
     def rows(self) -> list[EventText]:
         """All events that have been read, as they were written."""
         return [line.row for line in self.lines]
@@ -216,17 +204,27 @@ class Record(Closing):
         """Take in what others have written since, and return the number of the last event."""
         with record_errors(self.path):
             self._catch_up()
-        return self.last_read
+        return len(self.lines)
 
     def events(self) -> tuple[Stored, ...]:
         """Return all events, oldest first."""
         self.last()
-        return tuple(self._story.events)
+        return tuple(self._events)
 
     def state(self) -> State:
-        """Return the state folded from all events."""
+        """Return the state folded from all events; raises NewerError where one of a newer version may change it."""
         self.last()
-        return replace(self._story.state(self.path), name=self.name)
+        self._refuse_newer(self._story.stopped, "This one can copy the record, no more")
+        return replace(self._story.state(), name=self.name)
+
+    def _refuse_newer(self, hinders: bool, still: str) -> None:
+        """Raise NewerError where what a newer version wrote hinders.  still : what can be done all the same"""
+        newer = self._story.first_newer
+        if hinders and newer is not None:
+            what = "Event {number} is an entry of a newer version of axiscal: {kind}"
+            remedy = "Install that version to go on with it. {still}"
+            kind = shown(encode(newer.event)[0])
+            raise NewerError(what, remedy, self.path, number=newer.number, kind=kind, still=still)
 
     def holds(self, step: str) -> bool:
         """Return whether a step wrote more than a plan.  step : its id, hex digits; "" for none"""
@@ -236,9 +234,38 @@ class Record(Closing):
             mark in row.payload and row.kind not in ("planned", "continued", "asked") for row in self.rows
         )
 
+    def copy_to(self, path: Path) -> None:
+        """Write a copy, in the place of an earlier copy if there is one; raises as `refuse_other`."""
+        self.refuse_other(path)
+        if not self._is(path):
+            with record_errors(path):
+                write_whole(path, content_of_lines(self.lines))
+
+    def refuse_other(self, path: Path) -> None:
+        """Raise RecordError if there is something at `path` that is more than this record or an earlier copy of it."""
+        if not path.exists() or self._is(path):
+            return
+        remedy = "Name another folder, or move it away"
+        try:
+            there = Record.open(path, write=False).lines
+        except RecordError as failure:
+            what = "A file with the name of the record is here already: {why}"
+            raise RecordError(what, remedy, path, why=failure.what) from None
+        if there[0].campaign != self.campaign:
+            raise RecordError("Another campaign's record is here already", remedy, path)
+        if [line.row for line in there] != self.rows[: len(there)]:
+            remedy = "Name another folder, or move it away; or go on with that one"
+            raise RecordError("The copy that is here has gone on by itself", remedy, path)
+
+    def _is(self, path: Path) -> bool:
+        return path.exists() and self.path.exists() and path.samefile(self.path)
+
     def close(self) -> None:
         """Write no more; what was appended is safe without it."""
         self._write = False
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     @contextlib.contextmanager
     def _held(self) -> Iterator[int]:
@@ -255,18 +282,27 @@ class Record(Closing):
 
     def _bring(self) -> None:
         """Write a record of an earlier form anew in this one, and keep the old one beside it."""
-        with self._held() as handle:
-            content = read_at(handle, 0, ALL)
-            if is_earlier(content):
-                self._catch_up()
-                digest = hashlib.sha256(content).hexdigest()[:8]
-                write_whole(self._file.with_name(f"{self.path.name}.{digest}.before"), content)
-                write_whole(self._file, told_anew(content))
-        self._seen = -1  # bytes of a record of an earlier form
+        content = self._file.read_bytes()
+        if not is_earlier(content):
+            return
+        self._catch_up()
+        kept = self._file.with_name(f"{self.path.name}.{hashlib.sha256(content).hexdigest()[:8]}.before")
+        with contextlib.suppress(FileExistsError):
+            write_whole(kept, content, new=True, like=self._file)
+        handle = os.open(kept, os.O_RDWR | BINARY)
+        try:
+            with alone(handle, PATIENCE):  # one brings it; the record itself is closed: Windows replaces no open file
+                if self._file.read_bytes() == content:
+                    write_whole(self._file, told_anew(content))
+        finally:
+            os.close(handle)
 
     def _catch_up(self) -> None:
         """Take over what has been written since the last look, as the file has it when it is opened anew."""
-        block, behind = self._read()
+        self._follow(*self._read())
+
+    def _follow(self, block: bytes, behind: bytes) -> None:
+        """Take over entries that are whole; raises DamageError.  block : the head; behind : the lines not read yet"""
         known = [each for each in counts(block) if each is not None]
         if not known:
             raise DamageError("neither of the two counts of its events can be read")
@@ -282,8 +318,8 @@ class Record(Closing):
             if line.number == line.last:
                 self._take(waiting)
                 waiting, self._end = [], start + end
-        if self.last_read < max(1, *known):
-            raise DamageError(f"it ends at event {self.last_read} and should end at event {max(1, *known)}")
+        if len(self.lines) < max(1, *known):
+            raise DamageError(f"it ends at event {len(self.lines)} and should end at event {max(1, *known)}")
 
     def _newest(self) -> KeptLine | None:
         return self.lines[-1] if self.lines else None
@@ -293,10 +329,9 @@ class Record(Closing):
         handle = opened(self._file, self.path)
         try:
             block, size = read_at(handle, 0, HEAD), os.fstat(handle).st_size
-            if is_earlier(block):
-                if size == self._seen:
-                    return head(0), b""
-                self._seen, content = size, told_anew(read_at(handle, 0, ALL))
+            self._earlier = is_earlier(block)
+            if self._earlier:
+                content = told_anew(read_at(handle, 0, ALL))
                 return content[:HEAD], content[self._end :]
             refuse_other_form(block, handle, self.path)
             if size < self._end:
@@ -307,11 +342,11 @@ class Record(Closing):
 
     def _refuse_unknown(self, line: KeptLine) -> None:
         """Raise DamageError, RecordError of a branch, for a line that does not follow and is not there already."""
-        there = self.lines[line.number - 1] if line.number <= self.last_read else None
-        if there.hash == line.hash if there is not None else line.first == self.last_read + 1:
+        there = self.lines[line.number - 1] if line.number <= len(self.lines) else None
+        if there.hash == line.hash if there is not None else line.first == len(self.lines) + 1:
             return  # it stands there twice, or is what is left of an entry that nobody has finished
         if there is None or line.campaign != there.campaign:
-            raise DamageError(f"whole lines stand behind event {self.last_read} and do not follow from it")
+            raise DamageError(f"whole lines stand behind event {len(self.lines)} and do not follow from it")
         what = "Two went on from event {number}: {one}, and {other}"
         remedy = said("Ask what becomes of both: {command}", command=repairing(self.path))
         one, other = said_hand(there.row), said_hand(line.row)
@@ -319,8 +354,12 @@ class Record(Closing):
 
     def _take(self, lines: Sequence[KeptLine]) -> None:
         for line in lines:
-            self._story.happened(line.number, line.row)
-            self._chain = chained(self._chain, line.row)
+            try:
+                self._events.append(stored(line.number, line.row))
+                self._story.add(self._events[-1])
+            except (PayloadError, EventOrderError) as error:
+                raise DamageError(f"event {line.number}: {error}") from error
+            self.name = chained(self.name, line.row)
         self.lines += lines
 
 
@@ -339,51 +378,3 @@ def content_of(rows: Sequence[EventText], campaign: str = "") -> bytes:
 def content_of_lines(lines: Sequence[KeptLine]) -> bytes:
     """Return the file of a record that holds these lines."""
     return head(len(lines)) + b"".join(line.written() for line in lines)
-
-
-def refuse_existing(path: Path) -> None:
-    """Raise RecordError if there is something at `path` already."""
-    if path.exists():
-        remedy = "Go on with it by `axiscal step next`, or name another file for the record"
-        raise RecordError("This file exists already", remedy, path)
-
-
-def write_copy(record: Record, path: Path) -> None:
-    """Write a copy of a record, in the place of an earlier copy if there is one; raises as `refuse_other`."""
-    if _is_itself(record, path):
-        return
-    refuse_other(record, path)
-    with record_errors(path):
-        write_whole(path, content_of_lines(record.lines))
-
-
-def refuse_other(record: Record, path: Path) -> None:
-    """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
-    if not path.exists() or _is_itself(record, path):
-        return
-    remedy = "Name another folder, or move it away"
-    try:
-        there = Record.open(path, write=False).lines
-    except RecordError as failure:
-        what = "A file with the name of the record is here already: {why}"
-        raise RecordError(what, remedy, path, why=failure.what) from None
-    if there[0].campaign != record.campaign:
-        raise RecordError("Another campaign's record is here already", remedy, path)
-    if [line.row for line in there] != record.rows[: len(there)]:
-        remedy = "Name another folder, or move it away; or go on with that one"
-        raise RecordError("The copy that is here has gone on by itself", remedy, path)
-
-
-def _is_itself(record: Record, path: Path) -> bool:
-    return path.exists() and record.path.exists() and path.samefile(record.path)
-
-
-def _publish(draft: Path, path: Path) -> None:
-    try:
-        os.link(draft, path)
-    except FileExistsError:
-        refuse_existing(path)
-    except OSError:  # a file system without hard links
-        refuse_existing(path)
-        draft.rename(path)
-    sync_folder(path.parent)

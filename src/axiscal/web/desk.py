@@ -91,7 +91,7 @@ class Desk:
 
         after : `last` of the state that it answers, None for what answers none; OvertakenError if that has changed
         """
-        if self.campaign.has_done(step_now()):
+        if self.campaign.log.holds(step_now()):
             return said("That is kept already.")
         if self._moved_on():
             self._show()
@@ -184,15 +184,15 @@ class Desk:
     def finish(self) -> str:
         """End the campaign and write its results into the folder beside the record."""
         from axiscal.present.delivery import deliver  # pictures and tables, which no question waits for
+        from axiscal.present.result_of_campaign import Extras
         from axiscal.present.result_set import RECORD
-        from axiscal.present.summarising import Extras
 
-        self.campaign.refuse_other(self.results / RECORD)
+        self.campaign.log.refuse_other(self.results / RECORD)
         known = self.campaign.estimate(ended=True)
         self.campaign.finish()
         try:
-            summary = deliver(self.campaign, known, self.results, Extras(spoken=spoken_now()))
-            self._answer, self._answers = summary.answer, self._stands
+            result = deliver(self.campaign, known, self.results, Extras(spoken=spoken_now()))
+            self._answer, self._answers = result.answered, self._stands
         finally:
             self._show()
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)

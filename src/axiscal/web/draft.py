@@ -279,7 +279,7 @@ def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
         if (draft.file or draft.machine) and not readings:
             faults["file"] = failure
     if readings and len(draft.text) == shapes.LETTERS:
-        what, remedy = "Readings of up to {most} letters can be dropped", "Evaluate it with `axiscal data estimate`"
+        what, remedy = "Readings of up to {most} letters can be dropped", "Drop a part of it"
         faults["file"] = DescriptionError(what, remedy, draft.file, most=shapes.LETTERS)
     in_words = {field: str(fault) for field, fault in faults.items()}
     if begun is None:

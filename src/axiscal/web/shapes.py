@@ -7,8 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, BoughtAccuracy, PlannedAnswer, ResultAnswer
-from axiscal.answers.answer_of_campaign import results_beside
+from axiscal.answers.answer import AnswerDocument, AnswerWords, BoughtAccuracy, PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
@@ -31,29 +30,22 @@ LETTERS = 48_000
 Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
-class AnswerShape(AnswerDocument):
-    """The result, or the plan, in words and as their document.  first : the first line in parts; rows : with heading"""
+class AnswerShape(AnswerWords):
+    """The result, or the plan, in words and as their document."""
 
-    first: list[str]
-    rows: list[list[str]]
-    sentences: list[str]
     document: ResultAnswer | PlannedAnswer
 
     @classmethod
     def of_campaign(cls, campaign: Campaign, answer: ResultAnswer | PlannedAnswer) -> Self:
         """Return the answer of a campaign with its words."""
-        record, results = campaign.path.name, results_beside(campaign.path).name
         if isinstance(answer, PlannedAnswer):
-            text = plan_text(answer, record)
+            text = plan_text(answer)
         else:
             agreement = agreement_words(campaign.so_far()) if answer.readings else ""
-            text = answer_text(answer, agreement, record, results, evidence_words(campaign))
-        return cls(
-            first=[spelt(part) for part in text.first.parts],
-            rows=[[spelt(cell) for cell in row] for row in text.rows],
-            sentences=[spelt(sentence) for sentence in text.sentences],
-            document=answer,
-        )
+            text = answer_text(answer, agreement, evidence_words(campaign))
+        first, sentences = ([spelt(each) for each in some] for some in (text.first, text.sentences))
+        rows = [[spelt(cell) for cell in row] for row in text.rows]
+        return cls(first=first, rows=rows, sentences=sentences, document=answer)
 
 
 class StateShape(AnswerDocument):

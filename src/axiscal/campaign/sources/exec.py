@@ -13,17 +13,14 @@ import subprocess
 import sys
 import threading
 import time
-from collections import deque
-from collections.abc import Sequence
+from collections import Counter, deque
 from typing import IO, Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
-from axiscal.language.spoken import said
-from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.instruments.kind import Reads
+from axiscal.language.spoken import later, said
 from axiscal.measurement.reading import asked_values, reading_unit, units_of
-from axiscal.measurement.setup import FINEST, Setup
+from axiscal.measurement.setup import FINEST, Reads, Setup
 from axiscal.units import dimension_of, format_quantity, from_unit, shortened
 
 TIMEOUT = 600.0
@@ -43,7 +40,7 @@ _WORDS = 300
 WIDEST = 1e6
 """A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
-_REMEDY = 'Answer each line with one such as {{"value": 1.7, "unit": "um"}} or {{"skip": "reason"}}'
+_REMEDY = later('Answer each line with one such as {"value": 1.7, "unit": "um"} or {"skip": "reason"}')
 
 
 class ExecSource:
@@ -71,7 +68,12 @@ class ExecSource:
             what = "the command `{command}` said {answer} without being asked"
             raise self._failure(what, "Answer each line with exactly one line", answer=_quoted(line))
         self._send(json.dumps(request.message(), ensure_ascii=False))
-        return self._understood(self._next_line(), request)
+        line = self._next_line()
+        try:
+            return _understood(line, request)
+        except SourceError as fault:
+            what = "the command `{command}` answered {answer}: {fault}"
+            raise self._failure(what, fault.remedy, answer=_quoted(line), fault=fault.what) from None
 
     def close(self) -> None:
         """End the command: its input is closed, and if that does not move it, it is terminated."""
@@ -155,107 +157,69 @@ class ExecSource:
     def _failure(self, what: str, remedy: str, **values: object) -> SourceError:
         return SourceError(what, remedy, None, None, command=shortened(self._command), **values)
 
-    def _understood(self, line: str, request: Request) -> Answer | Skip:
-        try:
-            answer = json.loads(line, object_pairs_hook=_once_each) if len(line) <= LONGEST else None
-        except _TwiceError as twice:
-            what = "the command `{command}` answered {answer}, which gives {key} twice"
-            raise self._failure(what, "Give each key once", answer=_quoted(line), key=twice) from None
-        except (ValueError, RecursionError):
-            answer = None
-        if not isinstance(answer, dict):
-            what = "the command `{command}` answered {answer}, which is not a JSON object"
-            raise self._failure(what, _REMEDY, answer=_quoted(line))
-        if answer.get("reading", request.reading) != request.reading:
-            what = "the command `{command}` answered {answer}, but reading {number} was asked for"
-            remedy = "Answer the readings in their order"
-            raise self._failure(what, remedy, answer=_quoted(line), number=request.reading)
-        if "skip" in answer:
-            reason = answer["skip"]
-            if not isinstance(reason, str) or not reason.strip() or "value" in answer:
-                what = "the command `{command}` answered {answer}, which is no reason to skip"
-                raise self._failure(what, _REMEDY, answer=_quoted(line))
-            return Skip(reason.strip())
-        return self._answer(answer, line, request)
 
-    def _answer(self, answer: dict[str, Any], line: str, request: Request) -> Answer:
-        kinds, unit = model_of(request.setup).reads_each(request.setup), answer.get("unit")
-        each = unit if isinstance(unit, list) and len(unit) == len(kinds) else [unit] * len(kinds)
-        units = [self._unit(one, reads, line, request) for one, reads in zip(each, kinds, strict=True)]
-        unit, (value, *others) = units[0], self._numbers(answer.get("value"), units, line, request.setup)
-        if answer.get("std") is None:
-            return Answer(value, others=tuple(others), live=True)
-        std = self._number(answer["std"], unit, line)
-        if std <= 0:
-            what = "the command `{command}` answered {answer}, whose std is not positive"
-            raise self._failure(what, "Give a std above 0, or none", answer=_quoted(line))
-        if not max(FINEST, request.setup.noise / WIDEST) <= std <= request.setup.noise * WIDEST:
-            noise = format_quantity(request.setup.noise, reading_unit(request.setup))
-            what = "the command `{command}` answered {answer}, whose std is not plausible"
-            remedy = (
-                "Give one of at least 0.1 nm or 0.1 nrad, within a factor of a million of the set-up's noise, {noise}, "
-                "or none"
-            )
-            raise self._failure(what, remedy, answer=_quoted(line), noise=noise)
-        return Answer(value, std, tuple(others), live=True)
-
-    def _numbers(self, value: object, units: Sequence[str], line: str, setup: Setup) -> list[float]:
-        """Return the numbers of a reading: one, or a list of those along x, y and z, or from each station."""
-        count = values_of(setup)
-        if count == 1:
-            return [self._number(value, units[0], line)]
-        if not isinstance(value, list) or len(value) != count:
-            what = "the command `{command}` answered {answer}, in which {count} numbers were expected"
-            remedy = 'Answer with all of {names}: {{"value": [1.7, ...], "unit": [{units}]}}'
-            units_said = ", ".join(f'"{unit}"' for unit in units_of(setup))
-            raise self._failure(
-                what, remedy, answer=_quoted(line), count=count, names=asked_values(setup), units=units_said
-            )
-        return [self._number(each, unit, line) for each, unit in zip(value, units, strict=True)]
-
-    def _unit(self, unit: object, reads: Reads, line: str, request: Request) -> str:
-        example, instrument = {"length": "um", "angle": "urad"}[reads], request.setup.instrument
-        remedy = said(
-            'The {instrument} reads a length: give a unit such as "{unit}"', instrument=instrument, unit=example
+def _understood(line: str, request: Request) -> Answer | Skip:
+    """Return what a command has answered; raises SourceError, which says what is wrong with it."""
+    try:
+        answer = json.loads(line, object_pairs_hook=_once_each) if len(line) <= LONGEST else None
+    except (ValueError, RecursionError):
+        answer = None
+    if not isinstance(answer, dict):
+        raise SourceError("that is no JSON object", _REMEDY)
+    if answer.get("reading", request.reading) != request.reading:
+        remedy = "Answer the readings in their order"
+        raise SourceError("reading {number} was asked for", remedy, number=request.reading)
+    if "skip" in answer:
+        reason = answer["skip"]
+        if not isinstance(reason, str) or not reason.strip() or "value" in answer:
+            raise SourceError("that is no reason to skip", _REMEDY)
+        return Skip(reason.strip())
+    setup, value, unit = request.setup, answer.get("value"), answer.get("unit")
+    kinds = setup.reads_each
+    each = unit if isinstance(unit, list) and len(unit) == len(kinds) else [unit] * len(kinds)
+    units = [_unit(one, reads, setup) for one, reads in zip(each, kinds, strict=True)]
+    values = value if len(setup.names) > 1 else [value]
+    if not isinstance(values, list) or len(values) != len(setup.names):
+        names, units_said = asked_values(setup), ", ".join(f'"{unit}"' for unit in units_of(setup))
+        remedy = 'Answer with all of {names}: {{"value": [1.7, ...], "unit": [{units}]}}'
+        what = "{count} numbers were expected"
+        raise SourceError(what, remedy, count=len(setup.names), names=names, units=units_said)
+    first, *others = map(_number, values, units)
+    std = None if answer.get("std") is None else _number(answer["std"], units[0])
+    if std is not None and not max(FINEST, setup.noise / WIDEST) <= std <= setup.noise * WIDEST:
+        remedy = (
+            "Give one of at least 0.1 nm or 0.1 nrad, within a factor of a million of the set-up's noise, {noise}, "
+            "or none"
         )
-        if reads == "angle":
-            remedy = said(
-                'The {instrument} reads an angle: give a unit such as "{unit}"', instrument=instrument, unit=example
-            )
-        if not isinstance(unit, str):
-            what = "the command `{command}` answered {answer} without a unit"
-            raise self._failure(what, remedy, answer=_quoted(line))
-        try:
-            fits = dimension_of(unit) == reads
-        except UnitError:
-            fits = False
-        if not fits:
-            what = "the command `{command}` answered {answer} in a unit that does not fit"
-            raise self._failure(what, remedy, answer=_quoted(line))
-        return unit
-
-    def _number(self, number: object, unit: str, line: str) -> float:
-        if not isinstance(number, int | float) or isinstance(number, bool):
-            what = "the command `{command}` answered {answer}, in which a number is missing"
-            raise self._failure(what, _REMEDY, answer=_quoted(line))
-        value = from_unit(float(number), unit) if abs(number) < 1e300 else math.inf
-        if not math.isfinite(value):
-            what = "the command `{command}` answered {answer}, which is not a finite number"
-            raise self._failure(what, 'Answer {{"skip": "reason"}} when there is no reading', answer=_quoted(line))
-        return value
-
-
-class _TwiceError(ValueError):
-    """A key that an object gives twice; its words are the key, quoted."""
+        raise SourceError("its std is not plausible", remedy, noise=format_quantity(setup.noise, reading_unit(setup)))
+    return Answer(first, std, tuple(others), live=True)
 
 
 def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in found:
-            raise _TwiceError(_quoted(json.dumps(key, ensure_ascii=False)))
-        found[key] = value
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        twice = Counter(key for key, _ in pairs).most_common(1)[0][0]
+        raise SourceError("it gives {key} twice", "Give each key once", key=_quoted(json.dumps(twice)))
     return found
+
+
+def _unit(unit: object, reads: Reads, setup: Setup) -> str:
+    with contextlib.suppress(UnitError):
+        if isinstance(unit, str) and dimension_of(unit) == reads:
+            return unit
+    remedy = 'The {instrument} reads a length: give a unit such as "um"'
+    if reads == "angle":
+        remedy = 'The {instrument} reads an angle: give a unit such as "urad"'
+    raise SourceError("it has no unit that fits", remedy, instrument=setup.instrument)
+
+
+def _number(number: object, unit: str) -> float:
+    if not isinstance(number, int | float) or isinstance(number, bool):
+        raise SourceError("a number is missing in it", _REMEDY)
+    value = from_unit(float(number), unit) if abs(number) < 1e300 else math.inf
+    if not math.isfinite(value):
+        raise SourceError("that is no finite number", 'Answer {"skip": "reason"} when there is no reading')
+    return value
 
 
 def _start(command: str) -> subprocess.Popen[str]:

@@ -27,7 +27,6 @@ from axiscal.description.target import ABOUT, ANGLES, Kind
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import in_frame
-from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -290,12 +289,12 @@ def seen_by(setup: Setup, machine: Machine, stands: Array) -> Seen | None:
 
     stands : (q,) m or rad, where the other axes stand
     """
-    several = len(setup.moves) != 1 or values_of(setup) > 1 or setup.base is not None
+    several = len(setup.moves) != 1 or len(setup.names) > 1 or setup.base is not None
     if several or setup.chart is not None or setup.balls or setup.length is not None or setup.station is not None:
         return None
     direction = np.abs(in_frame(machine, setup.moves[0], stands) @ np.array(setup.direction))
     along = int(np.argmax(direction))
-    return (model_of(setup).reads, along) if direction[along] >= _ALONG else None
+    return (setup.reads, along) if direction[along] >= _ALONG else None
 
 
 def stand_of(setup: Setup, readings: Sequence[Reading]) -> Array:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from axiscal.description.type_b import Read, TypeB, rows_of
 from axiscal.measurement.cells import Course
-from axiscal.measurement.instrument import instrument_of, model_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
@@ -78,7 +77,7 @@ def at_feed(observation: Observation, readings: Sequence[Reading]) -> Iterator[A
     last = np.cumsum(numbers_of_setups(observation.setups)[places.setups])
     for index, chosen in places.by_setup():
         setup = observation.setups[index]
-        if instrument_of(setup).site != "bar":
+        if setup.site != "bar":
             continue
         which = np.arange(len(places))[chosen]
         turns = turning(observation, index, places.poses[which], places.approaches[which])
@@ -186,13 +185,12 @@ def contributions(
     first = np.cumsum(each) - each
     for index, chosen in places.by_setup():
         setup, mine = observation.setups[index], np.arange(len(places))[chosen]
-        kind = model_of(setup)(setup, observation.machine)
-        at = kind.places(places.poses[chosen], places.approaches[chosen])
-        ways = kind.slopes(at).moved.swapaxes(0, 1)
+        at = setup.places(places.poses[chosen], places.approaches[chosen])
+        ways = setup.slopes(at).moved.swapaxes(0, 1)
         shown = np.zeros(ways.shape[:2]) if values is None else np.array([values[i] for i in mine], dtype=float).T
-        read = Read(kind, at, ways, shown)
+        read = Read(setup, at, ways, shown)
         owners = {"set-up": setup.name, "instrument": setup.instrument, "machine": ""}
-        for row in rows_of(instrument_of(setup)):
+        for row in rows_of(type(setup)):
             stated, key = row.name in dict(setup.stated), (row.name, owners[row.shared])
             if not row.met(setup) or not (usual or stated):
                 continue

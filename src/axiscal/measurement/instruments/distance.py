@@ -27,27 +27,38 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import ClassVar
 
 import numpy as np
 
-from axiscal.measurement.instruments.kind import TOOL_READS, Kind, Reads, need_station
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
+from axiscal.measurement.setup import CARRIED, GAUGE, LASER, TOOL_READS, ZERO, Reads, Setup, Unknown, Usual
 from axiscal.measurement.touched import touch_frames
 from axiscal.numerics import Array
 from axiscal_core import rigid
-from axiscal_core.instrument import At, Unknowns, length
-from axiscal_core.machine import Machine
+from axiscal_core.instrument import TOOL, At, Unknowns, length
 
 RADIUS = "radius"
 ZEROS = ("zero_x", "zero_y", "zero_z")
 
 
-class Nest(Kind):
+def _open(names: Sequence[str], std: float) -> tuple[Unknown, ...]:
+    return tuple(Unknown(name, std) for name in names)
+
+
+_ON_TOOL = _open(TOOL, CARRIED)
+_THREE = _open(ZEROS, 1e-3)
+
+
+class Nest(Setup):
     """Three lengths along x, y, z of the workpiece frame."""
 
     numbers = ("x", "y", "z")
     directed = False
-    unknown_reads: Mapping[str, Reads] = MappingProxyType({**dict.fromkeys((*ZEROS, RADIUS), "length"), **TOOL_READS})
+    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType(
+        {**dict.fromkeys((*ZEROS, RADIUS), "length"), **TOOL_READS}
+    )
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return δp + R tool + zero − where the ball is − r Σ n_i."""
@@ -55,6 +66,22 @@ class Nest(Kind):
         if u[RADIUS]:
             tip = tip - u[RADIUS] * touch_frames(self.machine, at.poses).sum(axis=1)
         return _from_zeros(tip, u)
+
+
+class RTest(Nest):
+    """A nest that a ball in the spindle stays in."""
+
+    instrument = "rtest"
+    usual = Usual(0.7e-6, (*_THREE, *_ON_TOOL), 900.0, 1.0, 3.0, GAUGE, "held")
+    site = "ball"
+
+
+class Sphere(Nest):
+    """A sphere that a probe in the spindle touches from all sides; mounted ball by ball."""
+
+    instrument, all_round = "sphere", True
+    usual = Usual(1.5e-6, (), 300.0, 1.0, 15.0, GAUGE, "retracted")
+    site = "ball"
 
 
 def _from_zeros(place: Array, u: Unknowns) -> list[Array]:
@@ -67,37 +94,60 @@ MOST = 4
 _OWN = ("zero", *SHIFTS)
 
 
-class Distance(Kind):
+class Distance(Setup):
     """One distance, or one from each station."""
 
     directed = False
-    unknown_reads: Mapping[str, Reads] = MappingProxyType({**dict.fromkeys(_OWN, "length"), **TOOL_READS})
+    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType({**dict.fromkeys(_OWN, "length"), **TOOL_READS})
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return |p + δp + R tool − station − shift| − |p − station| + zero."""
         tip, shown = self.tip(at, u), list[Array]()
-        for number, station in enumerate(self.setup.standing):
-            zero, *shifts = (_numbered(name, number) for name in _OWN) if self.setup.stations else _OWN
+        for number, station in enumerate(self.standing):
+            zero, *shifts = (_numbered(name, number) for name in _OWN) if self.stations else _OWN
             shift = np.array([u.get(name, 0.0) for name in shifts])
             seen = length(at.tcp + tip - np.array(station) - shift)
             shown.append(seen - length(at.tcp - np.array(station)) + u.get(zero, 0.0))
         return shown
 
-    @classmethod
-    def check_setup(cls, setup: Setup, machine: Machine) -> None:
+    def check(self) -> None:
         """Raise DescriptionError without a station."""
-        if not setup.stations:
-            need_station(setup, "the {instrument}'s other end")
+        if not self.stations:
+            _need_station(self, "the {instrument}'s other end")
 
-    @staticmethod
-    def located(setup: Setup) -> tuple[str, ...]:
-        """Return x, y, z of each station."""
-        return tuple(_numbered(name, number) for number in range(len(setup.stations)) for name in SHIFTS) or SHIFTS
+    @property
+    def located(self) -> tuple[str, ...]:
+        """X, y, z of each station."""
+        return tuple(_numbered(name, number) for number in range(len(self.stations)) for name in SHIFTS) or SHIFTS
 
-    @classmethod
-    def names_of(cls, setup: Setup) -> tuple[str, ...]:
-        """Return the numbers of the stations."""
-        return tuple(str(number + 1) for number in range(len(setup.stations))) or cls.numbers
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The numbers of the stations."""
+        return tuple(str(number + 1) for number in range(len(self.stations))) or self.numbers
+
+
+class BallBar(Distance):
+    """A bar about a cup, which is set to a tenth of a millimetre."""
+
+    instrument = "ballbar"
+    usual = Usual(0.5e-6, (ZERO, *_open(SHIFTS, 1e-4), *_ON_TOOL), 900.0, 0.5, 1.0, GAUGE)
+    site = "bar"
+
+
+class Tracer(Distance):
+    """A length-only interferometer that follows the tool from a station that nobody knows within five millimetres."""
+
+    instrument = "tracer"
+    usual = Usual(0.3e-6, (ZERO, *_open(SHIFTS, 5e-3), *_ON_TOOL), 1800.0, 1.0, 3.0, LASER)
+    light = against_length = True
+    site = "sight"
+
+
+def _need_station(setup: Setup, what: str) -> None:
+    """Raise DescriptionError for a set-up that does not say where it stands."""
+    if setup.station is None:
+        remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
+        raise DescriptionError("it is not said where {thing} is", remedy, thing=said(what, instrument=setup.instrument))
 
 
 def of_each(unknowns: Sequence[Unknown], count: int) -> tuple[Unknown, ...]:
@@ -114,25 +164,29 @@ def _numbered(name: str, number: int) -> str:
 TURNS = ("turn_x", "turn_y", "turn_z")
 
 
-class Tracker(Nest):
-    """Three lengths along x, y, z of the workpiece frame."""
+class Tracker(Setup):
+    """Three lengths along x, y, z of the workpiece frame, from a station that is set up by eye: a milliradian."""
 
-    unknown_reads: Mapping[str, Reads] = MappingProxyType(
+    instrument = "tracker"
+    usual = Usual(10e-6, (*_THREE, *_open(TURNS, 1e-3), *_ON_TOOL), 3600.0, 2.0, 5.0, LASER)
+    light, against_length, directed = True, True, False
+    numbers = ("x", "y", "z")
+    site = "sight"
+    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType(
         {**dict.fromkeys(ZEROS, "length"), **dict.fromkeys(TURNS, "angle"), **TOOL_READS}
     )
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return R(turn)(p + δp + R tool − station) − (p − station) + zero."""
-        line = at.tcp - np.array(self.setup.station or (0.0, 0.0, 0.0))
+        line = at.tcp - np.array(self.station or (0.0, 0.0, 0.0))
         turn = rigid.rotation(np.array([[u[name] for name in TURNS]]))[0]
         return _from_zeros((line + self.tip(at, u)) @ turn.T - line, u)
 
-    @classmethod
-    def check_setup(cls, setup: Setup, machine: Machine) -> None:
+    def check(self) -> None:
         """Raise DescriptionError without a station."""
-        need_station(setup, "the tracker")
+        _need_station(self, "the tracker")
 
-    @staticmethod
-    def located(setup: Setup) -> tuple[str, ...]:
-        """Return how it is turned."""
+    @property
+    def located(self) -> tuple[str, ...]:
+        """How it is turned."""
         return TURNS

@@ -1,4 +1,4 @@
-"""Instruments that somebody wrote: a class derived from `axiscal_core.Instrument` is a kind like ours.
+"""Instruments that somebody wrote: a class derived from `axiscal_core.Instrument` is one like ours.
 
 A campaign names it as `file.py:Class`, by the path from campaign.toml, or by the name that a package gave it.
 Numbers that are not equally noisy are multiplied by σ₁/σᵢ within estimates and plans, so that one noise is that of all.
@@ -11,9 +11,10 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, ClassVar
 from zlib import crc32
 
 import numpy as np
@@ -22,14 +23,12 @@ from axiscal.document.consent import refuse_unread
 from axiscal.document.ports import one_of
 from axiscal.document.quoting import shown
 from axiscal.exceptions import AxiscalError, CodeError, DescriptionError
-from axiscal.measurement.instruments.kind import Instrument, Kind, Reads
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.setup import Reads, Setup, Unknown, Usual
 from axiscal.numerics import Array
 from axiscal.units import dimension_of
 from axiscal_core import refusals
 from axiscal_core.instrument import At, Unknowns, numbers, own_slopes, refuse_what_is_not_analytic
 from axiscal_core.instrument import Instrument as Seeing
-from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 from axiscal_core.units import Quantity, si
 
@@ -43,62 +42,66 @@ _NAME = re.compile(r"(?!(?:reading|setup|approach|time|check|std|used|surprise)$
 """Of a number: a column of its own in a file of readings."""
 
 
-class Foreign(Kind):
-    """What a class of somebody's sees.  made : the class; units : of each number; where : file and line that name it"""
+class Foreign(Setup):
+    """What a class of somebody's sees.
 
-    made: type[Seeing] = Seeing
-    units: tuple[Reads, ...] = ()
-    where: tuple[Path, int | None]
-    directed = False
+    made : the class; units : of each number; sigma : (k,) noise of each; where : file and line that name it
+    """
 
-    def __init__(self, setup: Setup, machine: Machine) -> None:
-        super().__init__(setup, machine)
+    made: ClassVar[type[Seeing]] = Seeing
+    units: ClassVar[tuple[Reads, ...]] = ()
+    sigma: ClassVar[Array]
+    where: ClassVar[tuple[Path, int | None]]
+    directed, written = False, True
+
+    @cached_property
+    def _seeing(self) -> Seeing:
         with _placed(*self.where):
-            self._seeing = self.made(setup.name, [machine.axes[k].name for k in setup.moves])
+            return self.made(self.name, [self.machine.axes[k].name for k in self.moves])
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return what the class does, each number by its scale."""
         with _placed(*self.where):
-            shown = numbers(self._seeing, at, u)
-        return [*(shown * np.array(self.scales)).T] if self.scales else [*shown.T]
+            return [*(numbers(self._seeing, at, u) * self.scales).T]
 
-    @classmethod
-    def check_setup(cls, setup: Setup, machine: Machine) -> None:
+    def check(self) -> None:
         """Raise DescriptionError where the class fails at a pose of the set-up, or is not analytic there."""
-        kind = cls(setup, machine)
-        with _placed(*cls.where):
-            refuse_what_is_not_analytic(kind._seeing, kind._tried())
+        with _placed(*self.where):
+            refuse_what_is_not_analytic(self._seeing, self._tried())
 
     def _tried(self) -> At:
         """Return places that are spread over what the set-up moves."""
-        poses = np.tile(np.array(self.setup.park), (_TRIED, 1))
-        for k, share in zip(self.setup.moves, even_points(_TRIED, len(self.setup.moves)).T, strict=True):
+        poses = np.tile(np.array(self.park), (_TRIED, 1))
+        for k, share in zip(self.moves, even_points(_TRIED, len(self.moves)).T, strict=True):
             low, high = self.machine.axes[k].travel
             poses[:, k] = low + (high - low) * share
         return self.places(poses, np.ones_like(poses))
 
-    @classmethod
-    def curved_in(cls, setup: Setup, machine: Machine) -> tuple[str, ...]:
+    def curved_by(self) -> tuple[str, ...]:
         """Return the unknowns on whose size the derivatives by any of them depend."""
-        kind, own = cls(setup, machine), [unknown.name for unknown in setup.unknowns]
-        at, nothing = kind._tried(), dict.fromkeys(cls.unknown_reads, 0.0)
-        slopes = [own_slopes(kind, at, {**nothing, each.name: each.std}, own) for each in setup.unknowns]
-        still = own_slopes(kind, at, nothing, own)
+        own = [unknown.name for unknown in self.unknowns]
+        at, nothing = self._tried(), dict.fromkeys(self.unknown_reads, 0.0)
+        slopes = [own_slopes(self, at, {**nothing, each.name: each.std}, own) for each in self.unknowns]
+        still = own_slopes(self, at, nothing, own)
         moved = (float(np.abs(each - still).max(initial=0.0)) for each in slopes)
         return tuple(name for name, change in zip(own, moved, strict=True) if change > _ROUNDING)
 
-    @classmethod
-    def reads_each(cls, setup: Setup) -> tuple[Reads, ...]:
-        """Return what each number is."""
-        return cls.units
+    @property
+    def scales(self) -> Array:
+        """By what each number is multiplied so that all are as noisy as the first, (k,)."""
+        return np.asarray(self.sigma[0] / self.sigma)
 
-    @classmethod
-    def column(cls, name: str) -> str:
+    @property
+    def reads_each(self) -> tuple[Reads, ...]:
+        """What each number is."""
+        return self.units
+
+    def column(self, name: str) -> str:
         """Return the number's own name."""
         return name
 
 
-def named(text: str, file: Path, line: int | None, *, own: bool) -> Instrument | None:
+def named(text: str, file: Path, line: int | None, *, own: bool) -> type[Setup] | None:
     """Return the instrument that a campaign calls so, None where nobody brings one; raises DescriptionError, PortError.
 
     file, line : where it is named; own : by who reads it. Raises CodeError for code that nobody has said yes to.
@@ -111,7 +114,7 @@ def named(text: str, file: Path, line: int | None, *, own: bool) -> Instrument |
         what = "{name} is no class that is derived from axiscal_core.Instrument"
         raise DescriptionError(what, "Name it as in file.py:Class, its path from here", name=shown(text))
     with _placed(None, None):
-        return _figures(text, found, (file, line))
+        return _instrument(text, found, (file, line))
 
 
 def _module(folder: Path, file: str, own: bool) -> Any:
@@ -151,7 +154,7 @@ def _placed(file: Path | None, line: int | None) -> Iterator[None]:
         raise DescriptionError(what, remedy, file, line, kind=type(fault).__name__, fault=fault) from fault
 
 
-def _figures(text: str, made: type[Seeing], where: tuple[Path, int | None]) -> Instrument:
+def _instrument(text: str, made: type[Seeing], where: tuple[Path, int | None]) -> type[Setup]:
     """Return a class with its figures."""
     one = made(text, [])
     names, sigma = tuple(one.names), one.sigma
@@ -164,21 +167,20 @@ def _figures(text: str, made: type[Seeing], where: tuple[Path, int | None]) -> I
         raise refusals.InputError(made.__name__, "drift", "is one for unlike numbers", "Leave it out")
     kinds = {name: dimension_of(_unit(size, units[0])) for name, size in {**one.unknowns, **one.type_b}.items()}
     unknowns: dict[str, Reads] = {name: "angle" if kind == "angle" else "length" for name, kind in kinds.items()}
-    own = {"made": made, "numbers": names, "reads": units[0], "units": units, "where": where}
-    own |= {"scales": () if alike else tuple((sigma[0] / sigma).tolist()), "unknown_reads": unknowns}
-    return Instrument(
-        name=text,
-        model=type(made.__name__, (Foreign,), own),
+    own = {"instrument": text, "made": made, "numbers": names, "reads": units[0], "units": units, "where": where}
+    own |= {"sigma": sigma, "alike": alike, "unknown_reads": unknowns}
+    own["usual"] = Usual(
         noise=float(sigma[0]),
         unknowns=tuple(Unknown(name, std) for name, std in one.own.items()),
         setup_time=one.begins,
         settle=0.0,
         reading_time=one.costs,
         wanders=(one.wander, one.wander),
-        park=tuple((axis, si(place, made.__name__, "park")) for axis, place in one.park.items()),
         approach=one.approach,
-        type_b=tuple((name, std, _unit(one.type_b[name], units[0])) for name, std in one.considered.items()),
+        park={axis: si(place, made.__name__, "park") for axis, place in one.park.items()},
     )
+    own["type_b"] = tuple((name, std, _unit(one.type_b[name], units[0])) for name, std in one.considered.items())
+    return type(made.__name__, (Foreign,), own)
 
 
 def _unit(size: Quantity, reads: Reads) -> str:

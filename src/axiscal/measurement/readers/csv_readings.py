@@ -18,7 +18,6 @@ from typing import Literal
 
 from axiscal.document import meant, shown
 from axiscal.exceptions import Faults, UnitError
-from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, TIMES, Column, Units, whole
 from axiscal.measurement.readers.csv_table import EXAMPLE, CsvTable, csv_text, raw_pose, table_of
@@ -192,9 +191,8 @@ def _numbers(table: CsvTable) -> list[int | None]:
 
 def own_columns(setup: Setup) -> dict[str, Units]:
     """Return the columns of an instrument whose class names them, each with its units."""
-    kind = model_of(setup)
-    each = zip(kind.names_of(setup), kind.reads_each(setup), strict=True)
-    return {kind.column(name): LENGTHS if reads == "length" else ANGLES for name, reads in each}
+    each = zip(setup.names, setup.reads_each, strict=True)
+    return {setup.column(name): LENGTHS if reads == "length" else ANGLES for name, reads in each}
 
 
 def _reading(table: CsvTable, row: Row, bare: bool, instruments: Mapping[str, Mapping[str, Units]]) -> RawReading:

@@ -23,7 +23,6 @@ import numpy as np
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import PlanError
 from axiscal.language.stages import stage
-from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import reading_seconds
 from axiscal.planning.plan.beginnings import plain_designs
@@ -304,7 +303,7 @@ def judged(task: Task, places: Places) -> Plan:
     readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)
     value = readings[-1].value if readings else state.value
     seen = task.yardstick.root.times(state.known)
-    numbers = len(places) * max(values_of(setup) for setup in task.observation.setups)
+    numbers = len(places) * max(len(setup.names) for setup in task.observation.setups)
     bound = task.yardstick.rms_of(rank_bound(seen @ seen.T, numbers))
     rms = readings[-1].accuracy.rms if readings else before.rms
     return Plan(places, readings, value, before, worth_saying(bound, rms))

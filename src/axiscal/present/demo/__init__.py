@@ -22,8 +22,8 @@ from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator, TruthCurve, VirtualMachine
 from axiscal.present.check_answer import check_answer
 from axiscal.present.delivery import deliver
-from axiscal.present.summarising import Extras
-from axiscal.present.summary import Summary
+from axiscal.present.result import Result
+from axiscal.present.result_of_campaign import Extras
 from axiscal_core.machine import Machine
 
 SEED = 2005
@@ -44,8 +44,8 @@ def hidden_machine(case: Case) -> VirtualMachine:
     return simulator.with_curves(measured_truth(case.errors, SEED), SEED)
 
 
-def run_demo(case: Case, out: Path, watch: Callable[[Milestone], None]) -> Summary:
-    """Run the campaign into a folder and return the words on its result.
+def run_demo(case: Case, out: Path, watch: Callable[[Milestone], None]) -> Result:
+    """Run the campaign into a folder and return its result.
 
     watch : called with every reading.  Raises RecordError if there is a campaign already.
     """

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from axiscal.answers.answer import rounded
 from axiscal.language.spoken import decimals
 from axiscal.present.drawing.strokes import SLACK, corners_way, rounded_up, short_number, text_safe, window, words
 from axiscal.present.drawing.svg_picture import alone
@@ -40,8 +39,8 @@ class Plot:
     marked: bool = False
 
     def svg(self, width: int) -> str:
-        """Return the text of an SVG file; raises SummaryError for a figure that is not finite."""
-        x, y, half = rounded(self.x, self.across), rounded(self.y, self.up), rounded(self.half or [0.0], self.up)
+        """Return the text of an SVG file."""
+        x, y, half = [*self.x], [*self.y], [*self.half] or [0.0]
         edges = [[v + side * h for v, h in zip(y, half * (len(y) // len(half)), strict=True)] for side in (1, -1)]
         across = PixelScale.over(x, _LEFT, width - _RIGHT)
         up = PixelScale.over([*edges[0], *edges[1], *([0.0] if self.marked else [])], _HEIGHT - _FOOT, _TOP)

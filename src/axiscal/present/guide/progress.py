@@ -195,7 +195,7 @@ def take_note(campaign: Campaign, text: str) -> str:
 def open_temperature(campaign: Campaign) -> bool:
     """Return whether it counts how warm the scale is that the set-up asked for reads, and nobody has said it."""
     asked, described = campaign.state.pending, campaign.description
-    return asked is not None and lacks_temperature(described.setup(asked.place.setup), described.machine)
+    return asked is not None and lacks_temperature(described.setup(asked.place.setup))
 
 
 def contradictions(campaign: Campaign, *, command: bool = True) -> list[str]:

@@ -20,7 +20,6 @@ from axiscal.answers.prediction import expectation
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
-from axiscal.measurement.instrument import instrument_of, model_of, values_of
 from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.reading import (
     asked_values,
@@ -105,7 +104,7 @@ def measured(text: str, setup: Setup, stands: Stands | None = None) -> Array:
     if not text.strip() or text.strip()[0].isalpha():
         what = said('"{text}" is no reading', text=text.strip())
         raise ReadingError(what, said("Type the number that the instrument shows"))
-    of = model_of(setup).reads_each(setup)
+    of = setup.reads_each
     each = zip(value_texts(text.strip(), setup), units_of(setup), of, strict=True)
     return np.array([parse_quantity(_with_unit(part, unit), reads) for part, unit, reads in each])
 
@@ -146,7 +145,7 @@ def degrees(text: str) -> str:
 
 def value_texts(text: str, setup: Setup) -> list[str]:
     """Return the texts of the values of a reading; a unit after the last alone is of all. Raises ReadingError."""
-    count = values_of(setup)
+    count = len(setup.names)
     parts = _SEVERAL.split(text.strip()) if count > 1 else [text]
     if len(parts) != count:
         given = counted("one value", "{count} values", len(parts))
@@ -258,10 +257,10 @@ class Question(AnswerDocument):
             check=said("drawn at random: what the others promise is judged by it") if asked.place.check else "",
             sign=sign_on(campaign.description.machine, setup),
             ways=list(sense(setup).ways),
-            turns=model_of(setup).reads == "angle",
+            turns=setup.reads == "angle",
             unit=unit,
             expected=[ExpectedNumber(mean=mean, half=half) for mean, half in zip(means, halves, strict=True)],
-            names=list(model_of(setup).names_of(setup)),
+            names=list(setup.names),
             units=list(units_of(setup)),
             asks=asked_values(setup),
         )
@@ -341,7 +340,7 @@ def axis_places(campaign: Campaign, asked: Asked) -> list[AxisPlace]:
 def sign_on(machine: Machine, setup: Setup) -> str:
     """Return when a reading is positive, and that x, y and z turn with a table where one turns in the set-up."""
     sign, axes = sense(setup).sign, [machine.axes[k] for k in setup.moves]
-    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in model_of(setup).names_of(setup)
+    turns = any(axis.rotary and axis.workpiece_side for axis in axes) and "x" in setup.names
     return said("{sign}; x, y and z turn with the table", sign=sign) if turns else sign
 
 
@@ -367,7 +366,7 @@ def mount_steps(setup: Setup, places: Sequence[AxisPlace], touch: str) -> tuple[
     """Return the steps, each as a short name and what to do."""
     zeroed = any(unknown.name.startswith("zero") for unknown in setup.unknowns)
     first = said("zero its display, roughly") if zeroed else ""
-    if zeroed and instrument_of(setup).contact == "retracted":  # as printers and controls say where a probe touches
+    if zeroed and setup.usual.contact == "retracted":  # as printers and controls say where a probe touches
         first = said("touch; type minus the coordinate there: 0.042 mm is -0.042 mm")
     steps = (
         (said("park"), coordinates_text(places, moves=False)),

@@ -16,7 +16,6 @@ from axiscal.estimation.promise.agreement import PRIOR
 from axiscal.estimation.promise.sick import repeats
 from axiscal.exceptions import AxiscalError, ReadingError
 from axiscal.language.spoken import WORDS, decimals, put, said
-from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Reading, reading_unit, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
@@ -110,7 +109,7 @@ def refuse_surprising(campaign: Campaign, question: Question, values: Array) -> 
         raise SurprisingError(surprise_text(question, values), causes(question, values))
     setup = campaign.description.setup(question.setup)
     tiny = question.unit == "um" and 0 < np.max(np.abs(values)) < _FINEST * setup.noise
-    if tiny and not instrument_of(setup).display and question.surprise(_FACTORS["mm"] * values) < SURPRISING:
+    if tiny and not setup.display and question.surprise(_FACTORS["mm"] * values) < SURPRISING:
         raise SurprisingError(said("It is less than the instrument can tell"), causes(question, values))
     if (before := _repeated(campaign, question, values)) is not None:
         what = "Reading {number} showed exactly this, which is rare by chance"
@@ -196,7 +195,7 @@ def _jog(campaign: Campaign) -> Jog | None:
     if asked is None or (readings and readings[-1].setup == asked.place.setup):
         return None
     setup, pose = campaign.description.setup(asked.place.setup), np.array(asked.place.pose)
-    if not instrument_of(setup).display or setup.base is not None:
+    if not setup.display or setup.base is not None:
         return None
     ways = (1.0 if x + _STEP <= axis.travel[1] else -1.0 for axis, x in zip(machine.axes, pose, strict=True))
     steps = np.array([0.0 if axis.rotary else _STEP * way for axis, way in zip(machine.axes, ways, strict=True)])

@@ -18,7 +18,6 @@ from axiscal.exceptions import InputError, SourceError, TravelError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import travel_text
 from axiscal.machine.kinematics import drawn_back
-from axiscal.measurement.instrument import instrument_of
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import cycle_of, met_from, read_as
@@ -210,7 +209,7 @@ class LiveSource:
 
     @staticmethod
     def _refuse_other_instrument(setup: Setup) -> None:
-        if not instrument_of(setup).all_round:
+        if not setup.all_round:
             what = "{setup} is of instrument {instrument}, and a probe in the spindle reads spheres"
             remedy = 'Let a campaign that LinuxCNC reads by itself have set-ups of instrument = "sphere"'
             raise SourceError(what, remedy, setup=shown(setup.name), instrument=setup.instrument)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class KeptResult:
     """What the readings of a campaign came to.
 
     rms, expanded : RMS standard uncertainty over the volume and U, m, None where none is promised
@@ -18,4 +18,4 @@ class Result:
     agreement: str = ""
 
 
-NOT_SAID = Result()
+NOT_SAID = KeptResult()

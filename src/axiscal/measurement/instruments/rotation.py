@@ -1,0 +1,102 @@
+"""Instruments that read the rotation of the tool about one direction, level and autocollimator: y = dᵀε + zero.
+
+A level, or the mirror of an autocollimator, that is stepped along a way on feet a base apart.
+
+y = atan( (d × a)ᵀ (w(t + L/2) − w(t − L/2)) / L ) + zero. Here w is the shape of the way and a its direction.
+To first order y is the slope of a chord; as L goes to zero, the derivative of the straightness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import ClassVar
+
+import numpy as np
+
+from axiscal.exceptions import DescriptionError
+from axiscal.machine.axis import travel_text
+from axiscal.measurement.setup import INCLINED, ZERO, Reads, Setup, Usual
+from axiscal.measurement.travel import across, slope_rows
+from axiscal.numerics import Array
+from axiscal.units import format_quantity
+from axiscal_core.instrument import At, Unknowns
+
+_ALONG = 1e-6
+"""Rounding of a unit vector."""
+_UNSEEN = 1e-9
+"""Rounding of a row, 1/m or 1."""
+
+
+class Rotation(Setup):
+    """One angle about the set-up's direction: of the tool, or of feet that are stepped along a way."""
+
+    reads: ClassVar[Reads] = "angle"
+    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType({"zero": "angle"})
+
+    def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
+        """Return dᵀε + zero, or the angle of the chord; at.moved : of one foot against the other, per length."""
+        if self.base is None:
+            return [at.turned @ np.array(self.direction) + u["zero"]]
+        return [np.arctan(np.sum(across(self.machine, self, at.poses) * at.moved, axis=1)) + u["zero"]]
+
+    def check(self) -> None:
+        """Raise DescriptionError where feet have no slope to read."""
+        if self.base is None:
+            return
+        self._refuse_other_moves()
+        base, axis = self.base, self.machine.axes[self.moves[0]]
+        if base >= axis.length:
+            what = "a base of {base} is not shorter than the travel of {axis}"
+            remedy, travel = "Both feet stand within the travel, which is {travel}", travel_text(axis)
+            raise DescriptionError(what, remedy, base=format_quantity(base, "mm", 6), axis=axis.name, travel=travel)
+        slope_seen = across(self.machine, self, np.array([self.park]))[0]
+        if abs(np.linalg.norm(slope_seen) - 1) > _ALONG:
+            what = "feet that are stepped along {axis} show its slope, and that is no turn about this direction"
+            remedy = "Give a direction across the way; for the roll of a carriage take base out: the level rides on it"
+            raise DescriptionError(what, remedy, axis=axis.name)
+        self._refuse_unseen()
+
+    def _refuse_other_moves(self) -> None:
+        moving = [self.machine.axes[index] for index in self.moves]
+        if len(moving) != 1 or moving[0].rotary:
+            named = ", ".join(axis.name for axis in moving)
+            what = "a base is stepped along one straight way, and here {axes} moves"
+            what = what if len(moving) == 1 else "a base is stepped along one straight way, and here {axes} move"
+            raise DescriptionError(what, 'Name the linear axis whose way it is, such as moves = ["X"]', axes=named)
+
+    def _refuse_unseen(self) -> None:
+        """Raise DescriptionError where the way has no shape, or a rest whose slope over this base nobody knows."""
+        machine, base = self.machine, self.base or 0.0
+        (seen,) = np.abs(slope_rows(machine, self, np.array([self.park])))
+        levelled = any(unknown.name == "zero" for unknown in self.unknowns)
+        shown = [term for term in machine.terms if seen[term.columns].max(initial=0.0) > _UNSEEN]
+        axis = machine.axes[self.moves[0]].name
+        if all(function.kind == "location" and levelled for function in shown):
+            what = "the machine states no straightness error of {axis} that a slope about this direction could show"
+            error = f"E{'X' if axis[0] == 'Z' else 'Z'}{axis}"
+            raise DescriptionError(what, "Add one under [errors], such as {error}", axis=axis, error=error)
+        for function in shown:
+            cell = np.ptp(function.edges(0, self.moves[0])[0])
+            if function.rest > 0 and base < cell * (1 - 1e-9):
+                short, long = format_quantity(base, "mm", 6), format_quantity(cell, "mm", 4)
+                what = (
+                    "a base of {short} is shorter than {long}, within which the rest of {function} has no known slope"
+                )
+                remedy = "Use a longer base, give that error more knots, or take its rest out"
+                raise DescriptionError(what, remedy, short=short, long=long, function=function.name)
+
+
+class Level(Rotation):
+    """An electronic level."""
+
+    instrument = "level"
+    usual = Usual(2.0e-6, (ZERO,), 300.0, 5.0, 5.0, INCLINED)
+
+
+class Autocollimator(Rotation):
+    """It looks at a mirror from afar."""
+
+    instrument = "autocollimator"
+    usual = Usual(0.5e-6, (ZERO,), 1800.0, 1.0, 3.0, INCLINED)
+    site = "line"

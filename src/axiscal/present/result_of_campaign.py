@@ -1,0 +1,363 @@
+"""From a campaign to its result."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from axiscal.answers.answer import ResultAnswer, TablesChecked
+from axiscal.answers.answer_of_campaign import answer_of
+from axiscal.answers.answer_words import answer_text
+from axiscal.answers.budget import BudgetShare, budget
+from axiscal.answers.row_words import row_names
+from axiscal.campaign.agreement_words import agreement_words, change_words, mistake_words
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import because_text, reaches
+from axiscal.campaign.evidence import evidence_words
+from axiscal.campaign.possible import versions
+from axiscal.description.campaign import Equipment
+from axiscal.description.type_b import Distribution
+from axiscal.estimation.accuracy.expanded import LEVEL
+from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
+from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
+from axiscal.language.stages import stage
+from axiscal.machine.questions import questions, which_way
+from axiscal.measurement.reading import (
+    approach_text,
+    by_text,
+    direction_text,
+    shown_pose,
+    units_of,
+    value_columns,
+)
+from axiscal.measurement.setup import Setup
+from axiscal.present.axis_tests_read import iso230_blocks
+from axiscal.present.conditions import conditions, counted_along
+from axiscal.present.curves import constants, errors
+from axiscal.present.findings import findings, observability
+from axiscal.present.readings_file import READINGS, readings_csv
+from axiscal.present.result import (
+    AgreementFigures,
+    BudgetSource,
+    ChecksFigures,
+    Finding,
+    HistoryRow,
+    Iso230Figures,
+    NamedMistake,
+    OneCheck,
+    RecordState,
+    RejectedReading,
+    Result,
+    ResultWords,
+    SetupUse,
+    TableFile,
+)
+from axiscal.present.sentences import cause_words
+from axiscal.present.volume_error import planes, volume_error
+from axiscal.tables.offer import Export
+from axiscal.units import said_quantity, to_unit
+from axiscal_core.ties import ALIKE, ranked
+
+_WORDS = WORDS["sources"]
+_DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Extras:
+    """What a campaign itself does not know: tables that were written, a finished standard test.
+
+    warnings : about what was given, besides those of the estimate
+    anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
+    checked : what a check of the tables on the machine found; best : the files that leave least
+    answer : with what tables leave; None where none are made
+    spoken : language of whoever ends the campaign, for a report that states none; language : that is wanted
+    """
+
+    tables: Sequence[TableFile] = ()
+    iso230: Sequence[Iso230Figures] = ()
+    warnings: Sequence[Finding] = ()
+    anyway: bool = False
+    checked: TablesChecked | None = None
+    best: Export | None = None
+    answer: ResultAnswer | None = None
+    spoken: str = "en"
+    language: str | None = None
+
+
+class Made(NamedTuple):
+    """A result, and the content of the file of all readings, whose hash it has."""
+
+    result: Result
+    readings: bytes
+
+
+@stage("the summary")
+def result_of(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
+    """Return the result of a campaign, in English; `resaid` says it in another language.
+
+    known : after all its readings
+    """
+    with speaking("en"):
+        made = _made(campaign, known, extras)
+        return made._replace(result=resaid(made.result))
+
+
+def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
+    case, described, readings, best = known.case, campaign.description, campaign.state.readings, extras.best
+    controller, control = ("", None) if best is None else (best.controller, best.control)
+    answer = extras.answer or answer_of(campaign, known, {}, anyway=extras.anyway)
+    answer = answer.model_copy(update={"checked": extras.checked})
+    agreement = agreement_words(known) if readings else ""
+    words = answer_text(answer, agreement, evidence_words(campaign))
+    history, linear, target = _history(campaign, known), linearity(known), described.target
+    sources, smaller = budget_rows(known)
+    taken = readings_csv(campaign, history)
+    changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
+    accepted = [Finding(code="accepted", text=change) for change in changes]
+    found = findings(known, ended=campaign.state.finished is not None)
+    limits = {"rms": target.rms, "worst": target.worst, "U": target.expanded}
+    result = Result(
+        identity=_identity(campaign),
+        words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
+        machine=described.machine.name,
+        readings=len(readings),
+        minutes=history[-1].minutes,
+        stopped_because=because_text(campaign.state.finished or "not finished"),
+        setups=[_setup_use(setup, campaign) for setup in described.setups],
+        agreement=_agreement(known, agreement),
+        checks=_checks(known),
+        **_uncertainties(known, history[-1], withheld=answer.withheld),
+        unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
+        budget=sources,
+        budget_smaller_um=smaller,
+        nonlinearity=linear.largest,
+        **{f"target_{name}_um": None if size is None else to_unit(size, "um") for name, size in limits.items()},
+        target_reached=reaches(target, known),
+        history=history,
+        errors=errors(known, readings),
+        plane_errors=planes(known),
+        volume=volume_error(known, controller, control) if readings else None,
+        constants=constants(known),
+        iso230=extras.iso230 or iso230_blocks(described, readings, known.left_out),
+        observability=observability(case),
+        questions=[
+            *questions(described.machine),
+            *which_way(described.machine),
+            *(each.words for each in described.unsourced),
+        ],
+        rejected=list(_rejected(known, history)),
+        warnings=[*extras.warnings, *accepted, *found, *not_gaussian(linear)],
+        answer=answer,
+        rows=answer.rows,
+        tables=extras.tables,
+        versions=dict(sorted(versions().items())),
+        inputs={**_checksums(campaign), f"data/{READINGS}": sha256(taken).hexdigest()},
+        record=record_state(campaign),
+    )
+    return Made(result, taken)
+
+
+def _uncertainties(known: Estimation, last: HistoryRow, *, withheld: bool) -> dict[str, Any]:
+    """Return standard and expanded uncertainties and what they hold for; None each where they are withheld."""
+    found, stated = expanded_uncertainty(known), known.stated
+    space, worst, *axes = (to_unit(each, "um") for each in (found.space, found.worst, *found.axes))
+    figures = {
+        "U_um": space,
+        "U_axis_um": dict(zip("xyz", axes, strict=True)),
+        "U_worst_um": worst,
+        "U_level": LEVEL,
+        "k": found.factor(known.accuracy.rms),
+        "U_holds_for": conditions(stated),
+        "U_along": counted_along(stated),
+        "rms_um": last.rms_um,
+        "worst_um": last.worst_um,
+    }
+    return dict.fromkeys(figures) if withheld else figures
+
+
+_WHO = ("number", "customer", "laboratory", "place", "operator", "responsible", "temperature", "remarks", "maker",
+        "serial")  # fmt: skip
+
+
+def _identity(campaign: Campaign) -> dict[str, str | dict[str, dict[str, str]]]:
+    """Return whose machine it is, who measured when, and for whom, as far as somebody has said so."""
+    described, begun = campaign.description, datetime.fromisoformat(campaign.begun)
+    last = max((reading.time for reading in campaign.state.readings if reading.time is not None), default=0.0)
+    artefacts = {
+        name: {kind: text for kind in ("serial", "certificate") if (text := getattr(each, kind))}
+        for name, each in described.particulars.artefacts.items()
+    }
+    said_of = {
+        "chain": described.machine.chain,
+        "campaign_file": described.source,
+        "begun": begun.date().isoformat(),
+        "ended": (begun + timedelta(seconds=last)).date().isoformat(),
+        **{name: getattr(described.particulars, name) for name in _WHO},
+        "artefacts": {name: each for name, each in artefacts.items() if each},
+    }
+    return {name: each for name, each in said_of.items() if each}
+
+
+def _agreement(known: Estimation, words: str) -> AgreementFigures:
+    found, names = known.agreement, [setup.name for setup in known.case.description.setups]
+    return AgreementFigures(
+        count=found.count,
+        agreeing=found.agreeing,
+        c2=found.c2,
+        p=found.p,
+        contradict=found.contradicts,
+        explained=[
+            NamedMistake(
+                mistake=each.mistake,
+                odds=each.odds,
+                setups=[names[k] for k in each.setups],
+                text=mistake_words(each, known),
+            )
+            for each in found.explained
+        ],
+        text=words,
+    )
+
+
+def _checks(known: Estimation) -> ChecksFigures:
+    found, readings = known.checks, known.readings
+    each = [OneCheck(reading=readings[one.reading].numbered(one.reading), z=one.z, used=one.used) for one in found.each]
+    return ChecksFigures(count=len(each), as_promised=found.as_promised, s=found.s, each=each)
+
+
+def _checksums(campaign: Campaign) -> dict[str, str]:
+    """Return the SHA-256 of what the campaign was described by, and the hash of its record."""
+    described = campaign.description
+    texts = {
+        Path(described.source).name: described.text,
+        Path(described.machine_source).name: described.machine.text,
+        said("the earlier campaign"): described.prior_text,
+    }
+    sums = {name: sha256(text.encode("utf-8", "surrogateescape")).hexdigest() for name, text in texts.items() if text}
+    return sums | {campaign.path.name: campaign.state.name}
+
+
+def record_state(campaign: Campaign) -> RecordState:
+    """Return from which state of which record figures and tables are made."""
+    return RecordState(file=campaign.path.name, event=campaign.state.last, hash=campaign.state.name)
+
+
+def _history(campaign: Campaign, known: Estimation) -> list[HistoryRow]:
+    """Return how well the machine was known after each reading, and how much each surprised, or was not believed."""
+    doubts = {doubt.reading: float(doubt.surprise) for doubt in known.outliers}
+    first, *moments = path(known)
+    rows = [HistoryRow(reading=0, **_accuracy(first))]
+    for index, (reading, moment) in enumerate(zip(campaign.state.readings, moments, strict=True)):
+        setup, last = known.case.description.setup(reading.setup), moment.innovations
+        assert last is not None  # which it is before the first alone
+        units = units_of(setup)
+        value, *others = (to_unit(x, own) for x, own in zip((reading.value, *reading.others), units, strict=True))
+        innovation, away = float(last.value[0]), doubts.get(index)
+        surprise = innovation / float(last.std[0]) if away is None else math.copysign(away, innovation)
+        rows.append(
+            HistoryRow(
+                reading=reading.numbered(index),
+                setup=reading.setup,
+                position=shown_pose(known.case.description.machine.axes, reading.pose),
+                value=value,
+                unit=units[0],
+                others=others,
+                units=[column.rpartition("_")[2] for column in value_columns(setup)],
+                innovation=to_unit(innovation, units[0]),
+                surprise=surprise,
+                approach=approach_text(known.case.description.machine.axes, reading.approach),
+                by=by_text(reading),
+                rejected=away is not None,
+                **_accuracy(moment),
+            )
+        )
+    return rows
+
+
+def _accuracy(moment: Moment) -> dict[str, float]:
+    """Return the accuracy after a reading, and the minutes until then."""
+    rms, worst = (to_unit(each, "um") for each in (moment.accuracy.rms, moment.accuracy.worst))
+    return {"rms_um": rms, "worst_um": worst, "minutes": to_unit(moment.seconds, "min")}
+
+
+def _rejected(known: Estimation, history: Sequence[HistoryRow]) -> Iterator[RejectedReading]:
+    """Yield the readings that are not believed, with the reason."""
+    for row in history:
+        if row.rejected:
+            away = abs(row.surprise or 0.0)
+            reason = said("{away:.1f} standard deviations from what the other readings say", away=away)
+            kept = {name: getattr(row, name) for name in ("reading", "setup", "unit", "value", "position")}
+            yield RejectedReading(**kept, reason=reason)
+
+
+def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
+    axes = campaign.description.machine.axes
+    noises = zip(setup.noise / setup.scales, units_of(setup), strict=True)
+    of = campaign.description.particulars.setups.get(setup.name, Equipment())
+    named = len(setup.names) > 1 or setup.written
+    along = " ".join(setup.names) if named else direction_text(setup)
+    return SetupUse(
+        name=setup.name,
+        instrument=said(setup.title),
+        along=along if setup.length is None else said("the bar"),
+        moves=[axes[k].name for k in setup.moves],
+        noise=listed(", ", [*dict.fromkeys(said_quantity(float(each), unit) for each, unit in noises)]),
+        readings=sum(reading.setup == setup.name for reading in campaign.state.readings),
+        serial=of.serial,
+        certificate=of.certificate,
+        temperature=said("{growth:.3g} um/m against 20 degC", growth=setup.growth * 1e6) if setup.growth else "",
+    )
+
+
+def not_gaussian(found: Linearity) -> Iterator[Finding]:
+    """Yield a warning where a reading is so far from linear that the posterior is no Gaussian."""
+    if found.gaussian or found.reading is None:
+        return
+    text = (
+        "Reading {reading} is not linear within what is left open: its second order is {times:.2g} times its noise, "
+        "so the bands are only about right. State stations or location errors nearer to the truth, or read more."
+    )
+    words = said(text, reading=found.reading, times=float(found.largest))
+    yield Finding(code="not-gaussian", text=words)
+
+
+WORTH = 5e-4
+"""Shares of the square below have no row of their own: they would show as nought."""
+
+
+def budget_rows(known: Estimation) -> tuple[list[BudgetSource], float]:
+    """Return the sources of the standard uncertainty, the largest first, and the RMS of those without a row, um."""
+    shares = budget(known)
+    whole = sum(share.rms**2 for share in shares) or 1.0
+    counted = [share for share in shares if share.rms**2 >= WORTH * whole]
+    smaller = math.sqrt(sum(share.rms**2 for share in shares if share.rms**2 < WORTH * whole))
+    rows = [
+        BudgetSource(
+            source=_source(share),
+            kind="A" if share.cause is None else "B",
+            distribution="" if share.cause is None else said(_DISTRIBUTIONS[share.cause.row.distribution]),
+            rms_um=to_unit(share.rms, "um"),
+            share=share.rms**2 / whole,
+        )
+        for share in (counted[k] for k in ranked(np.array([share.rms**2 / whole for share in counted]), ALIKE))
+    ]
+    return rows, to_unit(smaller, "um")
+
+
+def _source(share: BudgetShare) -> str:
+    if share.kind == "instrument":
+        return said('Instrument: noise of the readings of "{setup}"', setup=share.setup)
+    if share.cause is not None:
+        row, owner = share.cause.row, share.cause.owner
+        what = cause_words(row.name, owner)
+        if share.cause.stated:
+            return said("{what}, as stated", what=what)
+        return said("{what}, {size} as is usual", what=what, size=said_quantity(row.size, row.unit))
+    return said(_WORDS[share.kind])
