@@ -100,5 +100,5 @@ def standing_screen(campaign: Campaign) -> str:
     if planned is not None:
         return plan_screen(planned, str(path))
     words = agreement_words(campaign.so_far()) if campaign.state.readings else ""
-    results, signed = str(results_of(path)).removeprefix("."), evidence_words(campaign)
+    results, signed = str(results_of(path)).removeprefix("."), evidence_words(campaign.log)
     return screen(standing_answer(campaign), words, str(path), results, evidence=signed)

@@ -258,7 +258,7 @@ def _checksums(campaign: Campaign) -> dict[str, str]:
 
 def record_state(campaign: Campaign) -> RecordState:
     """Return from which state of which record figures and tables are made."""
-    return RecordState(campaign.path.name, campaign.state.last, campaign.state.name, evidence_words(campaign))
+    return RecordState(campaign.path.name, campaign.state.last, campaign.state.name, evidence_words(campaign.log))
 
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[Written]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import asdict, fields, replace
 from datetime import datetime
 from functools import cache
@@ -74,9 +73,11 @@ def decode(kind: str, text: str) -> events.Event:
 
 def stored(number: int, row: EventText) -> events.Stored:
     """Return an event of a record; raises PayloadError, also for one without the time at which it was written."""
-    event, timeless = decode(row.kind, row.payload), True
-    with suppress(ValueError):
+    event = decode(row.kind, row.payload)
+    try:
         timeless = datetime.fromisoformat(row.at).tzinfo is None
+    except ValueError:
+        timeless = True
     if timeless:
         raise PayloadError(f"{row.at[:40]!r} is no time")
     return events.Stored(number, row.at, event)

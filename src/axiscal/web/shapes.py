@@ -47,7 +47,7 @@ class AnswerShape(AnswerDocument):
             text = plan_text(answer, record)
         else:
             agreement = agreement_words(campaign.so_far()) if answer.readings else ""
-            text = answer_text(answer, agreement, record, results, evidence_words(campaign))
+            text = answer_text(answer, agreement, record, results, evidence_words(campaign.log))
         return cls(
             first=[spelt(part) for part in text.first.parts],
             rows=[[spelt(cell) for cell in row] for row in text.rows],
