@@ -57,7 +57,7 @@ def decode(kind: str, text: str) -> events.Event:
             raise ValueError(f"{beside} are no texts")
         if kind not in _KINDS:
             return events.Newer(kind, text, not _OF_READINGS.isdisjoint(found))
-        known, reader = _reader(_KINDS[kind])
+        known, reader = _reader(kind)
         if not found.keys() <= known:
             return events.Newer(kind, text, kind != "noted")
         read = reader.validate_json(text)
@@ -171,11 +171,13 @@ _READ: Mapping[type, Callable[[Any], events.Event]] = {
 _KINDS = {kind.__name__.lower(): kind for kind in get_args(events.Event) if kind != events.Newer} | {
     kind.__name__.lower()[1:]: kind for kind in _READ
 }
+"""Classes by the names of their kinds: what the record has, and of `_READ` how it is written."""
 
 
 @cache
-def _reader(kind: Any) -> tuple[frozenset[str], TypeAdapter[Any]]:
+def _reader(name: str) -> tuple[frozenset[str], TypeAdapter[Any]]:
     """Return the fields that this version knows of a kind, one with others is a newer version's, and what reads it."""
+    kind: Any = _KINDS[name]
     if kind in _READ:
         return frozenset(kind.model_fields), TypeAdapter(kind)
     names = frozenset(field.name for field in fields(kind)) - {"by"}
