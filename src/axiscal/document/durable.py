@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import math
 import os
 import random
 import re
@@ -16,6 +17,8 @@ from pathlib import Path
 
 _NAP = 0.002
 """Seconds between two looks, at most; by chance, so that nobody is always too late."""
+_AGAIN = 0.05
+"""Seconds within which whoever has held a file does not come first again; any longer than a nap would do."""
 _LOOKS = 500
 """Looks before anybody gives up: a process that the system left without a processor for seconds has waited for that,
 not for the file. An idle machine makes thousands of them in the usual patience; a tenth or ten times as many would do.
@@ -159,6 +162,9 @@ else:
     _TAKE, _LEAVE, _hold = fcntl.LOCK_EX | fcntl.LOCK_NB, fcntl.LOCK_UN, fcntl.flock
 
 
+_last_left: dict[int, float] = {}
+
+
 class HeldError(Exception):
     """Another process holds the file."""
 
@@ -171,6 +177,8 @@ def alone(handle: int, patience: float) -> Iterator[None]:
     files cannot be held.
     """
     until, looks = time.monotonic() + patience, 0
+    if time.monotonic() - _last_left.get(handle, -math.inf) < _AGAIN:  # others may be waiting: they get their turn
+        time.sleep(_NAP * random.random())
     while True:
         try:
             _hold(handle, _TAKE)
@@ -184,3 +192,4 @@ def alone(handle: int, patience: float) -> Iterator[None]:
         yield
     finally:
         _hold(handle, _LEAVE)
+        _last_left[handle] = time.monotonic()
