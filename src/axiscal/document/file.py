@@ -251,7 +251,8 @@ _CLOSINGS = ("", "]", "]]", "]}", "}]", '"""', "'''")
 def _holds(said: Any, path: tuple[Key, ...]) -> bool:
     """Return whether there is a key path in a value."""
     for key in path:
-        if not (key in said if isinstance(said, dict) else isinstance(said, list) and int(key) < len(said)):
+        keys = said if isinstance(said, dict) else range(len(said)) if isinstance(said, list) else ()
+        if key not in keys:
             return False
         said = said[key]
     return True
