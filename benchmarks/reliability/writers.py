@@ -98,7 +98,7 @@ def on_a_share(entries: int) -> Trial:
     Where both went on from one event the record is named as such, and what both wrote is taken in.
     """
     rounds, said, missed, named = max(1, entries // _ROUND), list[str](), 0, 0
-    with scratch() as top, patch.object(durable, "_taken", return_value=True):
+    with scratch() as top, patch.object(durable, "_hold"):
         path = top / NAME
         path.write_bytes(first_record())
         for turn in range(rounds):

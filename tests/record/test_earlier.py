@@ -70,6 +70,14 @@ def test_the_first_entry_writes_it_anew_and_keeps_it_beside(path: Path) -> None:
     assert (beside.suffix, beside.read_bytes()) == (".before", before)
 
 
+def test_what_is_written_anew_keeps_its_permissions(path: Path) -> None:
+    path.chmod(0o640)
+    with Record.open(path) as record:
+        record.append(recorded(1e-6, "along x"))
+    repaired([path], path.with_name("new.axiscal"), lambda question: True)
+    assert {each.stat().st_mode & 0o777 for each in path.parent.iterdir()} == {0o640}
+
+
 def test_two_copies_that_went_on_apart_are_of_one_campaign(path: Path) -> None:
     """Its id follows from its first line, so that whoever goes on with it makes the same one."""
     copy, both = path.with_name("copy.axiscal"), path.with_name("both.axiscal")

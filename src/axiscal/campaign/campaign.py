@@ -58,7 +58,6 @@ from axiscal.record.events import (
     Undone,
 )
 from axiscal.record.store import Record
-from axiscal.record.story import SignedUntil
 from axiscal_core.refusals import one
 
 Planner = Callable[
@@ -73,8 +72,8 @@ def _next_places(*known: Any) -> tuple[Place, ...]:
     return next_places(*known)
 
 
-_ANSWERS = 7
-"""Kept of the same readings: case, times, estimates while others follow and at the end, their end, the signature."""
+_ANSWERS = 6
+"""Kept of the same readings: case, times, estimates while others follow and at the end, and their end."""
 
 
 class Campaign(AbstractContextManager["Campaign"]):
@@ -257,10 +256,6 @@ class Campaign(AbstractContextManager["Campaign"]):
         """Sign the record so far, if this person has a key."""
         self.log.sign()
         self._append()
-
-    def signed(self) -> SignedUntil | None:
-        """Return the last signature, None without one."""
-        return self._memo.answer(("signed", self.state.name), self.log.signed)
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""

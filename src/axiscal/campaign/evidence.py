@@ -5,16 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from axiscal.campaign.campaign import Campaign
 from axiscal.language.spoken import counted, said
 from axiscal.record.events import Note
 from axiscal.record.signing import is_known, people_file
 from axiscal.record.store import Record
 
 
-def signed_text(record: Campaign | Record) -> str:
+def signed_text(record: Record) -> str:
     """Return who answers for how much of the record, in words behind "the record is", "" where nobody does."""
-    found, last = record.signed(), record.state.last if isinstance(record, Campaign) else record.last()
+    found, last = record.signed(), record.last()
     if found is None:
         return ""
     person, computer, key, _ = found.by
@@ -32,7 +31,7 @@ def signed_text(record: Campaign | Record) -> str:
     return said("{signed}; unsigned since: {events}", signed=signed, events=since)
 
 
-def evidence_words(record: Campaign | Record) -> str:
+def evidence_words(record: Record) -> str:
     """Return the sentence for screens, pages and reports; "" for a record that nobody has signed."""
     signed = signed_text(record)
     return said("The record is {signed}.", signed=signed) if signed else ""

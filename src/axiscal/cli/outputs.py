@@ -58,7 +58,7 @@ def write_outputs(
     else:
         if details:
             tell_details(result, out)
-        say(written_screen(result, record or campaign.path, out, evidence_words(campaign)))
+        say(written_screen(result, record or campaign.path, out, evidence_words(campaign.log)))
     if result.answer.withheld:
         remedy = (
             "Take the readings again that stand out, or write U and tables all the same with finish --anyway; all "
@@ -101,5 +101,5 @@ def standing_screen(campaign: Campaign) -> str:
     if planned is not None:
         return plan_screen(planned, str(path))
     words = agreement_words(campaign.so_far()) if campaign.state.readings else ""
-    results, signed = str(results_of(path)).removeprefix("."), evidence_words(campaign)
+    results, signed = str(results_of(path)).removeprefix("."), evidence_words(campaign.log)
     return screen(standing_answer(campaign), words, str(path), results, evidence=signed)

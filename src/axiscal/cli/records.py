@@ -147,8 +147,8 @@ def sign(record: OwnRecord, json: Json = False) -> None:
     make_key()
     with opened_to_write(record) as campaign:
         campaign.sign()
-        found = campaign.signed()
+        found = campaign.log.signed()
         assert found is not None
         document = {"record": str(record), "event": found.number, **found.by._asdict(), "holds": found.holds}
-        words = f"{record}: {signed_text(campaign)}. Public key: {found.by.key}. Keep {key_file()} to yourself."
+        words = f"{record}: {signed_text(campaign.log)}. Public key: {found.by.key}. Keep {key_file()} to yourself."
         say_either(json, "axiscal-signature/1", document, [words])

@@ -98,7 +98,7 @@ def _lines(campaign: Campaign) -> list[str]:
         done = said("Left the set-up at") if gap.whole else said("Skipped")
         lines.append(f"{done} {asked_text(campaign, gap.asked)}: {gap.reason}")
     lines += [said("Accepted: {change}", change=change_words(each)) for each in state.accepted]
-    lines.append(said("The record is {signed}", signed=signed_text(campaign) or said("unsigned")))
+    lines.append(said("The record is {signed}", signed=signed_text(campaign.log) or said("unsigned")))
     lines += [said("Noted {at}: {text}", at=note.at[:16].replace("T", " "), text=note.text) for note in state.notes]
     if state.finished is not None:
         return [*lines, said("Finished: {because}", because=because_text(state.finished))]
@@ -142,7 +142,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "by": _by_others(campaign),
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "newer": [each.kind for each in state.newer],
-        "signed": signed_text(campaign) or None,
+        "signed": signed_text(campaign.log) or None,
         "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
             for gap in state.skipped

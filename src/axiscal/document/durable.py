@@ -65,9 +65,7 @@ def write_whole(path: Path, content: bytes, *, new: bool = False, like: Path | N
 def _named_anew(draft: Path, path: Path) -> None:
     try:
         os.link(draft, path)
-    except FileExistsError:
-        raise
-    except OSError:  # a file system without hard links
+    except OSError:  # also on a file system without hard links
         if path.exists():
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
         os.rename(draft, path)
@@ -159,11 +157,9 @@ if sys.platform == "win32":
         msvcrt.locking(handle, how, 1)
 
 else:
-    from fcntl import LOCK_EX, LOCK_NB
-    from fcntl import LOCK_UN as _LEAVE
-    from fcntl import flock as _hold
+    import fcntl
 
-    _TAKE = LOCK_EX | LOCK_NB
+    _TAKE, _LEAVE, _hold = fcntl.LOCK_EX | fcntl.LOCK_NB, fcntl.LOCK_UN, fcntl.flock
 
 
 _last_left: dict[int, float] = {}

@@ -133,29 +133,25 @@ class Document:
         for path in (keys[:end] for end in range(len(keys), 0, -1)):
             if _holds(self.data, path):
                 found = bisect_left(lines, True, key=lambda count: _holds(self._said_by(count), path))
-                return lines[found] if self._tried.total() < _MOST_TRIED else None
+                return lines[found] if self._read[0].total() < _MOST_TRIED else None
         return None
 
     @cached_property
-    def _tried(self) -> Counter[int]:
-        return Counter()
-
-    @cached_property
-    def _beginnings(self) -> dict[int, dict[str, Any]]:
-        return {}
+    def _read(self) -> tuple[Counter[int], dict[int, dict[str, Any]]]:
+        return Counter(), {}  # characters that were read once more, and what so many lines say
 
     def _said_by(self, count: int) -> dict[str, Any]:
         """Return what so many lines say, of a value that goes on behind them what stands in them."""
-        lines = self.text.split("\n")[:count]
-        while lines and count not in self._beginnings and self._tried.total() < _MOST_TRIED:
+        (tried, known), lines = self._read, self.text.split("\n")[:count]
+        while lines and count not in known and tried.total() < _MOST_TRIED:
             begun = "\n".join([*lines, ""])
-            self._tried[count] += len(begun)
+            tried[count] += len(begun)
             for closing in _CLOSINGS:
                 with suppress(tomllib.TOMLDecodeError):
-                    self._beginnings[count] = tomllib.loads(begun + closing)
+                    known[count] = tomllib.loads(begun + closing)
                     break
             lines.pop()
-        return self._beginnings.get(count, {})
+        return known.get(count, {})
 
     def fault(self, failure: InputError, *keys: Key) -> InputError:
         """Return a failure placed in this file at the line of a key path, its text beginning with the dotted path."""
@@ -255,7 +251,8 @@ _CLOSINGS = ("", "]", "]]", "]}", "}]", '"""', "'''")
 def _holds(said: Any, path: tuple[Key, ...]) -> bool:
     """Return whether there is a key path in a value."""
     for key in path:
-        if not (key in said if isinstance(said, dict) else isinstance(said, list) and int(key) < len(said)):
+        keys = said if isinstance(said, dict) else range(len(said)) if isinstance(said, list) else ()
+        if key not in keys:
             return False
         said = said[key]
     return True

@@ -117,7 +117,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     with speaking("en"), result_set(out, live=live) as folder:
         if live is None:
             campaign.log.copy_to(folder / RECORD)
-        told = [each.text for each in result.warnings], result.agreement.text, result.record, evidence_words(campaign)
+        told = [each.text for each in result.warnings], result.agreement.text, result.record, evidence_words(campaign.log)
         for name, each in made.items():
             if isinstance(each, Export):
                 write_files(introduced(each, *told), folder / "tables" / name)

@@ -115,7 +115,7 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
     answer = extras.answer or answer_of(campaign, known, {}, anyway=extras.anyway)
     answer = answer.model_copy(update={"checked": extras.checked})
     agreement = agreement_words(known) if readings else ""
-    words = answer_text(answer, agreement, evidence_words(campaign))
+    words = answer_text(answer, agreement, evidence_words(campaign.log))
     history, linear, target = _history(campaign, known), linearity(known), described.target
     sources, smaller = budget_rows(known)
     taken = readings_csv(campaign, history)

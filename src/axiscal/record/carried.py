@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 from axiscal.document.gone import instead_of
 from axiscal.exceptions import RecordError
 from axiscal.record.accepted import Bumped
-from axiscal.record.events import Event, Recorded
+from axiscal.record.events import Recorded
 from axiscal.record.payload import encode
 from axiscal.record.store import Record
 
@@ -31,10 +30,9 @@ def carried_text(path: Path) -> str:
     created = state.created
     if created is None or not state.readings:
         raise RecordError("The record has no readings", "Name a campaign that has been measured", path)
-    bumps = *carried_bumps(created.prior_text), *state.bumps
-    kept: dict[str, Sequence[Event]] = {"mounted": state.mounted, "warmed": state.warmed, "bumped": bumps}
-    kept = {"readings": [Recorded(reading) for reading in state.readings]} | {k: of for k, of in kept.items() if of}
-    document: dict[str, Any] = {name: [json.loads(encode(each)[1]) for each in of] for name, of in kept.items()}
+    bumps, readings = (*carried_bumps(created.prior_text), *state.bumps), [*map(Recorded, state.readings)]
+    kept = ("readings", readings), ("mounted", state.mounted), ("warmed", state.warmed), ("bumped", bumps)
+    document: dict[str, Any] = {name: [json.loads(encode(each)[1]) for each in of] for name, of in kept if of}
     document["created"] = json.loads(encode(created)[1])
     return json.dumps(document, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
 

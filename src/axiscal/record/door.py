@@ -64,7 +64,8 @@ def record_errors(path: Path) -> Iterator[None]:
     except DamageError as error:
         raise RecordError("The record is damaged: {reason}", restoring(path), path, reason=error) from error
     except FileExistsError:
-        raise _there_already(path) from None
+        refuse_existing(path)
+        raise
     except HeldError:
         remedy = "Close it or wait, then give the command again"
         raise RecordError("Another program holds this record and is writing", remedy, path) from None
@@ -81,12 +82,8 @@ def record_errors(path: Path) -> Iterator[None]:
 def refuse_existing(path: Path) -> None:
     """Raise RecordError if there is something at `path` already."""
     if path.exists():
-        raise _there_already(path)
-
-
-def _there_already(path: Path) -> RecordError:
-    remedy = "Go on with it by `axiscal step next`, or name another file for the record"
-    return RecordError("This file exists already", remedy, path)
+        remedy = "Go on with it by `axiscal step next`, or name another file for the record"
+        raise RecordError("This file exists already", remedy, path) from None
 
 
 def restoring(path: Path) -> str:

@@ -10,7 +10,6 @@ import hashlib
 import re
 import zlib
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import NamedTuple
 
 from axiscal.record.lines import EMPTY, HEAD, EventText, KeptLine, chained, entry, head
@@ -31,7 +30,6 @@ class _Old(NamedTuple):
     closes: bool
 
 
-@lru_cache(1)
 def told_anew(content: bytes) -> bytes:
     """Return a record of form 2 or 3 as a file of form 4, with an id that follows from its first event.
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import asdict, fields, replace
 from datetime import datetime
 from functools import cache
@@ -58,9 +57,11 @@ def decode(kind: str, text: str) -> events.Event:
             raise ValueError(f"{beside} are no texts")
         if kind not in _KINDS:
             return events.Newer(kind, text, not _OF_READINGS.isdisjoint(found))
-        known, reader = _reader(_KINDS[kind])
+        known, needed, reader = _reader(kind)
         if not found.keys() <= known:
             return events.Newer(kind, text, kind != "noted")
+        if not needed <= found.keys():
+            raise ValueError(f"it lacks {', '.join(sorted(needed - found.keys()))}")
         read = reader.validate_json(text)
         event = _READ[type(read)](read) if type(read) in _READ else read
         return replace(event, by=beside["person"]) if isinstance(event, events.Created) else event
@@ -74,9 +75,11 @@ def decode(kind: str, text: str) -> events.Event:
 
 def stored(number: int, row: EventText) -> events.Stored:
     """Return an event of a record; raises PayloadError, also for one without the time at which it was written."""
-    event, timeless = decode(row.kind, row.payload), True
-    with suppress(ValueError):
+    event = decode(row.kind, row.payload)
+    try:
         timeless = datetime.fromisoformat(row.at).tzinfo is None
+    except ValueError:
+        timeless = True
     if timeless:
         raise PayloadError(f"{row.at[:40]!r} is no time")
     return events.Stored(number, row.at, event)
@@ -170,17 +173,24 @@ _READ: Mapping[type, Callable[[Any], events.Event]] = {
 _KINDS = {kind.__name__.lower(): kind for kind in get_args(events.Event) if kind != events.Newer} | {
     kind.__name__.lower()[1:]: kind for kind in _READ
 }
+"""Classes by the names of their kinds: what the record has, and of `_READ` how it is written."""
 
 
 @cache
-def _reader(kind: Any) -> tuple[frozenset[str], TypeAdapter[Any]]:
-    """Return the fields that this version knows of a kind, one with others is a newer version's, and what reads it."""
+def _reader(name: str) -> tuple[frozenset[str], frozenset[str], TypeAdapter[Any]]:
+    """Return the fields of a kind that this version knows, one with others is a newer version's, and what reads it.
+
+    The second are those that even the oldest record has, where the class says something instead.
+    """
+    kind: Any = _KINDS[name]
     if kind in _READ:
-        return frozenset(kind.model_fields), TypeAdapter(kind)
+        return frozenset(kind.model_fields), frozenset(), TypeAdapter(kind)
     names = frozenset(field.name for field in fields(kind)) - {"by"}
-    return names, TypeAdapter(with_config(_Strict.model_config)(kind))
+    return names, names - _LATER, TypeAdapter(with_config(_Strict.model_config)(kind))
 
 
+_LATER = frozenset(("prior_text", "usual_doubts", "fine_knots", "whole_lengths", "rest", "last", "result"))
+"""What older records could not say."""
 _OF_READINGS = frozenset(
     ("setup", "position", "approach", "check", "reading", "readings", "event", "events", "setups", "value", "values")
 )

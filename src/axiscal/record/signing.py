@@ -138,11 +138,6 @@ def _message(document: Mapping[str, object], by: Signature) -> bytes:
     return f"axiscal-signature/1\n{text}".encode()
 
 
-def _refuse_shared(path: Path) -> None:
-    if os.name == "posix" and path.stat().st_mode & 0o077:
-        raise RecordError("Others may read this key", "Keep it to yourself: chmod 600 {path}", path, path=path)
-
-
 def _own_key() -> Ed25519PrivateKey | None:
     path = key_file()
     if not path.exists():
@@ -150,7 +145,8 @@ def _own_key() -> Ed25519PrivateKey | None:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
     from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
-    _refuse_shared(path)
+    if os.name == "posix" and path.stat().st_mode & 0o077:
+        raise RecordError("Others may read this key", "Keep it to yourself: chmod 600 {path}", path, path=path)
     try:
         key = load_pem_private_key(path.read_bytes(), None)
     except (OSError, TypeError, ValueError) as fault:

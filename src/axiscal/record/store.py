@@ -61,7 +61,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
         self.path, self._file, self._write = path, path.absolute(), write
         self.lines, self.name = list[KeptLine](), EMPTY
         self._events, self._story = list[Stored](), Story()
-        self._end, self._earlier, self._writer = HEAD, False, uuid.uuid4().hex[:16]
+        self._end, self._earlier, self._writer = HEAD, -1, uuid.uuid4().hex[:16]
 
     @classmethod
     def create(cls, path: str | Path, created: Created) -> Self:
@@ -120,7 +120,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
         if not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
         with record_errors(self.path):
-            if self._earlier:
+            if self._earlier >= 0:
                 self._bring()
             with self._held() as handle:
                 self._catch_up()
@@ -329,10 +329,12 @@ class Record(contextlib.AbstractContextManager["Record"]):
         handle = opened(self._file, self.path)
         try:
             block, size = read_at(handle, 0, HEAD), os.fstat(handle).st_size
-            self._earlier = is_earlier(block)
-            if self._earlier:
-                content = told_anew(read_at(handle, 0, ALL))
+            if is_earlier(block):
+                if size == self._earlier:
+                    return head(0), b""
+                self._earlier, content = size, told_anew(read_at(handle, 0, ALL))
                 return content[:HEAD], content[self._end :]
+            self._earlier = -1
             refuse_other_form(block, handle, self.path)
             if size < self._end:
                 raise DamageError("an older copy has been written over it")

@@ -42,7 +42,7 @@ class AnswerShape(AnswerWords):
             text = plan_text(answer)
         else:
             agreement = agreement_words(campaign.so_far()) if answer.readings else ""
-            text = answer_text(answer, agreement, evidence_words(campaign))
+            text = answer_text(answer, agreement, evidence_words(campaign.log))
         first, sentences = ([spelt(each) for each in some] for some in (text.first, text.sentences))
         rows = [[spelt(cell) for cell in row] for row in text.rows]
         return cls(first=first, rows=rows, sentences=sentences, document=answer)

@@ -93,7 +93,9 @@ def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, in
         from axiscal.measurement.simulation import read_truth  # which whoever has a simulator has loaded
 
         return simulator.with_curves(read_truth(Path(rest)), TRUTH_SEED, Path(rest)), TRUTH_SEED
-    seed = _seed(rest) if colon else 0
+    if colon and not (rest.isascii() and rest.isdigit() and len(rest) <= 18):
+        raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in sim:7", text=rest[:40])
+    seed = int(rest) if colon else 0
     return simulator.drawn(seed), seed
 
 
@@ -114,9 +116,3 @@ def virtual_in(notes: Sequence[Note]) -> str:
 
 def _nothing_named(text: str, kind: str) -> SourceError:
     return SourceError("the source '{text}' names nothing after '{kind}:'", _KINDS, text=text, kind=kind)
-
-
-def _seed(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) <= 18):
-        raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in sim:7", text=text[:40])
-    return int(text)
