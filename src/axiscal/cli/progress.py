@@ -50,7 +50,7 @@ def progress_line(milestone: Milestone, target: Target) -> str:
     if target.budget is not None:
         passed, budget = (to_unit(each, "min") for each in (milestone.seconds, target.budget))
         minutes = said("{minutes:.1f} of {budget:.4g} min", minutes=passed, budget=budget)
-    accuracy = accuracy_text(milestone.accuracy, target.rms, target.worst)
+    accuracy = accuracy_text(milestone.accuracy, target)
     return put("{number}: {accuracy}, {minutes}", number=number, accuracy=accuracy, minutes=minutes)
 
 
