@@ -32,8 +32,8 @@ def write_outputs(
     extras: Extras | None = None,
     again: str = "",
     anyway: bool = False,
-) -> None:
-    """Write record, tables, result and report of a finished campaign to a folder and print them.
+) -> Result:
+    """Write record, tables, result and report of a finished campaign to a folder, print them and return the result.
 
     details : say what U holds for and all warnings, too; record : where the campaign stays, unless where it is
     again : what to do after a failure, by default another `finish`
@@ -65,6 +65,7 @@ def write_outputs(
             "readings are kept and the report is written"
         )
         raise ReadingError(NOT_KNOWN, remedy, out)
+    return result
 
 
 def tell_details(result: Result) -> None:
