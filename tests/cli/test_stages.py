@@ -100,12 +100,7 @@ def test_ctrl_c_that_was_answered_ends_with_status_1_and_not_by_the_signal() -> 
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 1
 
 
-def target(readings: int | None = None, rms: float | None = None, budget: float | None = None) -> Target:
-    """Return a target without volume."""
-    return Target(rms, None, readings, budget, (), "volume")
-
-
 def test_a_line_with_all_that_may_be_wanted_fits_a_terminal() -> None:
     reading = Reading("laser", (0.0,), (0,), 0.0, number=53)
     known = Accuracy(4.861e-6, 6.742e-6, 4.861e-6, 6.742e-6)
-    assert len(progress_line(Milestone(53, reading, known, 1674.0), target(120, 5e-6))) < 80
+    assert len(progress_line(Milestone(53, reading, known, 1674.0), Target(5e-6, None, 120, None, (), "volume"))) < 80

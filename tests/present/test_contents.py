@@ -1,4 +1,4 @@
-"""What a report holds beside curves: who and with what, the error of the volume, standards' figures, files once."""
+"""What a report holds beside curves: standards' figures."""
 
 from __future__ import annotations
 
@@ -13,18 +13,9 @@ from axiscal.measurement.reading import Reading
 from axiscal.present.axis_tests_read import iso230_blocks
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
-REPORT = '[report]\noperator = "R. Turner"\nplace = "hall 3"\n'
-
 
 def _described(text: str) -> CampaignDescription:
     return campaign_from_texts(text, "c.toml", 'serial = "M-1"\n' + MACHINE, "m")
-
-
-def test_who_measured_with_what_is_read() -> None:
-    text = CAMPAIGN.replace('name = "laser"', 'name = "laser"\nserial = "4711"\ncertificate = "K 8"') + REPORT
-    said = _described(text).particulars
-    assert (said.operator, said.place, said.serial, said.customer) == ("R. Turner", "hall 3", "M-1", "")
-    assert (said.setups["laser"].serial, said.setups["laser"].certificate) == ("4711", "K 8")
 
 
 def _test_readings(skip: int | None = None) -> tuple[list[Reading], PositioningTest]:

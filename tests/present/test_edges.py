@@ -42,9 +42,8 @@ def test_what_nobody_has_said_stands_in_it(paper: Path) -> None:
 
 @pytest.mark.parametrize("size", [1e-300, 1e-12, 1e12, 1e150])
 def test_extreme_figures_still_make_a_report(size: float, paper: Path) -> None:
-    found: dict[str, object] = {"errors": {"EXX": curve([size, -size, size], size)}}
-    found |= {"constants": {"C0Y": constant("C0Y", size, size, "urad")}}
-    said = _said(bare(**found, rms_um=size, worst_um=size), paper)
+    errors, constants = {"EXX": curve([size, -size, size], size)}, {"C0Y": constant("C0Y", size, size, "urad")}
+    said = _said(bare(errors=errors, constants=constants, rms_um=size, worst_um=size), paper)
     assert "C0Y" in said
     assert "nan" not in said
 

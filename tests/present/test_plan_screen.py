@@ -14,7 +14,7 @@ from axiscal.machine import load_machine
 from axiscal.planning.helping import Helping
 from axiscal.planning.promise import Alike
 from axiscal.present.plan_answer import PlanAnswer
-from axiscal.present.plan_words import LINES, bound_sentence, plan_screen
+from axiscal.present.plan_words import LINES, plan_screen
 from axiscal_core.machine import Machine
 from tests.generators.answers import aim
 
@@ -100,24 +100,3 @@ def _within_budgets(text: str) -> None:
 
 def _rows(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.startswith("  ") and "±" in line]
-
-
-def test_the_advice_on_the_temperature_says_how_well_to_measure_it() -> None:
-    mostly = LargestCause(cause="temperature", owner="", share=0.9, measurable=True)
-    answer = plan("reached", [], 1).model_copy(update={"mostly": mostly})
-    assert "measure it to 0.3 K; you are asked for it." in " ".join(plan_screen(answer, "c.toml").split())
-
-
-def test_a_bound_stands_beside_what_the_plan_reaches() -> None:
-    planned = plan("reached", [], 1)
-    assert bound_sentence(planned) == ""
-    assert bound_sentence(planned.model_copy(update={"bound_rms_um": 0.7})).endswith(
-        "smaller RMS than 0.7 um; this one reaches 1 um."
-    )
-
-
-@pytest.mark.parametrize("verdict", ["planned", "short"])
-def test_readings_that_are_left_are_worth_none_only_where_no_limit_wants_them(verdict: PlanVerdict) -> None:
-    fewer = plan(verdict, [planned_row(RowName("volume", ()), load_machine("one-axis"))], 1)
-    text = " ".join(plan_screen(fewer.model_copy(update={"budget_minutes": None}), "c.toml").split())
-    assert ("no other reading is worth its time" in text) == (verdict == "planned")

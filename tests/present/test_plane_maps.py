@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -50,6 +51,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_whole_map_is_what_predict_says_of_the_tool(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     result = json.loads((folder / "result.json").read_text())
+    readings = (folder / "data" / "readings.csv").read_bytes()
+    assert result["inputs"]["data/readings.csv"] == hashlib.sha256(readings).hexdigest()
     plane = result["plane_errors"]["EZXY"]
     assert (plane["axes"], plane["position_unit"], plane["value_unit"]) == (["X", "Y"], ["mm", "mm"], "um")
     x, y = plane["position"]

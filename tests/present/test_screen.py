@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.answers.answer import Aim, AnswerLine, NextStep, ResultAnswer, TablesChecked, Verdict
+from axiscal.answers.answer import NextStep, ResultAnswer, TablesChecked, Verdict
 from axiscal.answers.answer_words import LINES, WIDTH, screen
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.target import RowName, rows_of
+from axiscal.description.target import rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
@@ -79,97 +79,6 @@ def _within_budgets(text: str) -> None:
         most = SIGNED if re.search("[+−][0-9]", row) else NUMBERS
         assert len(re.findall(r"[0-9]+(?:[.,][0-9]+)?", beside)) <= most, row
         assert not re.search(r"[1-9][0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*[1-9]", row), row
-
-
-MILL = load_machine("three-axis-mill")
-POSITIONING = answer_row(RowName("positioning", ("X",)), MILL)
-
-
-@pytest.mark.parametrize(
-    ("verdict", "aims", "begins"),
-    [
-        ("measured", [], "MEASURED   32 readings, 25 min by the plan"),
-        ("unmeasured", [], "NOT ALL MEASURED   32 readings"),
-        ("reached", [aim("rms", 4.876, 5.0, 1.0)], "TARGET REACHED   volume RMS 4.88 of 5 um   32 readings"),
-        ("reached", [aim("U", 8.14, 20.0, 1.0)], "TARGET REACHED   volume U 8.1 of 20 um   32 readings"),
-        ("more", [aim("worst", 7.16, 5.0, 1.0)], "123 MORE READINGS, 56 MIN\n  worst place 7.2 of 5 um   32 readings"),
-        ("unreachable", [aim("rms", 7.16, 5.0, 6.0)], "CANNOT BE REACHED WITH THESE SET-UPS\n  volume RMS 7.2 of 5 um"),
-        (
-            "unreachable",
-            [aim("positioning X", 20, 4, 1), aim("positioning Z", 8, 4, 5, reachable=False)],
-            "CANNOT BE REACHED WITH THESE SET-UPS\n  0 of 2 limits: positioning Z 8.0 of 4 um",
-        ),
-        ("contradict", [aim("rms", 4.0, 5.0, 1.0)], "READINGS CONTRADICT   32 readings"),
-        ("nothing", [], "NO READINGS YET   32 readings"),
-        (
-            "more",
-            [aim("backlash X", 4, 1, 0), aim("yaw X", 1, 2, 0)],
-            "123 MORE READINGS, 56 MIN\n  1 of 2 limits: backlash X 4.0 of 1 um",
-        ),
-    ],
-)
-def test_the_first_line_says_what_became_of_the_target(verdict: Verdict, aims: list[Aim], begins: str) -> None:
-    assert _screen(answer(verdict=verdict, rows=[POSITIONING], aims=aims)).startswith(begins)
-
-
-LINE = AnswerLine(
-    setup="laser", axis="X", ends=(0, 900), at={"Y": 200.0, "Z": 100.0}, places={"+": 9, "-": 9, "both": 9}
-)
-
-
-@pytest.mark.parametrize(
-    ("language", "name"), [("en", "X on the line Y 200, Z 100"), ("de", "X auf der Linie Y 200, Z 100")]
-)
-def test_a_volume_that_is_a_line_is_called_so(language: str, name: str) -> None:
-    volume = answer_row(RowName("volume"), MILL).model_copy(update={"lines": [LINE]})
-    found = answer(verdict="reached", rows=[POSITIONING, volume], aims=[aim("U", 8.14, 20.0, 1.0)], offset=3.92)
-    with speaking(language):
-        text = _screen(found)
-    _within_budgets(text)
-    assert re.search(rf"{name} +230 um +± 130 um", text)
-    assert f"{name} U 8" in text.splitlines()[0] + text.splitlines()[1]
-    assert "100 mm" in text
-    assert "3.9 um" in text.replace(",", ".")
-    assert "100 mm" not in _screen(found.model_copy(update={"offset": None}))
-
-
-def test_what_is_not_measured_is_named_with_its_reason() -> None:
-    rows = [answer_row(RowName("backlash", (name,)), MILL, measured=False) for name in "XY"]
-    text = " ".join(_screen(answer(rows=rows)).split())
-    assert "Not measured: backlash X Y (one side read; one reading more: ± 0.84 um)." in text
-    lines = [line.model_copy(update={"places": {"+": 2, "-": 3, "both": 0}}) for line in rows[0].lines]
-    apart = " ".join(_screen(answer(rows=[rows[0].model_copy(update={"lines": lines})])).split())
-    assert "backlash X (no place read from both sides; one reading more: ± 0.84 um)." in apart
-    far = rows[0].model_copy(update={"one_more": None, "kind": "yaw", "unit": "urad"})
-    assert "yaw X (4 places read tell too little: ± 130 urad)" in _screen(answer(rows=[far]))
-    assert "Not measured: backlash X (one side read; " in " ".join(_screen(answer(rows=[far, rows[0]])).split())
-    held = far.model_copy(update={"floor": 125.0})
-    assert "yaw X (more readings would leave as much: ± 130 urad)" in " ".join(_screen(answer(rows=[held])).split())
-    scale = held.model_copy(update={"row": "scale X", "kind": "scale", "unit": "um/m", "kelvin": 0.7})
-    text = " ".join(_screen(answer(rows=[held, scale])).split())
-    assert "yaw X (temperature not stated: ± 130 urad)" in text
-    assert "lead error" not in text  # of a scale that is not measured
-    unread = aim("positioning X", 7.8, 10.0, 7.5, measured=False, reachable=False)
-    assert "0 of 1 limits: " not in (told := _screen(answer(verdict="unreachable", rows=[held], aims=[unread])))
-    assert "positioning X not measured" in told
-    none = far.model_copy(update={"row": "yaw Y", "axes": ("Y",), "lines": [], "known_to": 290.0})
-    apart = "yaw X (4 places read tell too little: ± 130 urad), yaw Y (not read)."
-    assert apart in " ".join(_screen(answer(rows=[none, far])).split())
-
-
-def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, command: Command) -> None:
-    record = tmp_path / "axis.axiscal"
-    Campaign.create(record, CASE.description).close()
-    text = command("status", record).said
-    assert text.startswith("NO READINGS YET volume RMS 12 of 3 um 0 readings")
-    assert "Not measured: positioning X (not read), scale X (not read), backlash X (not read), volume" in text
-    assert f"axiscal measure {record}" in text
-
-
-def test_a_check_of_the_tables_says_found_left_and_its_verdict() -> None:
-    text = _screen(answer(verdict="reached", rows=[POSITIONING], checked=CHECKED))
-    assert "12 places checked: 27 um found, 4.9 left (4.4 expected): AS PROMISED." in text
-    assert "Farthest: 9.2 um, C 180, B -75.5." in " ".join(text.split())
 
 
 def test_no_figure_stands_where_uncertainty_is_withheld() -> None:

@@ -72,7 +72,7 @@ class AnswerLine(AnswerDocument):
 class PlannedRow(AnswerDocument):
     """How well a row is known, in `unit`, now or after a plan, at the sizes as learnt."""
 
-    row: str = Field(description="such as `positioning X`, `squareness XY`, `volume`")
+    row: str = Field(description="such as `positioning X`, `volume`")
     kind: Kind = Field(description="`positioning`, `backlash`, `straightness` ... `volume`")
     axes: Sequence[str] = Field(description="the axes that it is about")
     unit: str = Field(description="um, urad or um/m")
@@ -82,15 +82,13 @@ class PlannedRow(AnswerDocument):
     limit: Figure | None = Field(description="what `known_to` is to be; null where `wants` gives none")
     reached: bool | None = Field(description="whether it is; null without a limit")
     measured: bool = Field(description="whether `known_to` is at most half of U without readings")
-    lines: Sequence[AnswerLine] = Field(
-        description="where it holds; empty of a volume, unless displacements of one axis are all that is described"
-    )
+    lines: Sequence[AnswerLine] = Field(description="where it holds; empty of a volume that is more than a line")
 
 
 class SignedNumber(AnswerDocument):
     """An entry of `signed`, in the unit of its row."""
 
-    direction: str = Field(description="axis, both axes of a squareness, or along or about which one")
+    direction: str = Field(description="axis, both axes, or along or about which one")
     value: Figure = Field(description="as estimated")
     U: Figure = Field(description="± of it alone, 95 %")
 
@@ -99,10 +97,8 @@ class AnswerRow(PlannedRow):
     """An entry of `rows`, in `unit`."""
 
     found: Figure = Field(description="RMS of the error over its places, √(estimate² + u²)")
-    signed: Sequence[SignedNumber] = Field(
-        description="numbers with [signs](conventions.md#rows-with-a-sign); empty of curves and of the volume"
-    )
-    largest: Figure = Field(description="the same as `found`, at the place where it is largest")
+    signed: Sequence[SignedNumber] = Field(description="numbers with [signs](conventions.md#rows-with-a-sign)")
+    largest: Figure = Field(description="the same where it is largest")
     left: Mapping[str, Figure] = Field(description="by control, what its tables leave, √(left² + u²)")
     one_more: Figure | None = Field(None, description="`known_to` of a backlash after one reading from the other side")
     kelvin: Figure | None = Field(None, description="K above 20 degC that would explain a scale; else null")
@@ -117,7 +113,7 @@ class Aim(AnswerDocument):
     floor: Figure = Field(description="what endless readings would leave")
     measured: bool = Field(True, description="whether readings tell it")
     reachable: bool = Field(True, description="whether endless readings would reach it")
-    unread: int = Field(0, description="lines that nobody has read, without which it is not measured")
+    unread: int = Field(0, description="lines that nobody has read")
     unit: str = Field("um", description="um or urad")
 
     @property
@@ -206,13 +202,13 @@ class PlannedAnswer(AnswerDocument):
 class TablesChecked(AnswerDocument):
     """`checked`: a check of the tables on the machine; um."""
 
-    places: int = Field(description="how many were read, without the tables and with them")
+    places: int = Field(description="how many were read")
     found: Figure = Field(description="RMS of the deviation without them")
     left: Figure = Field(description="RMS with them")
-    expected: Figure = Field(description="RMS with them that is to be expected, with the noise of the readings")
+    expected: Figure = Field(description="RMS to be expected, noise included")
     farthest: Figure = Field(description="largest deviation left")
-    at: Mapping[str, float] = Field(description="where that is, mm and deg by axis")
-    verdict: Literal["promised", "worse", "faulty", "undecided"] = Field(description="whether they keep their promise")
+    at: Mapping[str, float] = Field(description="where")
+    verdict: Literal["promised", "worse", "faulty", "undecided"] = Field(description="of the tables")
 
 
 class ScrewTurn(AnswerDocument):
@@ -231,45 +227,41 @@ class Outcome(AnswerDocument):
         "reach it, `unreachable`, `contradict`, `nothing` was read"
     )
     aims: Sequence[Aim] = Field(description="what is asked for, the volume first")
-    more: int = Field(description="readings that would reach it; 0 where none are missing")
+    more: int = Field(description="readings that would reach it")
     more_minutes: Figure = Field(description="their machine time")
     readings: int = Field(description="taken")
     left_out: int = Field(description="of them not used")
-    compared: int = Field(description="of the others with each other")
+    compared: int = Field(description="with each other")
     agreeing: int = Field(description="of these within three standard deviations of what the others say")
     checks: int = Field(0, description="drawn at random")
     as_promised: int = Field(0, description="of these")
     minutes: Figure = Field(description="of the clock, else of the plan")
     clocked: bool = Field(description="whether they are of the clock")
-    withheld: bool = Field(description="readings contradict each other and no mistake explains it: there are no rows")
+    withheld: bool = Field(description="readings contradict each other and no mistake explains it")
     steps: Sequence[NextStep] = Field(description="what to do next")
     checked: TablesChecked | None = Field(None, description="null where nobody has checked the tables")
-    offset: Figure | None = Field(
-        None, description="um, 95 %, by which U grows each 100 mm beside the one line that was read; else null"
-    )
+    offset: Figure | None = Field(None, description="um by which U grows each 100 mm beside the one line; else null")
     half_read: Mapping[str, tuple[Figure, Figure]] = Field(
         default_factory=dict,
         exclude_if=lambda axes: not axes,
-        description="ends of axes, mm or deg, of which half of the volume or less was read; else left out",
+        description="ends of axes of which half or less was read; else left out",
     )
     screws: Sequence[ScrewTurn] = Field(
-        (), exclude_if=lambda screws: not screws, description="of all but the first; left out where none are stated"
+        (), exclude_if=lambda screws: not screws, description="left out where none are stated"
     )
     overruled: Sequence[str] = Field(
         (),
         exclude_if=lambda names: not names,
-        description="set-ups that were read although the test at their mounting failed; else left out",
+        description="set-ups that were read although their test failed; else left out",
     )
-    asks: bool = Field(
-        False, exclude_if=lambda asks: not asks, description="a zero may be new, and nobody has said so; else left out"
-    )
+    asks: bool = Field(False, exclude_if=lambda asks: not asks, description="a zero may be new; else left out")
 
 
 class AnswerWords(AnswerDocument):
     """An answer, or a plan, as it is laid out: terminal, page and PDF say these words, and no other figures."""
 
-    first: Sequence[Text] = Field(description="parts of the first line: what became of it, which figure decides, spent")
-    rows: Sequence[Sequence[Text]] = Field(description="heading and cells of the rows")
+    first: Sequence[Text] = Field(description="first line, in parts")
+    rows: Sequence[Sequence[Text]] = Field(description="heading and cells")
     sentences: Sequence[Text] = Field(description="below them")
 
 

@@ -23,7 +23,7 @@ from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import evaluated, read_in
-from axiscal.present.findings import hidden_in_files, of_how_it_was_read, of_readings
+from axiscal.present.findings import OF_THE_READING, of_readings
 from axiscal.present.plan_words import open_questions
 from axiscal.present.result_of_campaign import Extras
 from axiscal.present.result_set import RECORD, mend
@@ -100,14 +100,12 @@ def estimate(
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
     if told:
         tell(told)
-    around = placed, description.setups, description.machine.axes
-    extras = replace(extras, warnings=of_readings(*around))
+    extras = replace(extras, warnings=of_readings(placed, description.setups, description.machine.axes))
     with evaluated(description, placed) as opened:
-        seen = [*hidden_in_files(*around), *of_how_it_was_read(opened.so_far())]
-        kept = out / RECORD
-        again = "give the command again"
-        write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
-    tell_minds(*(() if details else (each.text for each in seen)), *open_questions(description))
+        kept, again = out / RECORD, "give the command again"
+        result = write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
+    seen = [each.text for each in result.warnings if each.code in OF_THE_READING and not details]
+    tell_minds(*seen, *open_questions(description))
 
 
 def iso230(

@@ -166,7 +166,7 @@ def export(
             raise TableError(agreement_words(estimation, record), remedy, record)
         doubts = [finding.text for finding in findings(estimation, ended=campaign.state.finished is not None)]
         agreement = agreement_words(estimation, record) if estimation.readings else ""
-        offered = introduced(offered, doubts, agreement, record_state(campaign))
+        offered = introduced(offered, campaign, agreement, doubts)
         manifest = f"manifest-{offered.controller}.json"
         with result_set(out, manifest) as folder:
             write_files(offered, folder)

@@ -32,8 +32,8 @@ def write_outputs(
     extras: Extras | None = None,
     again: str = "",
     anyway: bool = False,
-) -> None:
-    """Write record, tables, result and report of a finished campaign to a folder and print them.
+) -> Result:
+    """Write record, tables, result and report of a finished campaign to a folder, print them and return the result.
 
     details : say what U holds for and all warnings, too; record : where the campaign stays, unless where it is
     again : what to do after a failure, by default another `finish`
@@ -57,7 +57,7 @@ def write_outputs(
             say_document(result.model_dump(mode="json", by_alias=True))
     else:
         if details:
-            tell_details(result, out)
+            tell_details(result)
         say(written_screen(result, record or campaign.path, out, evidence_words(campaign.log)))
     if result.answer.withheld:
         remedy = (
@@ -65,14 +65,13 @@ def write_outputs(
             "readings are kept and the report is written"
         )
         raise ReadingError(NOT_KNOWN, remedy, out)
+    return result
 
 
-def tell_details(result: Result, out: Path) -> None:
-    """Print what U holds for, where the files are, what each control's leave, and all warnings."""
+def tell_details(result: Result) -> None:
+    """Print what U holds for, what the files of each control leave, and all warnings."""
     if result.U_holds_for is not None:
         say(put("{what}: {these}", what=said("Holds"), these=result.U_holds_for))
-    names = ["report.pdf", "result.json", *([] if result.answer.withheld else ["tables"])]
-    say(said("Files: {files}", files=", ".join(str(out / name) for name in names)))
     for table in {each.controller: each for each in result.tables}.values():
         say(_offered(table))
     if result.tables and not result.answer.withheld:

@@ -35,22 +35,12 @@ def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
 
 
 def progress_line(milestone: Milestone, target: Target) -> str:
-    """Return one line: reading, accuracy with its targets, minutes with their budget."""
-    others = target.accurate or target.budget is not None
-    more = milestone.number != milestone.taken  # a skip has a number too
-    number = said(
-        "reading {number}, {taken} taken" if more else "reading {number}",
-        number=milestone.number,
-        taken=milestone.taken,
-    )
+    """Return one line: reading, accuracy with its targets, minutes."""
+    number = said("reading {number}", number=milestone.number)
     if target.readings is not None:
-        of = "{reading} of at most {most}" if others else "{reading} of {most}"
-        number = said(of, reading=number, most=target.readings)
-    minutes = said("{minutes:.1f} min", minutes=to_unit(milestone.seconds, "min"))
-    if target.budget is not None:
-        passed, budget = (to_unit(each, "min") for each in (milestone.seconds, target.budget))
-        minutes = said("{minutes:.1f} of {budget:.4g} min", minutes=passed, budget=budget)
-    accuracy = accuracy_text(milestone.accuracy, target.rms, target.worst)
+        number = said("{reading} of {most}", reading=number, most=target.readings)
+    accuracy, passed = accuracy_text(milestone.accuracy, target), to_unit(milestone.seconds, "min")
+    minutes = said("{minutes:.1f} min", minutes=passed)
     return put("{number}: {accuracy}, {minutes}", number=number, accuracy=accuracy, minutes=minutes)
 
 

@@ -133,5 +133,5 @@ def demo(
     with shown_progress(case.description.target) as watch:
         result = run_demo(case, folder, watch)
     if details:
-        tell_details(result, folder)
+        tell_details(result)
     say(written_screen(result, folder / RECORD, folder))

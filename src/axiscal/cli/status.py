@@ -17,12 +17,12 @@ from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import accuracy_text, asked_screen
 from axiscal.document.consent import asking
 from axiscal.exceptions import CodeError, RecordError
-from axiscal.language.spoken import counted, decimals, listed, said
+from axiscal.language.spoken import counted, listed, said
 from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
 from axiscal.present.plan_answer import coming_answer
 from axiscal.record.store import Record
-from axiscal.units import format_quantity, said_quantity, to_unit
+from axiscal.units import said_quantity, to_unit
 
 
 def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
@@ -81,17 +81,10 @@ def _by_others(campaign: Campaign) -> dict[str, list[int]]:
 
 
 def _lines(campaign: Campaign) -> list[str]:
-    status, description = campaign.status(), campaign.description
-    state, target = status.state, description.target
-    lines = [
-        said(
-            "{machine}: {readings}, {minutes} of machine time",
-            machine=description.machine.name,
-            readings=counted("{count} reading", "{count} readings", len(state.readings)),
-            minutes=decimals(format_quantity(status.seconds, "min", 3)),
-        ),
-        said("standard uncertainty {accuracy}", accuracy=accuracy_text(status.accuracy, target.rms, target.worst)),
-    ]
+    status = campaign.status()
+    state = status.state
+    accuracy = accuracy_text(status.accuracy, campaign.description.target)
+    lines = [said("standard uncertainty {accuracy}", accuracy=accuracy)]
     if state.readings:
         lines.append(agreement_words(campaign.estimate(), campaign.path))
     for gap in state.skipped:
@@ -102,9 +95,6 @@ def _lines(campaign: Campaign) -> list[str]:
     lines += [said("Noted {at}: {text}", at=note.at[:16].replace("T", " "), text=note.text) for note in state.notes]
     if state.finished is not None:
         return [*lines, said("Finished: {because}", because=because_text(state.finished))]
-    if status.reached is not None:
-        words = "Reached: {what}. End it: axiscal finish {record}"
-        lines.append(said(words, what=because_text(status.reached), record=campaign.path))
     return [*lines, asked_screen(campaign, state.pending)] if state.pending else lines
 
 

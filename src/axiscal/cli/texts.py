@@ -12,6 +12,7 @@ from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
+from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import ending, put, said
@@ -56,9 +57,9 @@ def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, obj
     return {"schema": "axiscal-next/1", "question": campaign.request(asked).message(), "stop": None}
 
 
-def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> str:
-    """Return the standard uncertainty with the targets, where there are any."""
-    figures = (said_quantity(known.rms, "um"), rms), (said_quantity(known.worst, "um"), worst)
+def accuracy_text(known: Accuracy, aimed: Target) -> str:
+    """Return the standard uncertainty with what is aimed at, where that is anything."""
+    figures = (said_quantity(known.rms, "um"), aimed.rms), (said_quantity(known.worst, "um"), aimed.worst)
     found, largest = (
         text if target is None else said("{figure} (target {target})", figure=text, target=said_quantity(target, "um"))
         for text, target in figures

@@ -386,8 +386,3 @@ class Judgement:
     def loaded(self) -> bool:
         """Whether the readings changed as the tables make them."""
         return self.changed >= HARDLY
-
-    @property
-    def unchecked(self) -> tuple[str, ...]:
-        """The tables of which the readings cannot tell whether they work."""
-        return tuple(share.name for share in self.shares if not share.checked)

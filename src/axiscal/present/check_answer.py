@@ -192,7 +192,7 @@ def check_answer(
             )
             for share in judgement.shares
         ],
-        not_checked=judgement.unchecked,
+        not_checked=[share.name for share in judgement.shares if not share.checked],
         axes_not_checked=judgement.idle,
         set_up_off=[SetupOff(setup=datum.setup, unknown=datum.unknown) for datum in judgement.strained],
     )
@@ -253,12 +253,7 @@ def check_screen(answer: CheckAnswer) -> list[str]:
 
 
 def check_sentences(answer: CheckAnswer) -> list[str]:
-    """Return what was judged, the verdict first, and what was not checked."""
-    return [*_judged(answer), *_unchecked(answer)]
-
-
-def _judged(answer: CheckAnswer) -> list[str]:
-    """Return what was judged, the verdict first: the promise, the tables, the tolerance where one is stated."""
+    """Return what was judged, the verdict first: promise, tables, a stated tolerance; and what was not checked."""
     tables, verdict = listed(", ", [each.table for each in answer.faulty]), said(VERDICTS[answer.verdict])
     lines = [
         said("{verdict}: {why}.", verdict=verdict, why=said(_WHY[answer.verdict], tables=tables, p=answer.promise_p)),
@@ -271,16 +266,12 @@ def _judged(answer: CheckAnswer) -> list[str]:
         proved = "Tolerance of {tolerance:.3g} um (ISO 14253-1, guard band {guard:.3g} um): {decision}."
         sizes = {"tolerance": answer.tolerance_um, "guard": answer.guard_band_um}
         lines.append(said(proved, decision=said(_DECISIONS[answer.decision]), **sizes))
-    return [*lines, *_warnings(answer)]
-
-
-def _unchecked(answer: CheckAnswer) -> list[str]:
-    """Say which axes were not moved through the volume and read along, and which tables were not checked."""
     axes = answer.axes_not_checked
     names = [row_name("positioning", [[name] for name in axes])] if axes else []
-    tables = [each for each in answer.tables if not each.checked]
-    names += [said("table {table} ({size} at most)", table=each.table, size=each.size) for each in tables]
-    return [said("Not checked: {others}.", others=listed(", ", names))] if names else []
+    open_ones = [each for each in answer.tables if not each.checked]
+    names += [said("table {table} ({size} at most)", table=each.table, size=each.size) for each in open_ones]
+    unchecked = [said("Not checked: {others}.", others=listed(", ", names))] if names else []
+    return [*lines, *_warnings(answer), *unchecked]
 
 
 def check_details(answer: CheckAnswer) -> list[str]:

@@ -29,8 +29,8 @@ from axiscal.measurement.reading import Reading
 from axiscal.present.axis_tests_read import iso230_block
 from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.readings_file import READINGS
-from axiscal.present.result import RecordState, Result, TableFile
-from axiscal.present.result_of_campaign import Extras, result_of
+from axiscal.present.result import Result, TableFile
+from axiscal.present.result_of_campaign import Extras, record_state, result_of
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.whose_language import named_language
 from axiscal.tables import registry
@@ -117,14 +117,14 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     with speaking("en"), result_set(out, live=live) as folder:
         if live is None:
             campaign.log.copy_to(folder / RECORD)
-        told = [each.text for each in result.warnings], result.agreement.text, result.record, evidence_words(campaign.log)
+        doubts = [each.text for each in result.warnings]
         for name, each in made.items():
             if isinstance(each, Export):
-                write_files(introduced(each, *told), folder / "tables" / name)
+                write_files(introduced(each, campaign, result.agreement.text, doubts), folder / "tables" / name)
         document = json.dumps(result.model_dump(mode="json", by_alias=True), indent=2, ensure_ascii=False)
         written(folder / "result.json", f"{document}\n".encode())
         with stage("the report", 2, 2):
-            language = language_of_report(described.particulars, extras.language, extras.spoken)
+            language = language_of_report(described.particulars, None, extras.spoken)
             write_report(campaign, estimation, result, folder / "report.pdf", language, best)
         (folder / "data").mkdir()
         write_whole(folder / "data" / READINGS, readings)
@@ -182,13 +182,12 @@ def _offered(
         )
 
 
-def introduced(
-    offered: Export, warnings: Sequence[str], agreement: str, record: RecordState, signed: str = ""
-) -> Export:
+def introduced(offered: Export, campaign: Campaign, agreement: str, warnings: Sequence[str]) -> Export:
     """Return an export whose README.txt says where it comes from, and last what is doubtful.
 
-    agreement : whether the readings agree, "" before the first; signed : who answers for the record, "" for nobody
+    agreement : whether the readings agree, "" before the first
     """
+    record, signed = record_state(campaign), evidence_words(campaign.log)
     origin = f"From the record {record.file} at event {record.event}: {record.hash}\n"
     origin += f"{signed}\n" if signed else ""
     before = origin + (f"{agreement}.\n" if agreement else "")

@@ -131,7 +131,8 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     drifted = [list(_drift(estimation, setup)) for setup in estimation.stated.description.setups]
     return [
         *_unobservable(estimation),
-        *of_how_it_was_read(estimation),
+        *coarse_displays(estimation.readings, estimation.stated.description.setups),
+        *(each for warned in (beside_the_tool, lagging, turned_alike, once_over) for each in warned(estimation)),
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
         *(Finding(code="drift", text=listed(" ", found)) for found in drifted if found),
@@ -139,11 +140,8 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     ]
 
 
-def of_how_it_was_read(estimation: Estimation) -> Iterator[Finding]:
-    """Yield the warnings that other readings, or others in another order, would answer."""
-    yield from coarse_displays(estimation.readings, estimation.stated.description.setups)
-    for warned in (beside_the_tool, lagging, turned_alike, once_over):
-        yield from warned(estimation)
+OF_THE_READING = ("sign", "period", "resolution", "beside", "lag", "reversal", "passes")
+"""Codes of warnings that other readings, or others in another order, would answer."""
 
 
 def of_readings(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> list[Finding]:

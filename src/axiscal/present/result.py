@@ -21,18 +21,18 @@ def _left_out(text: str) -> bool:
 class HistoryRow(AnswerDocument):
     """A row of `history`; reading 0 is the prior."""
 
-    reading: int = Field(description="number of the reading, 0 for the prior")
+    reading: int = Field(description="its number")
     setup: str | None = Field(None, description="name of the set-up")
     approach: str = Field("", description="sides, such as X+ Y-")
     position: Mapping[str, float] | None = Field(None, description="coordinate by axis, mm or deg")
     value: Figure | None = Field(None, description="what was read, in `unit`")
-    others: Sequence[Figure] = Field((), description="further numbers of a reading that has several, as of a sphere")
+    others: Sequence[Figure] = Field((), description="further numbers of a reading")
     unit: str | None = Field(None, description="um or urad")
     units: Sequence[str] = Field((), description="of each number")
     innovation: Figure | None = Field(None, description="less what was expected")
     surprise: Figure | None = Field(None, description="in standard deviations")
-    rms_um: Figure = Field(description="RMS standard deviation of the tool point over the volume after it")
-    worst_um: Figure = Field(description="largest standard deviation in the volume after it")
+    rms_um: Figure = Field(description="RMS over the volume after it")
+    worst_um: Figure = Field(description="largest standard deviation after it")
     minutes: Figure = Field(description="machine time until then")
     rejected: bool = Field(False, description="it is kept and not relied on")
     by: Text = Field("", description="who took it")
@@ -63,7 +63,7 @@ class CurveFigures(AnswerDocument):
     words: Text = Field(description="what it is")
     position: Sequence[Figure] = Field(description="coordinates, in `position_unit`")
     mean: Sequence[Figure] = Field(description="the estimate, in `value_unit`")
-    std: Sequence[Figure] = Field(description="whole standard deviation, the rest that no spline follows included")
+    std: Sequence[Figure] = Field(description="standard deviation, the rest that no spline follows included")
     position_unit: str = Field(description="mm or deg")
     value_unit: str = Field(description="um, urad or arcsec")
     std_seen: Sequence[Figure] = Field(description="the same without what no allowed reading can see")
@@ -135,7 +135,7 @@ class SetupUse(AnswerDocument):
 class NamedMistake(AnswerDocument):
     """An entry of `explained`, the likeliest first."""
 
-    mistake: str = Field(description="jump, sign, sides, mirrored, unit, swapped, shifted, stuck or frame")
+    mistake: str = Field(description="such as jump, sign, unit")
     odds: Figure = Field(description="beside no mistake")
     setups: Sequence[str] = Field(description="whose readings")
     text: Text = Field(description="in words, with what to do about it")
@@ -146,7 +146,7 @@ class AgreementFigures(AnswerDocument):
 
     count: int = Field(description="readings that were compared")
     agreeing: int = Field(description="of them within three standard deviations of what the others say")
-    c2: Figure = Field(description="mean square of what readings are off, in standard deviations")
+    c2: Figure = Field(description="mean square of that, in standard deviations")
     p: Figure = Field(description="probability of readings that agree no better")
     contradict: bool = Field(description="whether `p` is below 0.001")
     explained: Sequence[NamedMistake] = Field((), description="mistakes that are named")
@@ -166,9 +166,7 @@ class ChecksFigures(AnswerDocument):
 
     count: int = Field(0, description="taken")
     as_promised: int = Field(0, description="of these, used and within three standard deviations")
-    s: Figure | None = Field(
-        None, description="root mean square of `z`, slips left out; above 1 it multiplies every uncertainty"
-    )
+    s: Figure | None = Field(None, description="RMS of `z` without slips; above 1 it multiplies every uncertainty")
     each: Sequence[OneCheck] = Field((), description="one by one")
 
 
@@ -189,13 +187,13 @@ class Iso230Figures(AnswerDocument):
     unit: str = Field(description="of the figures")
     figures: Mapping[str, Figure] = Field(description="by name")
     U: Mapping[str, Figure] = Field(description="k = 2, where known")
-    left_out: Sequence[int] = Field((), description="readings that were not believed; the test is without their runs")
+    left_out: Sequence[int] = Field((), description="readings without their runs")
 
 
 class Finding(AnswerDocument):
     """An entry of `warnings`."""
 
-    code: str = Field(description="accepted, prior-misfit, drift, outlier, unobservable, …")
+    code: str = Field(description="such as drift, outlier, unobservable")
     error: str | None = Field(None, description="the error it is about")
     text: Text = Field(description="in words")
 
@@ -204,9 +202,9 @@ class TableFile(AnswerDocument):
     """An entry of `tables`; effects are of all files of the control together."""
 
     controller: str = Field(description="name of the control")
-    file: str | None = Field(None, description="where it stands in the folder; null where none was written")
+    file: str | None = Field(None, description="in the folder; null where none was written")
     axis: str = Field("", description="what it moves")
-    before_um: Figure | None = Field(None, description="RMS of the deviation as estimated, its mean taken off")
+    before_um: Figure | None = Field(None, description="RMS of the estimate, its mean taken off")
     after_um: Figure | None = Field(None, description="what the files leave of it")
     expected_um: Figure | None = Field(None, description="standard uncertainty with them")
     U_um: Figure | None = Field(None, description="U with the files loaded")
@@ -218,7 +216,7 @@ class RecordState(AnswerDocument):
 
     file: str = Field(description="of the record")
     event: int = Field(description="its last one")
-    hash: str = Field(description="the name of what it holds up to there")
+    hash: str = Field(description="of what it holds")
 
 
 class ResultWords(AnswerWords):
@@ -264,7 +262,7 @@ class Result(AnswerDocument):
     target_U_um: Figure | None = Field(description="the expanded uncertainty asked for")  # noqa: N815  its name in the document
     target_reached: bool | None = Field(description="whether one is reached; null where none is set")
     history: Sequence[HistoryRow] = Field(description="how well the machine was known after each reading")
-    errors: Mapping[str, CurveFigures] = Field(description="error motions by ISO 230-1 name, reversals among them")
+    errors: Mapping[str, CurveFigures] = Field(description="by ISO 230-1 name, reversals among them")
     plane_errors: Mapping[str, PlaneMap] = Field(description="errors of two axes together by name, such as EZXY")
     volume: VolumeFigures | None = Field(description="the error of the volume; null before the first reading")
     constants: Mapping[str, ConstantFigures] = Field(description="location errors, reversals, unknowns of set-ups")
@@ -278,7 +276,7 @@ class Result(AnswerDocument):
     tables: Sequence[TableFile] = Field(description="files that were written for controls, and what they leave")
     versions: Mapping[str, str] = Field(description="of axiscal and of what it computes with")
     inputs: Mapping[str, str] = Field(description="SHA-256 by file")
-    record: RecordState = Field(description="from which state of which record all of it is made")
+    record: RecordState = Field(description="what all of it is made from")
 
     @property
     def answered(self) -> ResultAnswer:

@@ -77,7 +77,7 @@ class Extras:
     anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
     checked : what a check of the tables on the machine found; best : the files that leave least
     answer : with what tables leave; None where none are made
-    spoken : language of whoever ends the campaign, for a report that states none; language : that is wanted
+    spoken : language of whoever ends the campaign, for a report that states none
     """
 
     tables: Sequence[TableFile] = ()
@@ -88,7 +88,6 @@ class Extras:
     best: Export | None = None
     answer: ResultAnswer | None = None
     spoken: str = "en"
-    language: str | None = None
 
 
 class Made(NamedTuple):

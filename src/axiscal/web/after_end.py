@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from axiscal.campaign.agreement_words import agreement_words
-from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.check import Check
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
@@ -19,16 +18,11 @@ def table_texts(desk: Desk, control: str) -> TextsShape:
     if control in desk.state.tables and desk.campaign.description.bump_of(control) is None:
         folder = desk.results / "tables" / control
         return TextsShape(control=control, files={file.name: file.read_text() for file in sorted(folder.iterdir())})
-    offered = registry.offered(_standing(desk), control)
-    return TextsShape(control=offered.controller, files={**offered.files, "README.txt": offered.readme})
-
-
-def _standing(desk: Desk) -> Estimation:
-    """Return what is known at the end; raises TableError where readings contradict each other."""
     known = desk.campaign.estimate(ended=True)
     if known.agreement.withheld:
         raise TableError(agreement_words(known), said("Take readings again"))
-    return known
+    offered = registry.offered(known, control)
+    return TextsShape(control=offered.controller, files={**offered.files, "README.txt": offered.readme})
 
 
 def volume_picture(desk: Desk, width: float) -> str:
