@@ -23,7 +23,6 @@ from axiscal.campaign.ending import because_text, reaches
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription, Equipment
-from axiscal.description.type_b import Distribution
 from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
@@ -44,6 +43,7 @@ from axiscal.measurement.reading import (
     value_columns,
 )
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.type_b import Distribution
 from axiscal.numerics import Array
 from axiscal.present.conditions import conditions, counted_along
 from axiscal.present.curves import constants, errors

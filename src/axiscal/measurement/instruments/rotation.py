@@ -9,6 +9,7 @@ To first order y is the slope of a chord; as L goes to zero, the derivative of t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -18,6 +19,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.setup import INCLINED, ZERO, Reads, Setup, Usual
 from axiscal.measurement.travel import across, slope_rows
+from axiscal.measurement.type_b import GAIN
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 from axiscal_core.instrument import At, Unknowns
@@ -92,6 +94,7 @@ class Level(Rotation):
 
     instrument = "level"
     usual = Usual(2.0e-6, (ZERO,), 300.0, 5.0, 5.0, INCLINED)
+    type_b = (replace(GAIN, size=0.02, source="assumption: 2 %", least=0.0),)
 
 
 class Autocollimator(Rotation):
@@ -99,4 +102,5 @@ class Autocollimator(Rotation):
 
     instrument = "autocollimator"
     usual = Usual(0.5e-6, (ZERO,), 1800.0, 1.0, 3.0, INCLINED)
+    type_b = (replace(GAIN, source="assumption: 1 %", least=0.0),)
     site = "line"
