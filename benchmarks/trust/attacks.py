@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.campaign.wrong_unit import refuse_implausible
-from axiscal.description.type_b import type_b_names
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -16,6 +15,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.measurement.type_b import type_b_names
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
 from axiscal_core.machine import Machine

@@ -17,7 +17,7 @@ from axiscal.campaign.sources import Answer, Skip, Source, open_source
 from axiscal.campaign.sources import exec as exec_source
 from axiscal.campaign.sources.exec import ExecSource
 from axiscal.exceptions import InputError, SourceError
-from axiscal.measurement.instruments.distance import Sphere
+from axiscal.measurement.instruments.distance import TouchedSphere
 from axiscal.measurement.instruments.rotation import Level
 from axiscal.measurement.setup import Setup
 from tests.generators.designs import of_kind
@@ -259,7 +259,7 @@ def test_a_table_answers_in_its_order(table: Callable[[str], Source]) -> None:
 
 def test_a_table_answers_with_the_three_values_of_a_sphere(table: Callable[[str], Source]) -> None:
     source = table("value_x_um,value_y_um,value_z_um\n1,2,3\n")
-    assert source.read(replace(REQUEST, setup=of_kind(SETUP, Sphere))) == Answer(1e-6, others=(2e-6, 3e-6))
+    assert source.read(replace(REQUEST, setup=of_kind(SETUP, TouchedSphere))) == Answer(1e-6, others=(2e-6, 3e-6))
 
 
 def test_a_resumed_run_goes_on_in_the_table(tmp_path: Path) -> None:

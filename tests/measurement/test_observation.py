@@ -1,4 +1,4 @@
-"""What instruments see: rows against the virtual machine's own readings, rests against the core, exact lines."""
+"""What instruments see: rows against the virtual machine's own readings, untold sides, cells."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import axiscal_core as ac
 from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import breaks_along
@@ -21,8 +20,6 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
-from axiscal_core.normal import Normal
-from tests.core.beside import instrument_of, machine_of
 from tests.generators.known import known_to_be, truth_of
 from tests.generators.machines import random_machine, random_poses
 
@@ -77,43 +74,6 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: st
         ends = [virtual(model, setups, sign * step * towards) for sign in (1, -1)]
         up, down = (np.array(machine.read_all(one, pose, approach, rng)) for machine in ends)
         assert np.abs((up - down) / (2 * step) - rows @ towards).max() < 1e-8
-
-
-def _fed(observation: Observation, poses: Array, approaches: Array, values: Array) -> tuple[Normal, Observation]:
-    """Return the belief after these readings of the only set-up, one by one, as a campaign takes them in."""
-    covariance = observation.prior_covariance()
-    belief = Normal(np.zeros(len(covariance)), covariance)
-    for pose, approach, value in zip(poses, approaches, values, strict=True):
-        wider = visited(observation, at(*pose))
-        belief = belief.wider(np.sqrt(observation.rest_variances(wider)))
-        seen = wider.rows(0, pose[None], approach[None])
-        belief, observation = belief.read(seen.rows, np.atleast_1d(value), seen.variances), wider
-    return belief, observation
-
-
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("instrument", ["probe", "level"])
-def test_readings_share_rests_as_in_the_core(seed: int, instrument: str) -> None:
-    """Poses repeated and close together; the core has no columns for rests, only their joint covariance."""
-    machine = random_machine(seed, count=1 + seed % 3, smooth=True)
-    machine = replace(machine, errors=tuple(replace(e, rest=2e-6 if e.rest else 0.0) for e in machine.stated))
-    model, rng = machine, np.random.default_rng(seed)
-    setup = replace(mounted(machine, instrument, _direction(seed)), unknowns=(), offset=None)
-    poses, approaches = random_poses(machine, 15, rng)
-    approaches = np.where(approaches == 0, 1.0, approaches)  # an untold side is a test of its own
-    poses, approaches = np.concatenate([poses, poses[:8], poses[:4] + 1e-4]), np.tile(approaches, (2, 1))[:27]
-    observation = Observation(model, (setup,))
-    core = ac.Case(machine_of(machine, usual=False), [instrument_of(setup, machine)], usual="off")
-    numbers, prior = core.numbers(ac.Places(setup.name, poses, approaches)), core.prior.covariance
-    rows = numbers.rows
-    joint = rows @ prior @ rows.T + core.shared(numbers, numbers) + np.diag(numbers.noise**2)
-    values = np.linalg.cholesky(joint) @ rng.standard_normal(27)
-    gain = np.linalg.solve(joint, rows @ prior).T
-    belief, _ = _fed(observation, poses, approaches, values)
-    found, scale = belief.covariance[: len(prior), : len(prior)], np.sqrt(np.diagonal(prior))
-    expected = (prior - gain @ rows @ prior) / scale[:, None] / scale
-    assert np.abs(found / scale[:, None] / scale - expected).max() < 1e-9
-    assert np.abs((belief.mean[: len(prior)] - gain @ values) / scale).max() < 1e-9
 
 
 def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:

@@ -8,7 +8,8 @@ import pytest
 
 from axiscal.answers import row_words
 from axiscal.description import target
-from axiscal.description.type_b import TYPE_B
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.type_b import rows_of
 from axiscal.present import findings, sentences
 from axiscal_core.theta import Kind
 
@@ -17,7 +18,7 @@ from axiscal_core.theta import Kind
     ("words", "kinds"),
     [
         (findings._WORDS, get_args(Kind)),
-        (sentences._CAUSES, [row.name for row in TYPE_B]),
+        (sentences._CAUSES, [row.name for kind in INSTRUMENTS.values() for row in rows_of(kind)]),
         (row_words._KINDS, get_args(target.Kind)),
     ],
 )

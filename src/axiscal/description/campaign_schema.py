@@ -40,7 +40,6 @@ from axiscal.description.fields import (
 )
 from axiscal.description.screws import Ground, ScrewsTable
 from axiscal.description.target import TargetTable
-from axiscal.description.type_b import type_b_names
 from axiscal.document import Length, QuantityText, meant, shown
 from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
@@ -52,6 +51,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.instruments.written import PORTS
 from axiscal.measurement.setup import FINEST, Nodes, Reads, Setup, Vector
+from axiscal.measurement.type_b import type_b_names
 from axiscal.units import dimension_of, format_quantity, within
 from axiscal_core.theta import Sure
 

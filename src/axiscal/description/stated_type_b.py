@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.campaign_schema import CampaignTable, SetupTable
-from axiscal.description.type_b import TEMPERATURE
 from axiscal.document import Document
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
@@ -18,6 +17,7 @@ from axiscal.language.spoken import said
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.setup import CARRIED, STEEL, TRUED, Setup, Unknown
+from axiscal.measurement.type_b import TEMPERATURE
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
 

@@ -32,7 +32,7 @@ from axiscal.errors.volume import MovedErrors, deviations_of
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.measurement.travel import feet_of, heights, slope_rows
+from axiscal.measurement.travel import belongs, feet_of
 from axiscal.numerics import Array
 from axiscal_core.instrument import At, Slopes
 from axiscal_core.machine import Machine
@@ -221,13 +221,11 @@ class Observation:
         return rows, variances, levers
 
     def _error_rows(self, setup: int, levers: Array, poses: Array, approaches: Array) -> Array:
-        mounted = self.setups[setup]
-        if mounted.base is not None:
-            return slope_rows(self.errors, mounted, poses)[None]
-        rows: Array = self.errors.along(levers, poses, approaches)
-        for at, weight in feet_of(mounted, poses)[1:]:
-            rows = rows + weight * self.errors.along(self._levers(setup, self._places(setup, at)), at, approaches)
-        return rows
+        standing = feet_of(self.setups[setup], poses)
+        if len(standing) == 1:
+            return self.errors.along(levers, poses, approaches)
+        each = (weight * self.errors.along(self.levers(setup, at), at, approaches) for at, weight in standing)
+        return np.asarray(sum(each))
 
     def numbers(self, setup: int, poses: Array, approaches: Array) -> JointRows:
         """Return what readings of a set-up would tell with all their numbers; arguments as for `rows`.
@@ -328,9 +326,10 @@ class Observation:
 
     def _levers(self, setup: int, at: At) -> Array:
         mounted = self.setups[setup]
-        if mounted.base is not None:
-            return heights(self.errors, mounted, at.poses)[None]
-        return levers_of(self.errors, self.setups[setup].slopes(at), at.poses)
+        levers = levers_of(self.errors, mounted.slopes(at), at.poses)
+        if mounted.base is not None:  # what stands on a way sees no other axis, and no carriage
+            levers *= np.array([belongs(term, mounted.moves[0]) for term in self.errors.terms])[:, None]
+        return levers
 
     def _places(self, setup: int, poses: Array, approaches: Array | None = None) -> At:
         actual = self.errors.motion(poses) if isinstance(self.errors, MovedErrors) else None

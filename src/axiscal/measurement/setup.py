@@ -111,7 +111,6 @@ class Setup:
     light, against_length : whether it compares positions with the wavelength; with a length that is known
     display : whether a person reads a display that follows the tool, so that a jog shows on it
     written : it is none of ours; alike : whether all its numbers are equally noisy
-    type_b : what no reading shows: name, standard deviation in SI units, and the unit that it is shown in
 
     Of each set-up:
     machine : on which it stands
@@ -167,7 +166,6 @@ class Setup:
     display: ClassVar[bool] = False
     written: ClassVar[bool] = False
     alike: ClassVar[bool] = True
-    type_b: ClassVar[tuple[tuple[str, float, str], ...]] = ()
 
     name: str
     machine: Machine = field(compare=False, repr=False)

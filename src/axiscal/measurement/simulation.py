@@ -29,7 +29,7 @@ from axiscal.measurement.readers.table_cells import Cell, Row
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.travel import SHORTEST, belongs
+from axiscal.measurement.travel import SHORTEST, belongs, feet_of
 from axiscal.numerics import Array
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import Error
@@ -147,9 +147,7 @@ class VirtualMachine:
         seconds : since the campaign began
         """
         at, come = np.array([pose]), np.array([approach], dtype=float)
-        stepped = setup.base is not None
-        actual = self._chord(setup, at) if stepped else self._done(setup, at, come)
-        shown = self.exactly(setup, at, actual, come)
+        shown = self.exactly(setup, at, self._done(setup, at, come), come)
         wander = self.drifts.get(setup.name)
         moved = np.zeros(len(setup.names)) if wander is None else wander(seconds)
         scales = setup.scales
@@ -195,30 +193,22 @@ class VirtualMachine:
         return shown
 
     def _done(self, setup: Setup, poses: Array, approaches: Array) -> Deviation:
-        """Return what the tool does at a place: at the second end of a length, against the first."""
-        done = self.does(poses, approaches)
-        if setup.start is None:
-            return done
-        before = self.does(np.array([setup.start]), approaches)
-        return Deviation(done.displacement - before.displacement, done.rotation - before.rotation)
+        """Return what the tool does at places: at the second end of a length against the first.
 
-    def _chord(self, setup: Setup, poses: Array) -> Deviation:
-        """Return by how much the way differs between the two feet of a level, per length between them."""
-        (axis,) = setup.moves
-        low, high = self.model.axes[axis].travel
-        half = max(setup.base or 0.0, SHORTEST) / 2
-        ends = [poses.copy(), poses.copy()]
-        for end, sign in zip(ends, (1, -1), strict=True):
-            end[:, axis] = np.clip(poses[:, axis] + sign * half, low, high)
-        far, near = (self._way(axis, end) for end in ends)
-        slope: Array = (far - near) / (ends[0] - ends[1])[:, axis, None]
-        return Deviation(slope, np.zeros_like(slope))
-
-    def _way(self, axis: int, poses: Array) -> Array:
-        """Return how far the shape of one axis' way alone would displace the TCP, (m, 3), m."""
-        own = np.array([belongs(term, axis) for term in self.model.terms])
-        way = composed(self.model, self.values(poses) * own[:, None], np.zeros_like(poses))
-        return actual_deviation(self.model, poses, way).displacement
+        Between feet of a level the way differs by its own shape alone, per length between them.
+        """
+        shape, inside = np.ones((len(self.model.terms), 1)), poses
+        if setup.base is not None:
+            (axis,), half = setup.moves, max(setup.base, SHORTEST) / 2
+            shape[[not belongs(term, axis) for term in self.model.terms]] = 0.0
+            low, high = self.model.axes[axis].travel
+            inside = poses.copy()
+            inside[:, axis] = np.clip(poses[:, axis], low + half, high - half)
+        done = np.zeros((2, len(poses), 3))
+        for at, weight in feet_of(setup, inside):
+            small = composed(self.model, self.values(at) * shape, approaches)
+            done += weight * np.array(actual_deviation(self.model, at, small))
+        return Deviation(*done)
 
 
 def by_number(seed: int, first: int = 1) -> Iterator[np.random.Generator]:

@@ -48,34 +48,11 @@ def feet_of(setup: Setup, poses: Array) -> tuple[Foot, ...]:
     return tuple(Foot(*end) for end in ends)
 
 
-def across(machine: Machine, setup: Setup, poses: Array) -> Array:
-    """Return d × a, a the way along which the axis goes: the direction whose slope is a turn about d, (m, 3)."""
-    (axis,) = setup.moves
-    along = machine.frames(poses).rotations[axis] @ np.array(machine.axes[axis].direction)
-    return np.cross(np.array(setup.direction), along)
-
-
 def belongs(function: Term, axis: int) -> bool:
     """Return whether an error is one of the way's shape: straightness, alone or with another axis, or squareness."""
     return axis in function.axes and (
         function.kind == "location" or (function.kind == "motion" and not function.angular)
     )
-
-
-def heights(errors: Machine, setup: Setup, poses: Array) -> Array:
-    """Return what a unit of each error of the way's shape adds to its height across, at poses, (terms, m)."""
-    (axis,) = setup.moves
-    own = np.array([belongs(term, axis) for term in errors.terms])
-    levers = np.einsum("fmc,mc->fm", errors.levers(poses), across(errors, setup, poses))
-    return np.asarray(levers * own[:, None], dtype=np.float64)
-
-
-def slope_rows(errors: Machine, setup: Setup, poses: Array) -> Array:
-    """Return the rows of what feet show, the slope of their chord, (m, size)."""
-    rows = np.zeros((len(poses), errors.size))
-    for at, weight in feet_of(setup, poses):
-        rows += weight * errors.along(heights(errors, setup, at), at, np.zeros_like(at))
-    return rows
 
 
 _ASIDE = 1e-9

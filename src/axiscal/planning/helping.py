@@ -11,7 +11,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import RowName, Target, Want
-from axiscal.description.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
@@ -19,6 +18,7 @@ from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, quoted, said
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.planning.enough import enough, goal_of, reached_by
 from axiscal.planning.next_readings import posed
 from axiscal.planning.other_readings import with_rooms

@@ -20,9 +20,9 @@ from axiscal.answers.answer_words import (
 from axiscal.answers.row_words import row_names
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, ending, listed, put, said
 from axiscal.machine.questions import questions
+from axiscal.measurement.type_b import MEASURED_TEMPERATURE
 from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.sentences import cause_words

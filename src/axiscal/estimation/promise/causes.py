@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.type_b import Read, TypeB, rows_of
 from axiscal.measurement.cells import Course
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
 from axiscal.measurement.travel import feet_of
+from axiscal.measurement.type_b import Read, TypeB, rows_of
 from axiscal.numerics import Array
 from axiscal_core import causes
 from axiscal_core.theta import Kind

@@ -16,6 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from axiscal.measurement.setup import GAUGE, LASER, ZERO, Reads, Setup, Unknown, Usual
+from axiscal.measurement.type_b import AIR, GAIN, WARM, Read, TypeB, constant, scaled
 from axiscal.numerics import Array
 from axiscal_core import rigid
 from axiscal_core.instrument import At, Unknowns
@@ -79,6 +80,23 @@ class Interferometer(Displacement):
     instrument, site = "interferometer", "line"
     usual = Usual(0.3e-6, (ZERO,), 1800.0, 1.0, 3.0, LASER)
     light = against_length = display = True
+    type_b = (
+        TypeB(
+            "scale", 1e-6, "um/m",
+            "no certificate; a free red helium-neon laser is known to 1.5 ppm (Stone et al. 2009)",
+            "instrument", scaled,
+        ),
+        AIR,
+        TypeB(
+            "cosine", 1e-3, "mrad", "beam set by eye; 1 − cos is half its square", "set-up",
+            lambda read, size: size**2 / 2 * read.along, "rectangular",
+        ),
+        TypeB(
+            "dead_path", 0.2, "mm", "assumption; its air is as above", "set-up",
+            lambda read, size: dict(read.setup.stated).get("air", AIR.size) * size * read.ones, covered=("zero",),
+        ),
+        *WARM,
+    )  # fmt: skip
 
 
 class Indicator(Displacement):
@@ -86,6 +104,15 @@ class Indicator(Displacement):
 
     instrument, display = "indicator", True
     usual = Usual(1.0e-6, (ZERO,), 600.0, 1.0, 5.0, GAUGE)
+    type_b = (GAIN,)
+
+
+def _bowed(read: Read, size: float) -> Array:
+    """Return a bow, (k, r), whose sag is `size` times its length."""
+    way = read.setup.travelled(read.at.poses)
+    span = float(np.ptp(way))
+    bowed: Array = size * span * (2 * (way - way.min()) / (span or 1.0) - 1) ** 2 * read.ones
+    return bowed
 
 
 class Straightedge(Displacement):
@@ -93,6 +120,15 @@ class Straightedge(Displacement):
 
     instrument, site, display = "straightedge", "reach", True
     usual = Usual(1e-6, (ZERO, Unknown("slope", 1e-3)), 1200.0, 1.0, 5.0, GAUGE)
+    type_b = (
+        TypeB(  # each leg has half of the angle between two
+            "square", 10e-6, "urad", "assumption", "set-up",
+            lambda read, size: size / np.sqrt(2.0) * read.setup.travelled(read.at.poses) * read.ones,
+            applies=lambda setup: any(unknown.name in SQUARE for unknown in setup.unknowns),
+        ),
+        TypeB("bow", 2e-6, "um/m", "assumption", "set-up", _bowed),
+        GAIN,
+    )  # fmt: skip
 
 
 class Probe(Displacement):
@@ -100,6 +136,7 @@ class Probe(Displacement):
 
     instrument, site = "probe", "reach"
     usual = Usual(1.0e-6, (ZERO,), 600.0, 0.5, 6.0, GAUGE, "retracted")
+    type_b = (TypeB("pre_travel", 1e-6, "um", "assumption", "instrument", constant, covered=("zero",)),)
 
 
 class PrinterProbe(Probe):
@@ -117,6 +154,7 @@ class HalvedLength(Displacement):
 
     instrument, site, against_length = "gauge", "length", True
     usual = Usual(20e-6, (Unknown("zero", 1e-2),), 120.0, 0.0, 20.0)
+    type_b = (TypeB("scale", 20e-6, "um/m", "assumption; a gauge block has 1 um/m", "instrument", scaled), *WARM)
 
 
 class Length(HalvedLength):

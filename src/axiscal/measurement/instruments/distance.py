@@ -35,6 +35,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.measurement.setup import CARRIED, GAUGE, LASER, TOOL_READS, ZERO, Reads, Setup, Unknown, Usual
 from axiscal.measurement.touched import touch_frames
+from axiscal.measurement.type_b import AIR, GAIN, WARM, Read, TypeB, constant, scaled
 from axiscal.numerics import Array
 from axiscal_core import rigid
 from axiscal_core.instrument import TOOL, At, Unknowns, length
@@ -48,7 +49,7 @@ def _open(names: Sequence[str], std: float) -> tuple[Unknown, ...]:
 
 
 _ON_TOOL = _open(TOOL, CARRIED)
-_THREE = _open(ZEROS, 1e-3)
+_THREE = _open(ZEROS, ZERO.std)
 
 
 class Nest(Setup):
@@ -73,14 +74,24 @@ class RTest(Nest):
 
     instrument = "rtest"
     usual = Usual(0.7e-6, (*_THREE, *_ON_TOOL), 900.0, 1.0, 3.0, GAUGE, "held")
+    type_b = (*WARM, GAIN)
     site = "ball"
 
 
-class Sphere(Nest):
+def _larger(read: Read, size: float) -> Array:
+    """Return what a larger sphere and stylus do: in the mean of opposite sides its pole alone shows them, (k, r)."""
+    touched = touch_frames(read.setup.machine, read.at.poses)
+    met = touched.sum(axis=1) if read.setup.three_touches else touched[:, 2]
+    larger: Array = -size * np.sum(read.ways * met, axis=2)
+    return larger
+
+
+class TouchedSphere(Nest):
     """A sphere that a probe in the spindle touches from all sides; mounted ball by ball."""
 
     instrument, all_round = "sphere", True
     usual = Usual(1.5e-6, (), 300.0, 1.0, 15.0, GAUGE, "retracted")
+    type_b = (*WARM, TypeB("radius", 1e-6, "um", "assumption", "instrument", _larger, covered=("radius",)))
     site = "ball"
 
 
@@ -131,7 +142,23 @@ class BallBar(Distance):
 
     instrument = "ballbar"
     usual = Usual(0.5e-6, (ZERO, *_open(SHIFTS, 1e-4), *_ON_TOOL), 900.0, 0.5, 1.0, GAUGE)
+    type_b = (
+        TypeB(
+            "length", 1e-6, "um", "assumption: 1 um and 2 um/m", "instrument", constant, covered=("zero",), longer=2e-6,
+        ),
+    )  # fmt: skip
     site = "bar"
+
+
+# its maker states an MPE
+_SCALE = TypeB("scale", 1.5e-6, "um/m", "assumption; its maker states an MPE", "instrument", scaled)
+
+
+def _strained(read: Read, size: float) -> Array:
+    """Return a strain of the distance from the station, (k, r)."""
+    stations = np.array(read.setup.standing)
+    strained: Array = size * np.linalg.norm(read.at.tcp - stations[:, None], axis=2)
+    return strained
 
 
 class Tracer(Distance):
@@ -139,6 +166,7 @@ class Tracer(Distance):
 
     instrument = "tracer"
     usual = Usual(0.3e-6, (ZERO, *_open(SHIFTS, 5e-3), *_ON_TOOL), 1800.0, 1.0, 3.0, LASER)
+    type_b = (replace(AIR, effect=_strained), *WARM, replace(_SCALE, effect=_strained))
     light = against_length = True
     site = "sight"
 
@@ -169,6 +197,7 @@ class Tracker(Setup):
 
     instrument = "tracker"
     usual = Usual(10e-6, (*_THREE, *_open(TURNS, 1e-3), *_ON_TOOL), 3600.0, 2.0, 5.0, LASER)
+    type_b = (AIR, *WARM, _SCALE)
     light, against_length, directed = True, True, False
     numbers = ("x", "y", "z")
     site = "sight"

@@ -9,6 +9,7 @@ To first order y is the slope of a chord; as L goes to zero, the derivative of t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -16,8 +17,9 @@ import numpy as np
 
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.axis import travel_text
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import INCLINED, ZERO, Reads, Setup, Usual
-from axiscal.measurement.travel import across, slope_rows
+from axiscal.measurement.type_b import GAIN
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 from axiscal_core.instrument import At, Unknowns
@@ -38,7 +40,11 @@ class Rotation(Setup):
         """Return dᵀε + zero, or the angle of the chord; at.moved : of one foot against the other, per length."""
         if self.base is None:
             return [at.turned @ np.array(self.direction) + u["zero"]]
-        return [np.arctan(np.sum(across(self.machine, self, at.poses) * at.moved, axis=1)) + u["zero"]]
+        return [np.arctan(np.sum(self._across(at.poses) * at.moved, axis=1)) + u["zero"]]
+
+    def _across(self, poses: Array) -> Array:
+        """Return d × a, a the way along which the axis goes: the direction whose slope is a turn about d, (m, 3)."""
+        return np.cross(np.array(self.direction), self.ways(poses))
 
     def check(self) -> None:
         """Raise DescriptionError where feet have no slope to read."""
@@ -50,7 +56,7 @@ class Rotation(Setup):
             what = "a base of {base} is not shorter than the travel of {axis}"
             remedy, travel = "Both feet stand within the travel, which is {travel}", travel_text(axis)
             raise DescriptionError(what, remedy, base=format_quantity(base, "mm", 6), axis=axis.name, travel=travel)
-        slope_seen = across(self.machine, self, np.array([self.park]))[0]
+        slope_seen = self._across(np.array([self.park]))[0]
         if abs(np.linalg.norm(slope_seen) - 1) > _ALONG:
             what = "feet that are stepped along {axis} show its slope, and that is no turn about this direction"
             remedy = "Give a direction across the way; for the roll of a carriage take base out: the level rides on it"
@@ -68,7 +74,8 @@ class Rotation(Setup):
     def _refuse_unseen(self) -> None:
         """Raise DescriptionError where the way has no shape, or a rest whose slope over this base nobody knows."""
         machine, base = self.machine, self.base or 0.0
-        (seen,) = np.abs(slope_rows(machine, self, np.array([self.park])))
+        park = np.array([self.park])
+        (seen,) = np.abs(Observation(machine, (self,)).rows(0, park, np.zeros_like(park)).rows)
         levelled = any(unknown.name == "zero" for unknown in self.unknowns)
         shown = [term for term in machine.terms if seen[term.columns].max(initial=0.0) > _UNSEEN]
         axis = machine.axes[self.moves[0]].name
@@ -92,6 +99,7 @@ class Level(Rotation):
 
     instrument = "level"
     usual = Usual(2.0e-6, (ZERO,), 300.0, 5.0, 5.0, INCLINED)
+    type_b = (replace(GAIN, size=0.02, source="assumption: 2 %", least=0.0),)
 
 
 class Autocollimator(Rotation):
@@ -99,4 +107,5 @@ class Autocollimator(Rotation):
 
     instrument = "autocollimator"
     usual = Usual(0.5e-6, (ZERO,), 1800.0, 1.0, 3.0, INCLINED)
+    type_b = (replace(GAIN, source="assumption: 1 %", least=0.0),)
     site = "line"

@@ -11,7 +11,7 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
@@ -24,6 +24,7 @@ from axiscal.document.ports import one_of
 from axiscal.document.quoting import shown
 from axiscal.exceptions import AxiscalError, CodeError, DescriptionError
 from axiscal.measurement.setup import Reads, Setup, Unknown, Usual
+from axiscal.measurement.type_b import Read, TypeB
 from axiscal.numerics import Array
 from axiscal.units import dimension_of
 from axiscal_core import refusals
@@ -179,8 +180,19 @@ def _instrument(text: str, made: type[Seeing], where: tuple[Path, int | None]) -
         approach=one.approach,
         park={axis: si(place, made.__name__, "park") for axis, place in one.park.items()},
     )
-    own["type_b"] = tuple((name, std, _unit(one.type_b[name], units[0])) for name, std in one.considered.items())
+    own["type_b"] = tuple(
+        TypeB(
+            name, std, _unit(one.type_b[name], units[0]), "its class", "instrument", partial(_alone, name=name),
+            covered=(name,),
+        )
+        for name, std in one.considered.items()
+    )  # fmt: skip
     return type(made.__name__, (Foreign,), own)
+
+
+def _alone(read: Read, size: float, name: str) -> Array:
+    """Return what a class shows of a cause of its own, (k, r)."""
+    return size * read.setup.own_slopes(read.at, (name,))[:, :, 0].T
 
 
 def _unit(size: Quantity, reads: Reads) -> str:
