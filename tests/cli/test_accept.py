@@ -21,7 +21,7 @@ from axiscal.exceptions import OvertakenError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.present.summarising import Extras, summarise
+from axiscal.present.result_of_campaign import Extras, result_of
 from axiscal.record.accepted import Accepted
 from axiscal.record.carried import carried_text
 from tests.commands import Command
@@ -184,7 +184,7 @@ def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, comman
     said = 'the readings of "X again" before reading 19 have a zero of their own'
     assert f"Accepted: {said}" in command("status", path, "--details").printed
     with Campaign.open(path) as campaign:
-        found = summarise(campaign, campaign.estimate(ended=True), Extras())
+        found = result_of(campaign, campaign.estimate(ended=True), Extras()).result
         description, readings = last_campaign(carried_text(path))
         assert (readings, description.setups[-1].name) == (campaign.state.readings, "X again, before reading 19")
     assert [each.text for each in found.warnings if each.code == "accepted"] == [f"A person accepted: {said}."]

@@ -23,7 +23,7 @@ from axiscal.campaign.ending import because_text, reaches
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import Equipment
-from axiscal.description.type_b import Distribution
+from axiscal.measurement.type_b import Distribution
 from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
