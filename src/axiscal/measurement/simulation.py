@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import count, pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -197,18 +198,21 @@ class VirtualMachine:
 
         Between feet of a level the way differs by its own shape alone, per length between them.
         """
-        shape, inside = np.ones((len(self.model.terms), 1)), poses
+        does, inside = self.does, poses
         if setup.base is not None:
             (axis,), half = setup.moves, max(setup.base, SHORTEST) / 2
-            shape[[not belongs(term, axis) for term in self.model.terms]] = 0.0
             low, high = self.model.axes[axis].travel
-            inside = poses.copy()
+            does, inside = partial(self._way, axis), poses.copy()
             inside[:, axis] = np.clip(poses[:, axis], low + half, high - half)
         done = np.zeros((2, len(poses), 3))
         for at, weight in feet_of(setup, inside):
-            small = composed(self.model, self.values(at) * shape, approaches)
-            done += weight * np.array(actual_deviation(self.model, at, small))
+            done += weight * np.array(does(at, approaches))
         return Deviation(*done)
+
+    def _way(self, axis: int, poses: Array, approaches: Array) -> Deviation:
+        """Return what the shape of one axis' way alone does to the tool."""
+        own = np.array([belongs(term, axis) for term in self.model.terms])
+        return actual_deviation(self.model, poses, composed(self.model, self.values(poses) * own[:, None], approaches))
 
 
 def by_number(seed: int, first: int = 1) -> Iterator[np.random.Generator]:

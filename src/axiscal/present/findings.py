@@ -140,8 +140,8 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     ]
 
 
-OF_THE_READING = ("sign", "period", "resolution", "beside", "lag", "reversal", "passes")
-"""Codes of warnings that other readings, or others in another order, would answer."""
+OF_THE_READING = ("sign", "beside", "reversal", "lag", "resolution", "passes", "period")
+"""Codes of warnings that other readings, or others in another order, would answer; what weighs most is first."""
 
 
 def of_readings(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> list[Finding]:
