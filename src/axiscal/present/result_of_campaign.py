@@ -23,7 +23,6 @@ from axiscal.campaign.ending import because_text, reaches
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import Equipment
-from axiscal.measurement.type_b import Distribution
 from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
@@ -38,6 +37,7 @@ from axiscal.measurement.reading import (
     value_columns,
 )
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.type_b import Distribution
 from axiscal.present.axis_tests_read import iso230_blocks
 from axiscal.present.conditions import conditions, counted_along
 from axiscal.present.curves import constants, errors
