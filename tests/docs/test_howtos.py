@@ -92,4 +92,4 @@ def test_the_page_of_virtual_machines_is_followed_word_for_word(tmp_path: Path) 
     assert (dial["readings"], laser["readings"], dial["error"], laser["error"]) == ("12", "12", "", "")
     assert float(laser["minutes"]) - float(dial["minutes"]) == pytest.approx(35, abs=1)
     assert all(0 < float(row["true_rms_um"]) < float(row["U_um"]) for row in (dial, laser))
-    assert "laser.toml instead of dial.toml: minutes +34.59" in ran.stdout
+    assert "laser.toml instead of dial.toml: minutes +34.62" in ran.stdout

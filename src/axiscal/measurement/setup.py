@@ -6,11 +6,11 @@ Rows are derivatives of that by complex steps (`axiscal_core.instrument.slopes`)
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 
@@ -61,6 +61,11 @@ class Unknown:
     name: str
     std: float
     owner: str = ""
+
+    @classmethod
+    def each(cls, names: Iterable[str], std: float) -> tuple[Self, ...]:
+        """Return one of each name."""
+        return tuple(cls(name, std) for name in names)
 
 
 ZERO = Unknown("zero", 1e-3)

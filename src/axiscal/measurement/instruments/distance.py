@@ -42,14 +42,8 @@ from axiscal_core.instrument import TOOL, At, Unknowns, length
 
 RADIUS = "radius"
 ZEROS = ("zero_x", "zero_y", "zero_z")
-
-
-def _open(names: Sequence[str], std: float) -> tuple[Unknown, ...]:
-    return tuple(Unknown(name, std) for name in names)
-
-
-_ON_TOOL = _open(TOOL, CARRIED)
-_THREE = _open(ZEROS, ZERO.std)
+_ON_TOOL = Unknown.each(TOOL, CARRIED)
+_THREE = Unknown.each(ZEROS, ZERO.std)
 
 
 class Nest(Setup):
@@ -141,7 +135,7 @@ class BallBar(Distance):
     """A bar about a cup, which is set to a tenth of a millimetre."""
 
     instrument = "ballbar"
-    usual = Usual(0.5e-6, (ZERO, *_open(SHIFTS, 1e-4), *_ON_TOOL), 900.0, 0.5, 1.0, GAUGE)
+    usual = Usual(0.5e-6, (ZERO, *Unknown.each(SHIFTS, 1e-4), *_ON_TOOL), 900.0, 0.5, 1.0, GAUGE)
     type_b = (
         TypeB(
             "length", 1e-6, "um", "assumption: 1 um and 2 um/m", "instrument", constant, covered=("zero",), longer=2e-6,
@@ -165,7 +159,7 @@ class Tracer(Distance):
     """A length-only interferometer that follows the tool from a station that nobody knows within five millimetres."""
 
     instrument = "tracer"
-    usual = Usual(0.3e-6, (ZERO, *_open(SHIFTS, 5e-3), *_ON_TOOL), 1800.0, 1.0, 3.0, LASER)
+    usual = Usual(0.3e-6, (ZERO, *Unknown.each(SHIFTS, 5e-3), *_ON_TOOL), 1800.0, 1.0, 3.0, LASER)
     type_b = (replace(AIR, effect=_strained), *WARM, replace(_SCALE, effect=_strained))
     light = against_length = True
     site = "sight"
@@ -196,7 +190,7 @@ class Tracker(Setup):
     """Three lengths along x, y, z of the workpiece frame, from a station that is set up by eye: a milliradian."""
 
     instrument = "tracker"
-    usual = Usual(10e-6, (*_THREE, *_open(TURNS, 1e-3), *_ON_TOOL), 3600.0, 2.0, 5.0, LASER)
+    usual = Usual(10e-6, (*_THREE, *Unknown.each(TURNS, 1e-3), *_ON_TOOL), 3600.0, 2.0, 5.0, LASER)
     type_b = (AIR, *WARM, _SCALE)
     light, against_length, directed = True, True, False
     numbers = ("x", "y", "z")
