@@ -54,12 +54,12 @@ test-long: .venv/dev.stamp $(if $(wildcard $(CONTROLS)),.venv-controls/stamp)
 
 # Whole rooms where their tests take seconds, else the files that do.
 QUICK := core/test_docstrings.py description docs/test_constants.py docs/test_house.py docs/test_shapes.py document errors/test_gauge.py \
-	estimation/test_alignment.py estimation/test_belief_properties.py estimation/test_criterion.py estimation/test_directions.py \
+	estimation/test_alignment.py estimation/test_criterion.py \
 	estimation/test_yardstick.py evaluation/test_around_a_turn.py evaluation/test_evaluation.py \
 	machine measurement/test_displacement.py \
 	measurement/test_instrument_files.py numerics present/test_edges.py present/test_wording.py programs/test_programs.py \
 	python/test_surface.py record refusals units
-SLOW := description/test_sights.py numerics/test_threads.py record/test_store.py
+SLOW := description/test_sights.py record/test_store.py
 
 quick: .venv/dev.stamp
 	$(BIN)/ruff check .

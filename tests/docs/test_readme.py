@@ -16,13 +16,14 @@ COLUMNS = 80
 SCREEN = re.findall(r"^```text\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
 
 
-def _shape(screen: str) -> list[str]:
-    """Return the lines of a screen without what another processor may round or count otherwise: figures and room.
+_SAME = ("TARGET", "volume", "Readings agree", "# places checked", "Next", "axiscal verify", "Report")
+"""How lines begin that every plan of the demo ends with: ties of places fall otherwise on another processor."""
 
-    A tilt is just measured, or just not: another plan as good reads B at one place more.
-    """
+
+def _shape(screen: str) -> list[str]:
+    """Return the lines of a screen that every plan shows, without figures and room; those of the volume by name."""
     lines = (" ".join(re.sub(r"[\d.]+", "#", line).split()) for line in screen.splitlines())
-    return [line for line in lines if not line.startswith(("tilt of", "Not measured: tilt of"))]
+    return [line for line in lines if line.startswith(_SAME)]
 
 
 def test_it_shows_one_screen_that_ends_in_a_success() -> None:
