@@ -17,11 +17,10 @@ SCREEN = re.findall(r"^```text\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
 
 
 _SAME = ("TARGET", "volume", "Readings agree", "# places checked", "Next", "axiscal verify", "Report")
-"""How lines begin that every plan of the demo ends with: ties of places fall otherwise on another processor."""
 
 
 def _shape(screen: str) -> list[str]:
-    """Return the lines of a screen that every plan shows, without figures and room; those of the volume by name."""
+    """Return what every plan ends with, without figures and room: places that tie fall otherwise elsewhere."""
     lines = (" ".join(re.sub(r"[\d.]+", "#", line).split()) for line in screen.splitlines())
     return [line for line in lines if line.startswith(_SAME)]
 
