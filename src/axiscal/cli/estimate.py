@@ -104,9 +104,8 @@ def estimate(
     with evaluated(description, placed) as opened:
         kept, again = out / RECORD, "give the command again"
         result = write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
-    seen = [each for each in result.warnings if each.code in OF_THE_READING and not details]
-    seen.sort(key=lambda each: OF_THE_READING.index(each.code))
-    tell_minds(*(each.text for each in seen), *open_questions(description))
+    seen = [each.text for code in OF_THE_READING if not details for each in result.warnings if each.code == code]
+    tell_minds(*seen, *open_questions(description))
 
 
 def iso230(

@@ -17,7 +17,7 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import ask, say
-from axiscal.cli.progress import MINDS, tell_out_of_reach
+from axiscal.cli.progress import mind_lines, tell_out_of_reach
 from axiscal.cli.texts import help_text, opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now
@@ -160,8 +160,8 @@ class Prompt:
             if (chosen := _chosen(named)) is not None:
                 say(f"  {progress.confirmed(self.campaign, named, chosen)}")
                 minds = []
-        for sentence in [*progress.contradictions(self.campaign), *minds][:MINDS]:
-            say("  " + said("Mind: {sentence}", sentence=sentence))
+        for line in mind_lines(*progress.contradictions(self.campaign), *minds):
+            say(f"  {line}")
         return "anew"
 
     def _costs(self, *, rest: bool) -> bool:

@@ -44,14 +44,15 @@ def progress_line(milestone: Milestone, target: Target) -> str:
     return put("{number}: {accuracy}, {minutes}", number=number, accuracy=accuracy, minutes=minutes)
 
 
-MINDS = 2
-"""Sentences that are to be minded, on a screen: nobody minds more."""
+def mind_lines(*sentences: str | None) -> list[str]:
+    """Return lines of the first two sentences to be minded: nobody minds more, so what weighs most comes first."""
+    return [said("Mind: {sentence}", sentence=again(each)) for each in [*filter(None, sentences)][:2]]
 
 
 def tell_minds(*sentences: str | None) -> None:
-    """Write the first sentences that are to be minded to stderr, in the language of the person."""
-    for sentence in [*filter(None, sentences)][:MINDS]:
-        tell(said("Mind: {sentence}", sentence=again(sentence)))
+    """Write these lines to stderr."""
+    for line in mind_lines(*sentences):
+        tell(line)
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:

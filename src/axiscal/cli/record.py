@@ -15,7 +15,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.printing import say_either, tell
-from axiscal.cli.progress import MINDS
+from axiscal.cli.progress import mind_lines
 from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
@@ -95,8 +95,7 @@ def record(
         minded = [sentence for sentence in (*contradictions(campaign), *found, open_question(campaign)) if sentence]
         document, line = _kept(campaign, kept)
         document |= {"surprise": None if doubt is None else round(doubt.surprise, 2), "mind": minded}
-        lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded[:MINDS])]
-        _answered(campaign, document, lines, then_next=then_next, as_json=json)
+        _answered(campaign, document, [line, *mind_lines(*minded)], then_next=then_next, as_json=json)
 
 
 def _answered(
