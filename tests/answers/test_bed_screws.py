@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.zoo.answers import Answer
-from tests.zoo.running import given
+from benchmarks.zoo.answers import Answer
+from benchmarks.zoo.running import given
 
 PRINTER = """[printer]
 kinematics: corexy

@@ -16,8 +16,8 @@ from axiscal.description.campaign import read_campaign
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
 from axiscal.present.guide.question import Stands, Word, answer
+from benchmarks.zoo.running import given, rows_of
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
-from tests.zoo.running import given, rows_of
 
 CENTRE = np.array([-0.035, 0.110, 0.0])
 BALL, STANDS = np.array([48.0, -22.0, 70.0]), np.array([48.31, -22.17, 70.06])

@@ -34,10 +34,10 @@ from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.questions import questions
 from axiscal.measurement.reading import Reading
+from benchmarks.zoo.animals import Job
+from benchmarks.zoo.running import described
 from tests.commands import Command
 from tests.generators.machines import random_machine
-from tests.zoo.animals import Job
-from tests.zoo.running import described
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
+from benchmarks.zoo.answers import Answer
+from benchmarks.zoo.running import given, rows_of
 from tests.generators.texts import campaign_text, machine_text, setup_text
-from tests.zoo.answers import Answer
-from tests.zoo.running import given, rows_of
 
 NOISE = 0.004
 MACHINE = machine_text(

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.zoo.answers import Answer
+from benchmarks.zoo.running import given
 from tests.generators.field import FIELD
-from tests.zoo.answers import Answer
-from tests.zoo.running import given
 
 FOLDER = FIELD / "01-lead-error-eaten"
 BESIDE = pytest.mark.skipif(not FIELD.is_dir(), reason="needs the files of the field beside the checkout")

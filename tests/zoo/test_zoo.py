@@ -6,11 +6,11 @@ from functools import cache
 
 import pytest
 
-from tests.zoo.animals import Animal, Judged
-from tests.zoo.curves import AGAIN, NOTHING_WRONG, ONCE
-from tests.zoo.every import EVERY
-from tests.zoo.mills import IN_STEP, LAGGING, ONE_WAY
-from tests.zoo.running import judged
+from benchmarks.zoo.animals import Animal, Judged
+from benchmarks.zoo.curves import AGAIN, NOTHING_WRONG, ONCE
+from benchmarks.zoo.every import EVERY
+from benchmarks.zoo.mills import IN_STEP, LAGGING, ONE_WAY
+from benchmarks.zoo.running import judged
 
 NAMED = {animal.name: animal for animal in EVERY}
 QUICK = (
