@@ -11,7 +11,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
@@ -27,7 +27,7 @@ from axiscal.planning.proposal import proposed
 from axiscal.present.plan_answer import plan_answer
 from tests.generators.campaigns import built_in
 from tests.generators.recorded import measured
-from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
+from tests.generators.texts import setup_text
 
 FEW = 200
 
@@ -80,39 +80,6 @@ def test_a_plan_reaches_its_target_in_the_order_in_which_it_is_read(checks: int)
     assert sum(place.check for place in places) == checks
     assert len(places) < 30
     assert yardstick.measure(foreseen(case, (), places).belief).rms <= limit
-
-
-TURNED = machine_text(
-    "w-A'-b-Y-Z-t",
-    {"Y": (0, 400), "Z": (-350, 0), "A": (0, 360)},
-    {"Y0A Z0A": "30 um"},
-    origins={"A": (0, 200, -250)},
-)
-BALL = campaign_text(
-    "turned",
-    artefact_text("ball", placed="1 mm", balls={"it": ["0 mm", "240 mm", "-200 mm"]}),
-    setup_text("sphere", "sphere", artefact="ball"),
-    target={"wants": ["centre of A 15 um"]},
-)
-
-
-@pytest.mark.long
-def test_a_plan_says_that_a_tool_of_known_length_would_reach_its_target() -> None:
-    case = case_of(campaign_from_texts(BALL, "campaign.toml", TURNED, "turned"))
-    found = helping_setups(case, case.description.target)
-    assert found is not None
-    assert found.setups == ()
-    assert found.tool
-    assert found.reached
-    assert helping_words(found).startswith(
-        'With tool_length = "5 um", tool_eccentricity = "5 um", tool_certificate as well, '
-    )
-    known = case_of(
-        campaign_from_texts(
-            f'tool_length = "5 um"\ntool_certificate = "presetter"\n{BALL}', "campaign.toml", TURNED, "turned"
-        )
-    )
-    assert [row.reachable for each in (case, known) for row in known_rows(each, each.knowledge, ())] == [False, True]
 
 
 @pytest.mark.long

@@ -19,6 +19,7 @@ from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.programs import Program, controllers, dialect, programs
+from tests.generators.campaigns import built_in
 from tests.generators.printed_machine import printed_machine
 from tests.generators.said_places import Said
 from tests.generators.ways_said import WaysSaid
@@ -129,3 +130,14 @@ def _programs_hold(campaign: CampaignDescription, said: Said, places: tuple[Plac
         setup = program.readings[0].setup.name
         planned = {k: np.array(place.pose) for k, place in enumerate(places, start=1) if place.setup == setup}
         assert WaysSaid(said, setup, controller).holds(program.text, planned) == len(planned) - 1
+
+
+def test_a_plan_of_a_record_of_before_is_refused_with_the_keys_of_every_set_up() -> None:
+    """Descriptions that a record holds are read as they are; only what is asked for must say where."""
+    nest = '[[setups]]\nname = "nest"\ninstrument = "rtest"\n'
+    bar = '[[setups]]\nname = "bar"\ninstrument = "ballbar"\nstation = ["0 mm", "0 mm", "100 mm"]\n'
+    both = 'In "nest": write artefact = .* In "bar": write length = "150 mm"'
+    for setups, said in ((nest + bar, both), (nest, "Write artefact = ")):
+        case = Case(built_in(setups, "dmu60"))
+        with pytest.raises(PlanError, match=said):
+            next_places(case, case.knowledge, ())

@@ -74,20 +74,6 @@ def test_what_is_left_is_read_in_its_order_wherever_the_campaign_was_broken_off(
         assert count > 7 or abs(np.corrcoef(new.poses[:, 0], np.arange(len(new)))[0, 1]) < 0.6
 
 
-def test_many_readings_along_an_axis_lie_one_in_each_part_two_at_its_ends_and_few_where_the_plan_has_them() -> None:
-    _, task = one_axis("+")
-    low, high = task.observation.machine.axes[0].travel
-    at = {
-        (count, usual): np.sort(make_plan(task, Limits(count), patience=0.0, usual=usual).places.poses[:, 0])
-        for count in (7, 20)
-        for usual in (True, False)
-    }
-    assert np.floor(18 * (at[20, True] - low) / (high - low)).tolist() == [0, *range(18), 17]
-    assert np.diff(at[20, True]).max() > 2 * np.diff(at[20, True]).min()
-    assert np.any(np.floor(18 * (at[20, False] - low) / (high - low)) != [0, *range(18), 17])
-    assert np.array_equal(at[7, True], at[7, False])
-
-
 @pytest.mark.parametrize(("count", "least"), [(7, 1), (8, 3), (12, 3)])
 def test_an_axis_turns_three_times_so_that_a_drift_is_no_backlash_that_varies(count: int, least: int) -> None:
     _, task = one_axis("both")
