@@ -22,7 +22,6 @@ os.environ["XDG_CONFIG_HOME"] = os.devnull + "/none"  # nor says yes to code for
 os.environ["AXISCAL_PROGRESS"] = "off"  # what commands say in tests does not hang on how long they take
 shapes.install()  # before anything of the package is loaded
 settings.register_profile("axiscal", deadline=None, derandomize=True, print_blob=True, max_examples=25)
-settings.register_profile("long", settings.get_profile("axiscal"), max_examples=50)
 settings.register_profile("explore", deadline=None, max_examples=2000)
 settings.load_profile(os.environ.get("AXISCAL_HYPOTHESIS", "axiscal"))
 

@@ -7,7 +7,6 @@ import pytest
 from axiscal.machine import machine_from_text
 from axiscal.machine.description import parse_chain
 from axiscal.machine.error_names import ErrorName, parse_error_name
-from axiscal.machine.questions import questions
 from axiscal_core.errors import Kind
 
 NAMES: list[tuple[str, str, str, Kind, int]] = [
@@ -68,14 +67,3 @@ def test_one_value_counts_along_both_axes_and_the_order_of_the_name_counts() -> 
     assert plane.std == pytest.approx(10e-6)
     (other,) = machine_from_text(f'{HEAD}EYXC = {{ std = "1 um", length = ["100 mm", "60 deg"] }}').stated
     assert [side.length for side in other.sides] == pytest.approx([0.1, 1.0471975512])
-
-
-def test_a_rest_alone_needs_no_size() -> None:
-    machine = machine_from_text(f'{HEAD}EZXY = {{ std = "0 um", knots = 5, rest = "2 um" }}')
-    assert (machine.stated[0].std, machine.stated[0].first_rest) == (0.0, 2e-6)
-
-
-def test_a_plane_of_millimetres_is_asked_about() -> None:
-    asked = questions(machine_from_text(f'{HEAD}EZXY = {{ std = "10 mm" }}\nEAXY = {{ std = "20 urad" }}'))
-    assert [text for text in asked if "EZXY" in text]
-    assert not [text for text in asked if "EAXY" in text]

@@ -25,11 +25,14 @@ from tests.generators.said_places import Said
 from tests.generators.ways_said import WaysSaid
 
 ROOT = Path(__file__).resolve().parents[2]
+KINDS = ("ball_bar", "five_axes", "printer", "rotary", "square", "tracker")
+"""Golden campaigns with an instrument that the others have not."""
 FILES = sorted(
     path
-    for folder in ("src/axiscal/present/demo", "tests/linuxcnc/machines", "tests/golden/campaigns", "examples")
+    for folder in ("src/axiscal/present/demo", "tests/linuxcnc/machines", "examples")
+    + tuple(f"tests/golden/campaigns/{kind}" for kind in KINDS)
     for path in (ROOT / folder).rglob("*.toml")
-    if re.search(r"^\[\[setups\]\]", path.read_text(encoding="utf-8"), re.MULTILINE) and path.parent.name != "refusals"
+    if re.search(r"^\[\[setups\]\]", path.read_text(encoding="utf-8"), re.MULTILINE)
 )
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 

@@ -80,21 +80,6 @@ def test_of_right_places_there_is_no_word() -> None:
         assert sum(bool(said_of(each)) for each in drawn) <= most
 
 
-@pytest.mark.parametrize("raster", [50, 20, 5])
-def test_they_are_where_the_set_up_can_be_read(raster: int) -> None:
-    of = described(raster={"X": f"{raster} mm"})
-    (text,) = said_of(range(0, 1001, 100), of)
-    assert all(at % raster == 0 for at in odd_places(text))
-    assert any(at % 100 for at in odd_places(text))
-    after = said_of([*range(0, 1001, 100), *odd_places(text)], of)
-    assert [text.endswith("Its raster has no others.") for text in after] == [True]
-
-
-def test_where_it_can_be_read_nowhere_else_none_are_asked_for() -> None:
-    (text,) = said_of(range(0, 1001, 100), described(raster={"X": "100 mm"}))
-    assert text.endswith("It looks like none, or like a slow curve. Its raster has no others.")
-
-
 ROTARY = built_in(
     setup_text("indexer", "autocollimator", direction="z", moves=["C"], park={"B": "0 deg"}), machine="dmu60"
 )
@@ -115,8 +100,3 @@ def test_the_step_of_a_rotary_axis_is_named_in_degrees(step: float, said: str) -
     odd = [turned(float(part.split(" deg")[0])) for part in found.text.split("C = ")[1:]]
     assert len(odd) == 3
     assert list(regular_places([*readings, *odd], ROTARY.setups, ROTARY.machine.axes)) == []
-
-
-def test_rotary_places_at_thousandths_of_a_degree_are_not_regular() -> None:
-    places = (3.217, 71.904, 150.333, 248.871, 340.06)
-    assert list(regular_places([turned(at) for at in places], ROTARY.setups, ROTARY.machine.axes)) == []
