@@ -125,13 +125,6 @@ def test_a_full_disk_leaves_the_earlier_results(
     assert not beside(folder)
 
 
-@pytest.mark.parametrize("source", ["csv:nowhere.csv", "exec:false"])
-def test_a_run_that_ended_before_its_first_reading_leaves_nothing_in_the_way(folder: Path, source: str) -> None:
-    assert run(["run", "campaign.toml", "--source", source, "--out", "out"]) == 1
-    (folder / "campaign.toml").write_text(CAMPAIGN.replace("readings = 4", "readings = 1"))
-    assert run(["run", "campaign.toml", "--source", "sim:3", "--out", "out"]) == 0
-
-
 def test_ctrl_c_says_whether_the_reading_was_kept(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

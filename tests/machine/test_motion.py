@@ -55,17 +55,6 @@ def test_a_straight_move_takes_as_long_as_in_small_steps(ways: tuple[float, floa
     assert float(travel_seconds(MACHINE, start, stop)) == pytest.approx(stepped((X, Y), list(ways)), abs=3e-3)
 
 
-def test_a_long_turn_is_made_in_parts() -> None:
-    start, third, there = (np.array([angle, 0.1, 0.1]) for angle in (0.0, math.tau / 4, 3 * math.tau / 4))
-    assert travel_seconds(MACHINE, start, there) == pytest.approx(
-        3 * travel_seconds(MACHINE, start, third)
-    )  # 270 deg: three parts of 90
-    exactly = np.array([2 * math.tau / 3, 0.1, 0.1])  # two of 120
-    assert travel_seconds(MACHINE, start, exactly) == pytest.approx(
-        2 * travel_seconds(MACHINE, start, np.array([math.tau / 3, 0.1, 0.1]))
-    )
-
-
 @given(
     st.tuples(*[st.floats(0, 0.4)] * 3),
     st.tuples(*[st.floats(0, 0.4)] * 3),

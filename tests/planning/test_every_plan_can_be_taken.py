@@ -27,10 +27,13 @@ from tests.generators.ways_said import WaysSaid
 ROOT = Path(__file__).resolve().parents[2]
 KINDS = ("ball_bar", "five_axes", "printer", "rotary", "square", "tracker")
 """Golden campaigns with an instrument that the others have not."""
+FOLDERS = (
+    *("src/axiscal/present/demo", "tests/linuxcnc/machines", "examples"),
+    *(f"tests/golden/campaigns/{kind}" for kind in KINDS),
+)
 FILES = sorted(
     path
-    for folder in ("src/axiscal/present/demo", "tests/linuxcnc/machines", "examples")
-    + tuple(f"tests/golden/campaigns/{kind}" for kind in KINDS)
+    for folder in FOLDERS
     for path in (ROOT / folder).rglob("*.toml")
     if re.search(r"^\[\[setups\]\]", path.read_text(encoding="utf-8"), re.MULTILINE)
 )

@@ -58,10 +58,9 @@ def test_the_way_goes_out_and_back_and_reads_every_other_place(approach: str) ->
         assert np.sum(np.abs(np.diff(rank)) == 2) == 18
 
 
-@pytest.mark.parametrize("approach", ["both", pytest.param("+", marks=pytest.mark.long)])
-def test_what_is_left_is_read_in_its_order_wherever_the_campaign_was_broken_off(approach: str) -> None:
+def test_what_is_left_is_read_in_its_order_wherever_the_campaign_was_broken_off() -> None:
     """And a place that comes in for a skipped one is interleaved, as drift then asks for."""
-    _, task = one_axis(approach)
+    _, task = one_axis()
     order = apart(task)
     for count in range(1, 18, 3):
         after = replace(task, here=order.single(count - 1))

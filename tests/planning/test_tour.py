@@ -112,7 +112,7 @@ def can_be_taken(asked: Task, places: Places) -> bool:
     return True
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2, 3))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3))])
 def test_no_plan_takes_longer_than_its_budget_and_every_reading_can_be_taken(seed: int) -> None:
     rng = np.random.default_rng(seed)
     asked = (

@@ -82,13 +82,6 @@ def taken(values: Array, std: float | None = None) -> list[Reading]:
     return [Reading("laser along x", (float(x),), (0,), float(y), std) for x, y in zip(places, values, strict=True)]
 
 
-def test_the_step_is_said_with_what_to_state() -> None:
-    (finding,) = coarse_displays(taken(shown(curve(3, 26), 10.0)), setups(""))
-    assert (finding.code, finding.error) == ("resolution", None)
-    assert 'The values of "laser along x" move in steps of 10 um, 20 times its noise' in finding.text
-    assert 'resolution, and what is rounded off as unknown. State resolution = "10 um"' in finding.text
-
-
 @pytest.mark.parametrize("count", [4, 21])
 def test_a_lead_error_at_equal_places_is_no_step(count: int) -> None:
     exact = np.linspace(0, 300, count)

@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from axiscal.cli.app import app
 from axiscal.measurement.reading import Reading
 from axiscal.present.findings import repeated
-from tests.generators.texts import campaign_text, machine_text, setup_text
 
 NOISE = 0.5e-6
-MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", knots = 9'})
-CAMPAIGN = campaign_text(
-    "machine.toml", setup_text("laser", "interferometer", direction="x", noise="0.5 um"), target={"readings": 20}
-)
 
 
 def taken(seed: int, count: int, decimals: int, noise: float = NOISE, runs: int = 1) -> list[Reading]:
@@ -48,18 +38,3 @@ def test_a_block_that_was_pasted_again_elsewhere_is_found() -> None:
 def test_right_files_are_not_taken_for_copies(decimals: int, noise: float) -> None:
     files = [taken(seed, 12, decimals, noise, runs=5) for seed in range(400)]
     assert sum(repeated(each, noise) is not None for each in files) == 0  # one of 10,000 may be
-
-
-def test_estimate_names_the_lines_of_the_file(tmp_path: Path) -> None:
-    (tmp_path / "machine.toml").write_text(MACHINE)
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
-    """Others that were taken anew tell its noise."""
-    lines = [f"laser,{each.pose[0] * 1e3:.3f},{each.value * 1e6:.2f}" for each in taken(8, 14, 2, runs=3)]
-    once, others = lines[:14], lines[14:]
-    (tmp_path / "readings.csv").write_text("\n".join(["setup,X_mm,value_um", *once, *once, *others]) + "\n")
-    command = ["estimate", *(str(tmp_path / name) for name in ("campaign.toml", "readings.csv"))]
-    assert CliRunner().invoke(app, [*command, "--out", str(tmp_path / "out")]).exit_code == 0
-    warned = json.loads((tmp_path / "out" / "result.json").read_text())["warnings"]
-    assert any(
-        '14 values of "laser" in lines 16 to 29 repeat those in lines 2 to 15' in each["text"] for each in warned
-    )

@@ -11,7 +11,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.present.findings import regular_places
-from tests.generators.campaigns import built_in
 from tests.generators.texts import Said, campaign_text, machine_text, setup_text
 
 
@@ -78,25 +77,3 @@ def test_of_right_places_there_is_no_word() -> None:
     for count, most in ((5, 3), (8, 1), (12, 0), (24, 0)):
         drawn = [rng.uniform(0, 1000, count).round().tolist() for _ in range(20)]
         assert sum(bool(said_of(each)) for each in drawn) <= most
-
-
-ROTARY = built_in(
-    setup_text("indexer", "autocollimator", direction="z", moves=["C"], park={"B": "0 deg"}), machine="dmu60"
-)
-TURNING = ROTARY.machine.index("C")
-
-
-def turned(degrees: float) -> Reading:
-    pose = [0.0] * len(ROTARY.machine.axes)
-    pose[TURNING] = float(np.radians(degrees))
-    return Reading("indexer", tuple(pose), (0,) * len(pose), 0.0)
-
-
-@pytest.mark.parametrize(("step", "said"), [(10.0, "10 deg"), (22.5, "22.5 deg"), (5.625, "5.625 deg")])
-def test_the_step_of_a_rotary_axis_is_named_in_degrees(step: float, said: str) -> None:
-    readings = [turned(at) for at in np.arange(0.0, 360.1, step).tolist()]
-    (found,) = regular_places(readings, ROTARY.setups, ROTARY.machine.axes)
-    assert f"along C do not see an error that comes again every {said} or " in found.text
-    odd = [turned(float(part.split(" deg")[0])) for part in found.text.split("C = ")[1:]]
-    assert len(odd) == 3
-    assert list(regular_places([*readings, *odd], ROTARY.setups, ROTARY.machine.axes)) == []

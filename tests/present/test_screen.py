@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -13,15 +12,12 @@ from axiscal.answers.answer import NextStep, ResultAnswer, TablesChecked, Verdic
 from axiscal.answers.answer_words import LINES, WIDTH, screen
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.target import rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
-from axiscal.measurement.reading import Reading
-from axiscal.present.guide.progress import contradictions
 from tests.commands import Command
 from tests.generators.answers import aim, answer, answer_row
-from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, plus, read
+from tests.generators.laser_axis import CASE, machine, read
 
 WORDS = 60
 """Beside the rows."""
@@ -98,23 +94,3 @@ def _says(text: str, folder: str) -> str:
     short = text.replace(f"{folder}/", "") if folder else re.sub(r"\S*/", "", text)
     _within_budgets(short)
     return short
-
-
-NARROW = campaign_from_texts(f'usual = "off"\nsure = "exactly"\n{CAMPAIGN}', "c.toml", MACHINE, "m")
-JUMPED = [0.0] * 7 + [20e-6] * 17
-"""m: before reading 8."""
-
-
-def _said(path: Path, readings: Sequence[Reading]) -> list[str]:
-    with Campaign.create(path, NARROW) as campaign:
-        campaign.adopt(tuple(readings))
-        return contradictions(campaign)
-
-
-def test_a_zero_that_jumped_is_said_while_measuring(tmp_path: Path) -> None:
-    still = read(machine(2), 24)
-    assert _said(tmp_path / "still.axiscal", still) == []
-    (said,) = _said(tmp_path / "jumped.axiscal", plus(still, JUMPED))
-    assert said.startswith("The readings contradict each other (p = ")
-    number = said.partition('the zero of "laser" jumped before reading ')[2].partition(" ")[0]
-    assert 8 <= int(number) <= 10  # the first after it may be taken for bad readings
