@@ -1,4 +1,4 @@
-"""Predictions of the tool point and of one error: drawn machines, the ends of each travel, what is left out."""
+"""Predictions of the tool point: drawn machines, the ends of each travel, what is left out."""
 
 from __future__ import annotations
 

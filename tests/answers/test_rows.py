@@ -1,4 +1,4 @@
-"""What is found, known, left and not measured, on one axis and on a mill."""
+"""What is found, known, left and not measured, on one axis."""
 
 from __future__ import annotations
 

@@ -12,12 +12,16 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.estimation import expanded_uncertainty
+from axiscal.estimation.inheritance import last_campaign
 from axiscal.estimation.promise.agreement import Agreement
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
+from axiscal.present.result_of_campaign import Extras, result_of
+from axiscal.record.carried import carried_text
 from tests.commands import Command
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
@@ -131,3 +135,20 @@ def test_a_mistake_is_named_accepted_and_taken_back(name: str, tmp_path: Path, c
     assert expanded(path) == pytest.approx(u, rel=0.2)
     assert "what was accepted" in command("undo", path).printed
     assert known(path) == (before, found)
+
+
+def wrong_record(folder: Path, name: str) -> Path:
+    """Return a record of readings with a mistake."""
+    return recorded(folder / "mill.axiscal", used(MISTAKES[name], spoilt(MISTAKES[name].change)))
+
+
+def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, command: Command) -> None:
+    path = wrong_record(tmp_path, "jump")
+    assert run(["accept", str(path), "jump"]) == 0
+    said = 'the readings of "X again" before reading 19 have a zero of their own'
+    assert f"Accepted: {said}" in command("status", path, "--details").printed
+    with Campaign.open(path) as campaign:
+        found = result_of(campaign, campaign.estimate(ended=True), Extras()).result
+        description, readings = last_campaign(carried_text(path))
+        assert (readings, description.setups[-1].name) == (campaign.state.readings, "X again, before reading 19")
+    assert [each.text for each in found.warnings if each.code == "accepted"] == [f"A person accepted: {said}."]

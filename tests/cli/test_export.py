@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +16,9 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
+from axiscal.tables import registry
+from axiscal.tables.offer import Export
+from axiscal.tables.surface import Effect
 from tests.commands import Command
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
@@ -46,6 +51,22 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with Campaign.create(path, described) as campaign:
         campaign.adopt(tuple(readings))
     return path
+
+
+def test_files_that_leave_no_less_are_not_to_be_loaded(
+    record: Path, tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = registry.export
+
+    def worse(*given: Any) -> Export:
+        return replace(made(*given), effect=Effect(3e-6, 3.1e-6))
+
+    given = ["export", str(record), "--to", "csv", "--out", str(tmp_path / "out")]
+    assert "load " in command(*given).printed
+    monkeypatch.setattr(registry, "export", worse)
+    said = command(*given).said
+    assert said.endswith("do not load these files: they leave no less error than there is")
+    assert "README.txt there" not in said
 
 
 @pytest.mark.parametrize(

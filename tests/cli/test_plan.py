@@ -1,4 +1,4 @@
-"""`axiscal plan`: the document outsiders rely on, its bound, programs, refusals; `next` asks what it printed."""
+"""`axiscal plan` and the bound that it states."""
 
 from __future__ import annotations
 

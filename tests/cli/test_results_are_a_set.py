@@ -1,4 +1,4 @@
-"""What commands leave in a folder: a whole set with a manifest, or what was there; and nothing that is in the way."""
+"""What commands leave in a folder: a whole set with a manifest, or what was there."""
 
 from __future__ import annotations
 

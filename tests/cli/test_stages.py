@@ -1,4 +1,4 @@
-"""What a command that takes long says of itself: one line that changes, and the line about the progress."""
+"""What a command that takes long says of itself: one line that changes."""
 
 from __future__ import annotations
 

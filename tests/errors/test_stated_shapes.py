@@ -1,4 +1,4 @@
-"""EXX_pitch and EXX_step: read, believed beforehand, planned for, estimated, refused."""
+"""EXX_pitch: believed beforehand and estimated."""
 
 from __future__ import annotations
 

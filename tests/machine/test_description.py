@@ -1,4 +1,4 @@
-"""A machine from its TOML text: axes, priors, knots; the built-in machines are what they say."""
+"""Axes and knots of a machine from its TOML text; the built-in machines are what they say."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a machine moves while measuring: times against a run in small steps, families in turn, overrun and room."""
+"""How a machine moves while measuring: times against a run in small steps, overrun and room."""
 
 from __future__ import annotations
 

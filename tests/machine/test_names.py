@@ -1,4 +1,4 @@
-"""Names and chains in the manner of ISO 230-1 and ISO 10791-6, errors of two axes, and what is refused."""
+"""Names and chains in the manner of ISO 230-1 and ISO 10791-6 and errors of two axes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A seed is the same machine on every computer, whichever kernel of BLAS multiplies there."""
+"""Roots are the same whichever eigenvectors a BLAS leaves, so that a seed is the same machine on every computer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks are a fifth of a plan, drawn at random and put where they cost least; small plans and exact ones have none."""
+"""Checks are a fifth of a plan, drawn and put where they cost least; small plans and exact ones have none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a plan, the next reading, or a renewed plan of any example asks for can be taken as its text says."""
+"""What a plan, the next reading, or a renewed plan of each kind of example asks for can be taken as its text says."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All readings moved at once: never worse, inside the travel, off rasters only, and the gradient is that of J."""
+"""All readings moved at once: better, inside the travel, off rasters only."""
 
 from __future__ import annotations
 

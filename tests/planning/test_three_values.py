@@ -1,4 +1,4 @@
-"""Planning of readings that have several values: gains, exchanges and exact lines against dense matrices."""
+"""Planning of readings that have several values: gains against dense matrices."""
 
 from __future__ import annotations
 

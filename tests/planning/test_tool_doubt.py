@@ -1,4 +1,4 @@
-"""What a tool that nobody measured hides, against dense posteriors with and without it, and what is said of it."""
+"""What a tool that nobody measured hides, against dense posteriors with and without it."""
 
 from __future__ import annotations
 

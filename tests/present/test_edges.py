@@ -1,4 +1,4 @@
-"""The report where there is little, too much or too large to show, and thousands of readings."""
+"""The report where there is little, or too large to show."""
 
 from __future__ import annotations
 

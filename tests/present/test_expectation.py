@@ -1,4 +1,4 @@
-"""The words of a question and what a reading should show: against the conditional Gaussian written out."""
+"""What a reading should show, against the conditional Gaussian written out."""
 
 from __future__ import annotations
 
