@@ -13,10 +13,12 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.setup_of_reading import setup_of
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.machine import DescribedMachine
 from axiscal.machine.description import load_machine, machine_from_text
 from axiscal.machine.kinematics import turn_between
+from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.numerics import Array
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
@@ -143,3 +145,11 @@ def test_the_line_of_a_rotary_axis_is_where_the_axes_count_it(
         assert len(expected) == 2
         found = dict(zip(functional.directions, functional.row(values).tolist(), strict=True))
         assert found == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("against", [False, True])
+def test_a_reading_of_an_axis_has_the_sign_of_the_axis(against: bool) -> None:
+    machine = five("X")
+    campaign = described(machine, laser(machine, {"C": 90}, against))
+    raw = RawReading("", {"": 0.1}, {"": 1}, 1e-6, None, "length", 1, test="positioning")
+    assert setup_of(raw, campaign) == (campaign.setups[0], -1 if against else 1)

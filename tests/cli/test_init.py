@@ -23,6 +23,7 @@ from axiscal.description.first_files import (
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import builtin_names, load_machine
 from tests.commands import Command
+from tests.generators.machines import random_machine
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -161,3 +162,10 @@ def test_at_a_terminal_a_wrong_answer_is_asked_for_again(
     assert [campaign.machine.axis(name).length for name in "XYZ"] == pytest.approx([0.7, 0.35, 0.3])
     assert {setup.instrument for setup in campaign.setups} == {"interferometer", "ballbar"}
     assert campaign.target.expanded == pytest.approx(20e-6)
+
+
+@pytest.mark.parametrize("kind", OFFERED)
+def test_set_ups_are_offered_for_any_chain(kind: str) -> None:
+    """Of axes that turn alone, too: no probe gets to a ball there."""
+    found = [list(OFFERED[kind].setups(random_machine(seed))) for seed in range(60)]
+    assert any(found)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import io
 import subprocess
 import sys
+import threading
 
 import pytest
 
+from axiscal.cli import stages
 from axiscal.cli.stages import StageLine
 from axiscal.language.stages import Listener, listening, stage, staged
 
@@ -59,3 +61,24 @@ def test_ctrl_c_that_was_answered_ends_with_status_1_and_not_by_the_signal() -> 
         "raise SystemExit(axiscal.cli.main())\n"
     )
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 1
+
+
+def test_a_command_is_watched_until_it_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    err, looked = Terminal(), threading.Event()
+    monkeypatch.setattr("sys.stderr", err)
+    monkeypatch.setattr(stages, "_QUIET", 0.0)
+    monkeypatch.setattr(stages, "_LOOK", 0.001)
+    show = StageLine.show
+
+    def seen(self: StageLine, now: float) -> None:
+        show(self, now)
+        if err.getvalue():
+            looked.set()
+
+    monkeypatch.setattr(StageLine, "show", seen)
+    monkeypatch.delenv("AXISCAL_PROGRESS")
+    before = threading.active_count()
+    with stages.shown_stages(), stage("long work"):
+        assert looked.wait(20)
+    assert err.getvalue().startswith("\rlong work, ")
+    assert threading.active_count() == before

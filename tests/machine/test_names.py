@@ -11,27 +11,21 @@ from axiscal_core.errors import Kind
 
 NAMES: list[tuple[str, str, str, Kind, int]] = [
     ("EXX", "EXX", "X", "motion", 0),
-    ("EYX", "EYX", "X", "motion", 1),
     ("EZX", "EZX", "X", "motion", 2),
     ("EAX", "EAX", "X", "motion", 3),
-    ("EBX", "EBX", "X", "motion", 4),
     ("ECX", "ECX", "X", "motion", 5),
     ("ECC", "ECC", "C", "motion", 5),
-    ("EXC", "EXC", "C", "motion", 0),
     ("EZU2", "EZU2", "U2", "motion", 2),
     ("EXX_reversal", "EXX_reversal", "X", "reversal", 0),
-    ("ECC_reversal", "ECC_reversal", "C", "reversal", 5),
     ("EYX1_reversal", "EYX1_reversal", "X1", "reversal", 1),
     ("C0Y", "C0Y", "Y", "location", 5),
     ("EC0Y", "C0Y", "Y", "location", 5),
     ("COY", "C0Y", "Y", "location", 5),
-    ("ECOY", "C0Y", "Y", "location", 5),
     ("C(0X)Y", "C0Y", "Y", "location", 5),
     ("EC(0X)Y", "C0Y", "Y", "location", 5),
     ("EC(OX)Y", "C0Y", "Y", "location", 5),
     ("A0Z", "A0Z", "Z", "location", 3),
     ("X0C", "X0C", "C", "location", 0),
-    ("C0C", "C0C", "C", "location", 5),
     ("Z0B2", "Z0B2", "B2", "location", 2),
 ]
 

@@ -11,23 +11,22 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.description.campaign import CampaignDescription
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading import Place
-from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.enough import reached_by
 from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import alike, blank_problem, foreseen
+from axiscal.planning.promise import foreseen
 from axiscal.planning.proposal import proposed
 from axiscal.present.plan_answer import plan_answer
 from tests.generators.campaigns import built_in
 from tests.generators.recorded import measured
-from tests.generators.texts import setup_text
+from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
 FEW = 200
 
@@ -94,21 +93,44 @@ def test_a_campaign_takes_the_readings_and_minutes_that_its_plan_says(tmp_path: 
         assert len(campaign.state.readings) == pytest.approx(plan.readings, rel=0.25, abs=3)
 
 
-@pytest.mark.parametrize(("again", "said"), [(0, True), (9, False)])
-def test_places_out_and_back_take_a_zero_that_comes_and_goes_for_a_curve(again: int, said: bool) -> None:
-    """Once out and back it looks like one; a second time out tells them apart."""
-    of = described('wants = ["positioning X"]')
-    case, at = case_of(of), range(20, 700, 80)
-    out = [Place("along X", (x / 1000, *case.description.setups[0].park[1:]), (1, 0, 0)) for x in at]
-    back = [Place("along X", place.pose, (-1, 0, 0)) for place in reversed(out)]
-    found = alike(blank_problem(case, blank_readings(case.description.setups, [*out, *back, *out[:again]])))
-    assert (found is not None) is said
-    assert found is None or (found.setup, found.readings) == ("along X", 4)
-
-
 def test_a_plan_ends_where_the_result_just_reaches_u() -> None:
     case = case_of(described('U = "20 um"', "XYZ"))
     limits = Limits.of(case.description.target)
     places = placed(case, proposed(case, limits, FEW))
     assert reached_by(case, limits, places)
     assert not reached_by(case, limits.times(0.95), places)
+
+
+TURNED = machine_text(
+    "w-A'-b-Y-Z-t",
+    {"Y": (0, 400), "Z": (-350, 0), "A": (0, 360)},
+    {"Y0A Z0A": "30 um"},
+    origins={"A": (0, 200, -250)},
+)
+
+
+BALL = campaign_text(
+    "turned",
+    artefact_text("ball", placed="1 mm", balls={"it": ["0 mm", "240 mm", "-200 mm"]}),
+    setup_text("sphere", "sphere", artefact="ball"),
+    target={"wants": ["centre of A 15 um"]},
+)
+
+
+@pytest.mark.long
+def test_a_plan_says_that_a_tool_of_known_length_would_reach_its_target() -> None:
+    case = case_of(campaign_from_texts(BALL, "campaign.toml", TURNED, "turned"))
+    found = helping_setups(case, case.description.target)
+    assert found is not None
+    assert found.setups == ()
+    assert found.tool
+    assert found.reached
+    assert helping_words(found).startswith(
+        'With tool_length = "5 um", tool_eccentricity = "5 um", tool_certificate as well, '
+    )
+    known = case_of(
+        campaign_from_texts(
+            f'tool_length = "5 um"\ntool_certificate = "presetter"\n{BALL}', "campaign.toml", TURNED, "turned"
+        )
+    )
+    assert [row.reachable for each in (case, known) for row in known_rows(each, each.knowledge, ())] == [False, True]

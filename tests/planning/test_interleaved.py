@@ -7,8 +7,8 @@ import numpy as np
 from axiscal.estimation.promise.causes import passing_columns
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.planning.plan.order import interleaved, seconds_along, seconds_each
-from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.order import seconds_along, seconds_each
+from axiscal.planning.plan.task import Task
 from tests.planning.test_out_and_back import apart, one_axis, planned
 
 
@@ -37,11 +37,3 @@ def test_j_with_what_passes_falls_by_more_than_the_time_rises() -> None:
     assert costs[1] < 0.8 * costs[0]
     assert left(task, after) < 0.8 * left(task, before)
     assert seconds_along(task, after) < 1.02 * seconds_along(task, before)
-
-
-def test_a_budget_is_kept() -> None:
-    _, task = one_axis()
-    before = planned(task)
-    allowed = seconds_along(task, before) + 3.0
-    after = interleaved(task, Limits(20, budget=allowed), before)
-    assert seconds_along(task, before) < seconds_along(task, after) <= allowed

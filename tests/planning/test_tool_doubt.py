@@ -1,4 +1,4 @@
-"""What a tool that nobody measured hides, against dense posteriors with and without it."""
+"""What a tool that nobody measured hides, against dense posteriors with and without it, and what is said of it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.gauge import MANY_READINGS, Hidden
+from axiscal.errors.gauge import MANY_READINGS, Hidden, unseen_factor
 from axiscal.estimation.case import Case
+from axiscal.language.spoken import speaking
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from axiscal.planning.unseen import hidden_of, tool_doubt
@@ -66,3 +67,43 @@ def test_it_is_said_from_a_tenth_of_the_variance_on() -> None:
         assert abs(share - 0.1) > 0.01
         assert bool(told(case, rows)) == (share > 0.1)
     assert min(shares) < 0.1 < max(shares)
+
+
+@pytest.mark.parametrize(
+    ("unknowns", "said", "remedy"),
+    [
+        (
+            [("tool_x", 5e-6, "tool"), ("tool_y", 6e-6, "tool"), ("tool_z", 9e-6, "tool")],
+            "A tool of another length (known to 9 um) or that sits aside (known to 6 um) looks like",
+            'tool_length = "5 um" and tool_eccentricity; write "0 um" if',
+        ),
+        (
+            [("tool_x", 7e-6, ""), ("tool_y", 5e-6, "")],
+            "A tool that sits aside (known to 7 um) looks like",
+            'tool_x, tool_y, tool_z under unknowns, such as tool_z = "5 um"',
+        ),
+    ],
+)
+def test_what_is_not_known_of_it_is_said_and_where_to_state_it(
+    unknowns: list[tuple[str, float, str]], said: str, remedy: str
+) -> None:
+    case = five_axes("100 um")
+    setup = case.description.setups[0]
+    known = {unknown.name: unknown for unknown in case.observation.unknowns}
+    kept = tuple(replace(known[name], std=std, owner=owner) for name, std, owner in unknowns)
+    observation = Observation(case.errors, (replace(setup, unknowns=kept),))
+    size, moved = case.errors.size, case.errors.by_name["Z0B"].columns.start
+    open_ones = np.zeros(size + len(kept))
+    open_ones[[moved, *range(size, size + len(kept))]] = 20e-6
+    rows = 1e6 * np.eye(size + len(kept))[size:]
+    rows[:, moved] = 1e6  # each shows the sum of where an axis lies and of one unknown of the tool
+    factor = np.diag(open_ones)
+    seen = replace(case.yardstick, unseen=unseen_factor(factor, rows)[:size])
+    (found,) = tool_doubt(observation, seen, factor, rows)
+    assert found.text.startswith(said)
+    assert remedy in found.text
+    assert found.text.endswith(".")
+    with speaking("de"):
+        (found,) = tool_doubt(observation, seen, factor, rows)
+    assert found.text.startswith("Ein Werkzeug ander")
+    assert "Das Werkzeug messen und angeben, wie genau es bekannt ist" in found.text
