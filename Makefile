@@ -16,7 +16,7 @@ help:
 	@echo "make demo-linuxcnc  calibrate six machines that a real LinuxCNC moves, load the tables, show the error before, after and expected"
 	@echo "make howto-linuxcnc  run every command of docs/linuxcnc.md beside a headless LinuxCNC that stands in for somebody's mill"
 	@echo "make test       set everything up, run linters, type checker and the tests that take little time; five minutes once installed (make check is the same)"
-	@echo "make test-long  the other tests, and those of drawn cases with twice as many of them; a quarter of an hour"
+	@echo "make test-long  the other tests, which take seconds each; a quarter of an hour"
 	@echo "make quick      linters and the tests that take no time, in half a minute; for between two edits"
 	@echo "make golden     26 campaigns in two languages give what they gave, numbers to 1e-4, in a minute (ONLY='mill prior'; RENEW=1: keep what comes now)"
 	@echo "make bench      measure the figures that the README states"
@@ -50,7 +50,7 @@ test check: .venv/dev.stamp
 
 # The controls that lie beside the checkout are tried as well, in an environment of their own.
 test-long: .venv/dev.stamp $(if $(wildcard $(CONTROLS)),.venv-controls/stamp)
-	AXISCAL_HYPOTHESIS=long $(BIN)/pytest -n 5 --dist loadfile --no-loadscope-reorder -m "long or hypothesis" tests
+	$(BIN)/pytest -n 5 --dist loadfile --no-loadscope-reorder -m long tests
 
 # Whole rooms where their tests take seconds, else the files that do.
 QUICK := core/test_docstrings.py description docs/test_constants.py docs/test_house.py docs/test_shapes.py document errors/test_gauge.py \

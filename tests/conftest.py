@@ -22,7 +22,6 @@ os.environ["XDG_CONFIG_HOME"] = os.devnull + "/none"  # nor says yes to code for
 os.environ["AXISCAL_PROGRESS"] = "off"  # what commands say in tests does not hang on how long they take
 shapes.install()  # before anything of the package is loaded
 settings.register_profile("axiscal", deadline=None, derandomize=True, print_blob=True, max_examples=25)
-settings.register_profile("long", settings.get_profile("axiscal"), max_examples=50)
 settings.register_profile("explore", deadline=None, max_examples=2000)
 settings.load_profile(os.environ.get("AXISCAL_HYPOTHESIS", "axiscal"))
 
@@ -59,8 +58,8 @@ def command(capsys: pytest.CaptureFixture[str]) -> Command:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with LinuxCNC: its machines move in their own time, and leave the processor to the other workers."""
-    items.sort(key=lambda item: "linuxcnc" not in item.path.parts)
+    """Begin with LinuxCNC, whose machines leave the processor to others, and with what would be waited for at the end."""
+    items.sort(key=lambda item: not {"linuxcnc", "test_golden.py", "test_readme.py"} & {*item.path.parts})
 
 
 def pytest_collection_finish() -> None:

@@ -15,9 +15,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.measurement.reading import Reading
 from benchmarks.reliability.trial import Trial, scratch
+from benchmarks.zoo.running import given, rows_of
 from tests.generators.texts import campaign_text, setup_text
 from tests.web.served import served, started
-from tests.zoo.running import given, rows_of
 
 GIGABYTES, SECONDS = 2.0, 5
 _OPEN, _GUARDED = ("/", "/elements.js", "/api/1/openapi.json"), ("/api/1/state", "/machine.svg", "/report.pdf")

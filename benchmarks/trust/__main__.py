@@ -37,7 +37,7 @@ from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
 from benchmarks.trust.zoo import ZOO_HEAD, zoo_rows
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "trust.md"
-ZOO = PAGE.parents[2] / "tests" / "zoo"
+ZOO = Path(__file__).resolve().parents[1] / "zoo"
 _SIZES = (3e-6, 10e-6, 50e-6, 1e-3)
 
 _HEAD = """# Can you trust it?

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.zoo.animals import INSIDE, Interval, Judged
+from benchmarks.zoo.animals import INSIDE, Interval, Judged
 
 MEAN_INSIDE = 0.92
 """Least share of the truth inside U over all kinds."""

@@ -11,14 +11,14 @@ import numpy as np
 from axiscal_core.threads import one_thread
 from benchmarks.trust.kept import Found, Trial, Tried
 from benchmarks.trust.verdict import Kind, faults, kinds
-from tests.zoo.animals import Animal, Interval, Judged, Slope
-from tests.zoo.every import EVERY
-from tests.zoo.running import judged
+from benchmarks.zoo.animals import Animal, Interval, Judged, Slope
+from benchmarks.zoo.every import EVERY
+from benchmarks.zoo.running import judged
 
 ZOO_HEAD = """
 ## A zoo of foreign truths
 Truths of plain numpy, told by the files of `axiscal init` and what a stranger states
-([tests/zoo](../../tests/zoo/every.py)). Kinds that fall short. *Slope kept*: least share of the slope that was read;
+([the zoo](../../benchmarks/zoo/every.py)). Kinds that fall short. *Slope kept*: least share of the slope that was read;
 95 % are asked. *Inside*: share of the truth inside U; 85 % are asked. *Named*: the answer names the cause.
 *Holds*: right figures, or the cause named. (`make trust PART=zoo MACHINES={machines}`)
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.zoo.answers import Answer
-from tests.zoo.running import given
+from benchmarks.zoo.answers import Answer
+from benchmarks.zoo.running import given
 
 PRINTER = """[printer]
 kinematics: corexy
@@ -73,14 +73,3 @@ def test_screws_are_turned_until_the_plane_of_the_map_is_level(tmp_path: Path) -
     assert 0 < right["U"] < 0.1
     assert "half_read" not in answer.result["answer"]
     assert "front right CW 00:3" in answer.text.replace("\n", " ")
-
-
-@pytest.mark.long
-def test_a_bed_without_screws_has_none_and_says_that_half_of_it_was_probed(tmp_path: Path) -> None:
-    campaign = begun(tmp_path, "")
-    assert "screws" not in campaign
-    answer = answer_of_map(tmp_path, campaign, -0.001, 0.0, [20.0, 60.0, 100.0, 140.0])
-    assert answer.result["answer"]["half_read"] == {"X": [20.0, 140.0]}
-    assert "no reading tests U beyond X 20 to 140." in answer.outcome.out
-    assert "screws" not in answer.result["answer"]
-    assert "Bed screws" not in answer.text

@@ -12,7 +12,7 @@ from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.functionals.asked import EACH, beside_the_line, offset_each
+from axiscal.estimation.functionals.asked import EACH, offset_each
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal_core.usual import OFFSET
@@ -51,9 +51,3 @@ def test_beside_the_line_pitch_and_yaw_are_added_to_what_is_predicted() -> None:
     np.testing.assert_array_equal(std[:, 1:], 0.0)
     each = offset_each(known.stated.description)
     assert each == pytest.approx(BAND * OFFSET.size * EACH)
-
-
-def test_without_what_usually_goes_wrong_nothing_is_added() -> None:
-    known = _known(usual="off")
-    assert offset_each(known.stated.description) is None
-    assert not beside_the_line(known.case.description, known.readings, np.ones((2, 3))).any()

@@ -1,11 +1,11 @@
-"""Predictions of the tool point and of one error: drawn machines, the ends of each travel, what is left out."""
+"""Predictions of the tool point: drawn machines, the ends of each travel, what is left out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from axiscal.answers.prediction import predict_poses, tcp_prediction
 from axiscal.errors.volume import deviation_of
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError
-from axiscal.machine import load_machine, machine_from_text
+from axiscal.machine import machine_from_text
 from axiscal.measurement.readers.csv_table import RawPose
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
@@ -77,22 +77,6 @@ def test_the_band_is_the_scatter_of_machines_that_come_from_that_side_or_from_an
     assert np.array_equal(mean, exact)
 
 
-def test_what_two_axes_do_together_is_in_the_band_and_its_rest_as_well() -> None:
-    """By the prior's covariance and the rests of all terms, from a side that is known."""
-    errors, rng = load_machine("printer-gantry"), np.random.default_rng(3)
-    assert errors.planes
-    assert any(each.kind == "reversal" for each in errors.curves)
-    low, high = np.array([axis.travel for axis in errors.axes]).T
-    poses = rng.uniform(low, high, (4, len(low)))
-    sides, prior = np.ones_like(poses), errors.covariance()
-    mean, std = tcp_prediction(Known(errors, Normal(np.zeros(errors.size), prior)).estimation(), poses, sides)
-    rows, levers = errors.rows_at(poses, sides), errors.levers(poses)
-    variances = np.einsum("mci,ij,mcj->mc", rows, prior, rows)
-    variances += np.einsum("t,tmc->mc", [term.rest**2 for term in errors.terms], levers**2)
-    np.testing.assert_allclose(std, np.sqrt(variances), rtol=1e-6, atol=1e-12)
-    assert not mean.any()
-
-
 def raw(position: dict[str, float], approach: dict[str, int] | None = None, line: int = 2) -> RawPose:
     """Return a pose of a file."""
     return RawPose(position, approach or {}, line)
@@ -118,9 +102,3 @@ def test_an_end_of_the_travel_is_within_it_up_to_rounding(at: float, allowed: bo
             with pytest.raises(ReadingError, match=r"poses\.csv, line 7.*X = .* mm is outside the travel") as caught:
                 predict_poses(have, [raw({"X": 0.0}), raw({"X": end}, line=7)], FILE)
             assert "X goes from -100 mm to 300 mm" in str(caught.value)
-
-
-@pytest.mark.parametrize("pose", [raw({"Y": 0.1}, line=4), raw({"X": 0.1}, {"Y": 1}, line=4)])
-def test_an_axis_that_the_machine_has_not_is_named_with_its_line(pose: Any) -> None:
-    with pytest.raises(ReadingError, match=r'line 4.*no axis "Y".*Its axes are X, C'):
-        predict_poses(known().estimation(), [pose], FILE)

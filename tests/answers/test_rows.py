@@ -1,4 +1,4 @@
-"""What is found, known, left and not measured, on one axis and on a mill."""
+"""What is found, known, left and not measured, on one axis."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import Aims, AnsweredRow, answered, best_control, missing_readings
+from axiscal.answers.answer_of_campaign import Aims, AnsweredRow, answered, missing_readings
 from axiscal.description.target import Want
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
@@ -80,15 +80,6 @@ def test_the_first_readings_do_not_tell_of_hundreds_more(taken: int) -> None:
     assert planned - taken <= more <= 3 * planned
 
 
-def test_no_count_is_told_of_a_target_that_lies_on_its_floor() -> None:
-    target = replace(CASE.description.target, readings=None, rms=1.0001 * CASE.yardstick.rms_floor, wants=())
-    known = concluded(Case(replace(CASE.description, target=target, sure="exactly")), _readings(BOTH))
-    aims = Aims.from_case(known.case, known.printed.belief, known.case.yardstick_as_sized, [])
-    assert aims.volume[0].reachable
-    assert len(BOTH) * aims.volume[0].missing > 1000
-    assert missing_readings(known, aims, []) == (0, 0.0)
-
-
 def test_backlash_read_from_both_sides_is_measured_over_the_places_read_from_both() -> None:
     known = _known(True)
     row = _rows(known)["backlash X"]
@@ -124,11 +115,3 @@ def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:
         assert row.left["all"] < row.found
         missing = row.known / BAND if row.signed else known.estimate().unknown.rms
         assert row.left["all"] == pytest.approx(missing, rel=1e-3)
-
-
-def test_the_control_that_leaves_least_is_advised_and_the_first_of_equals() -> None:
-    rows = [replace(row, left={"a": 0.5 * row.found, "b": 0.2 * row.found, "c": 0.2001 * row.found})
-            for row in answered(_known(both=True), {})]  # fmt: skip
-    assert best_control(rows, ["a", "b", "c"]) == "b"
-    assert best_control(rows, ["c", "b", "a"]) == "c"
-    assert best_control(rows, []) == ""

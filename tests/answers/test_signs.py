@@ -19,10 +19,7 @@ from axiscal.machine import DescribedMachine
 from axiscal.machine.description import load_machine, machine_from_text
 from axiscal.machine.kinematics import turn_between
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.present.axis_tests_read import iso230_blocks
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 from tests.generators.campaigns import on
@@ -150,29 +147,9 @@ def test_the_line_of_a_rotary_axis_is_where_the_axes_count_it(
         assert found == pytest.approx(expected, rel=2e-3)
 
 
-def read(machine: Machine, setup: Setup) -> list[Reading]:
-    """Return a test after ISO 230-2: five targets out and back, twice, as the display shows them."""
-    taken, x = list[Reading](), machine.index("X")
-    out = [(float(at), 1) for at in np.linspace(-0.28, 0.28, 7)]
-    for at, side in (*out, *((at, -1) for at, _ in out[::-1])) * 2:
-        pose, sides = np.array([setup.park]), np.ones((1, len(machine.axes)))
-        pose[0, x], sides[0, x] = at, side
-        value = float(deviation(machine, pose, sides)[0] @ np.array(setup.direction))
-        approach = tuple(side if k == x else 0 for k in range(len(machine.axes)))
-        taken.append(Reading("laser", tuple(pose[0].tolist()), approach, value, time=10.0 * len(taken)))
-    return taken
-
-
 @pytest.mark.parametrize("against", [False, True])
-@pytest.mark.parametrize(("stands", "reversed_axes"), [({}, ()), ({"C": 180}, ()), ({"C": 90}, ("X",))])
-def test_a_test_of_an_axis_follows_the_axis(
-    stands: Mapping[str, float], reversed_axes: tuple[str, ...], against: bool
-) -> None:
-    machine = five(*reversed_axes)
-    campaign = described(machine, laser(machine, stands, against))
-    (setup,) = campaign.setups
-    (block,) = iso230_blocks(campaign, read(machine, setup))
-    assert block.axis == "X"
-    assert block.figures["B_mean"] == pytest.approx(-LAGS * 1e6, abs=0.01)
+def test_a_reading_of_an_axis_has_the_sign_of_the_axis(against: bool) -> None:
+    machine = five("X")
+    campaign = described(machine, laser(machine, {"C": 90}, against))
     raw = RawReading("", {"": 0.1}, {"": 1}, 1e-6, None, "length", 1, test="positioning")
-    assert setup_of(raw, campaign) == (setup, -1 if against else 1)
+    assert setup_of(raw, campaign) == (campaign.setups[0], -1 if against else 1)

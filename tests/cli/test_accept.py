@@ -17,12 +17,10 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import last_campaign
 from axiscal.estimation.promise.agreement import Agreement
-from axiscal.exceptions import OvertakenError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.result_of_campaign import Extras, result_of
-from axiscal.record.accepted import Accepted
 from axiscal.record.carried import carried_text
 from tests.commands import Command
 from tests.generators.texts import campaign_text, machine_text, setup_text
@@ -142,40 +140,6 @@ def test_a_mistake_is_named_accepted_and_taken_back(name: str, tmp_path: Path, c
 def wrong_record(folder: Path, name: str) -> Path:
     """Return a record of readings with a mistake."""
     return recorded(folder / "mill.axiscal", used(MISTAKES[name], spoilt(MISTAKES[name].change)))
-
-
-def test_a_person_may_tell_of_a_zero_that_no_reading_names(tmp_path: Path, command: Command) -> None:
-    path = recorded(tmp_path / "mill.axiscal", right())
-    said = command("accept", path, "jump", "--setup", "X again", "--before", "19").printed
-    assert 'Accepted: the readings of "X again" before reading 19 have a zero of their own.' in said
-    assert known(path)[0][12][0] == "X again, before reading 19"
-    refused = command("accept", path, "jump", "--setup", "X", "--before", "1").refusal
-    assert 'No zero of "X" can change before reading 1' in refused
-    assert run(["accept", str(path), "sign", "--before", "5"]) == 2
-
-
-def test_where_another_process_has_written_since_nothing_is_accepted(tmp_path: Path) -> None:
-    path = wrong_record(tmp_path, "um as mm")
-    with Campaign.open(path) as campaign, Campaign.open(path) as other:
-        other.note("warm")
-        with pytest.raises(OvertakenError):
-            campaign.accept("unit")
-        assert campaign.looked_at_again().accepted == ()
-        assert campaign.accept("unit") == Accepted("unit", ("X again",), factor=1000.0)
-        assert other.looked_at_again().accepted == campaign.state.accepted
-        campaign.undo()
-        assert other.looked_at_again().readings == other.state.written
-
-
-def test_without_a_cause_it_lists_what_is_named_and_writes_nothing(tmp_path: Path, command: Command) -> None:
-    path = wrong_record(tmp_path, "um as mm")
-    content = path.read_bytes()
-    named, change, then = command("accept", path).printed.splitlines()
-    assert named.startswith('unit, more than a million : 1: all values of "X again" are 0.001 times')
-    assert change == '  Accepted: the values of "X again" so far are multiplied by 1000.'
-    assert then == f"Accept one: axiscal step accept {path} CAUSE"
-    assert command("accept", path, "--json").document["agreement"]["explained"][0]["mistake"] == "unit"
-    assert path.read_bytes() == content
 
 
 def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, command: Command) -> None:

@@ -13,7 +13,6 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.document.durable import write_whole
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
@@ -52,19 +51,6 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with Campaign.create(path, described) as campaign:
         campaign.adopt(tuple(readings))
     return path
-
-
-@pytest.mark.parametrize(
-    ("content", "message"), [(b"\xff\xfe1", "byte 0 is no UTF-8"), (b"%\n" * 10_100_000, "more than 20 mb"), (b"", "%")]
-)
-def test_a_template_that_is_no_text_is_refused(
-    record: Path, content: bytes, message: str, tmp_path: Path, command: Command
-) -> None:
-    template, out = tmp_path / "saved.txt", tmp_path / "tables"
-    template.write_bytes(content)
-    arguments = ["--to", "fanuc", "--template", str(template), "--out", str(out)]
-    assert message in command("export", record, *arguments).refusal
-    assert not out.exists()
 
 
 def test_files_that_leave_no_less_are_not_to_be_loaded(
@@ -117,12 +103,6 @@ def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
     assert again.split() == ["axiscal", "verify", str(record), *made_from]
     printed = command("verify", record, *made_from, "--source", "sim:3", "--tolerance", "10 um").printed
     assert printed.startswith("AS PROMISED")
-
-
-def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path: Path) -> None:
-    with pytest.raises(OSError, match="tables") as caught:
-        write_whole(tmp_path / "tables" / "X.csv", b"")
-    assert caught.value.filename == str(tmp_path / "tables" / "X.csv")
 
 
 def test_a_bump_is_exported_and_the_sign_that_it_shows_is_kept(record: Path, tmp_path: Path, command: Command) -> None:

@@ -55,12 +55,6 @@ def test_every_command_is_said_in_one_short_sentence(words: list[str]) -> None:
     assert {name: text for name, text in shown.items() if len(text) > LONGEST or not text.endswith(".")} == {}
 
 
-@pytest.mark.parametrize(("group", "name"), [(group, name) for group, names in GROUPED.items() for name in names])
-def test_a_command_of_a_group_is_called_by_its_name_alone_too(group: str, name: str) -> None:
-    assert f"\n  {name} " in _help_of([group])
-    assert _help_of([name]) == _help_of([group, name])
-
-
 SECTIONS = reference().split("\n## ")[1:]
 
 

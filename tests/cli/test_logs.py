@@ -65,14 +65,3 @@ def test_a_record_takes_a_log_once_and_says_what_lacks(
     log.write_text(whole.splitlines()[0])
     assert "no reading of this log is whole" in command("record", "one.axiscal", "--log", log).refusal
     assert run(["record", "one.axiscal", "1 um", "--log", str(log)]) == 2
-
-
-@pytest.mark.long
-def test_programs_with_a_log_are_written_by_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("machine.toml").write_text(table.MACHINE)
-    Path("campaign.toml").write_text(table.CAMPAIGN)
-    assert run(["plan", "campaign.toml", "--log"]) == 1
-    words = ["--log", "--candidates", "60", "--readings", "1", "--gcode", "linuxcnc", "--out", "here"]
-    assert run(["plan", "campaign.toml", *words]) == 0
-    assert "(LOGCLOSE)\n" in next(Path("here").glob("*.ngc")).read_text()

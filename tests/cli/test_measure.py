@@ -11,12 +11,10 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli import app
-from axiscal.record.events import Asked
 from tests.commands import Command
 from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
@@ -180,48 +178,3 @@ def test_the_record_is_asked_for_where_there_are_two(
     assert "mill.axiscal, other.axiscal" in command("status").refusal
     monkeypatch.setenv("AXISCAL_RECORD", str(folder / "mill.axiscal"))
     assert app.run(["status"]) == 0
-
-
-STEPPED = FOUR_READINGS.replace("readings = 4", "readings = 14")
-
-
-def test_a_zero_that_was_set_anew_is_asked_about_at_once_and_may_be_told_at_any_time(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Eight readings of a right machine, then all of them 140 um more: asked at the second of these.
-
-    A minute passes between the first eight, so that it is no matter how fast this computer types the others.
-    """
-    noise = np.random.default_rng(6)
-    begun(tmp_path, {"campaign.toml": STEPPED}, ("start", "campaign.toml", "mill.axiscal"))
-    monkeypatch.setattr("axiscal.campaign.campaign.seconds_since", lambda _, readings: 60.0 * len(readings))
-    with Campaign.open(tmp_path / "mill.axiscal") as campaign:
-        for _ in range(8):
-            asked = campaign.next()
-            assert isinstance(asked, Asked)
-            campaign.record(1e-6 * asked.place.pose[0] + noise.normal(0, 0.5e-6))
-    terminal = Terminal(tmp_path)
-    terminal.until("reading [um] > ")
-    terminal.type("140.5")
-    shown = terminal.until("Enter to read again: ")
-    assert "a zero set anew" in shown
-    terminal.type("k")
-    terminal.until("reading [um] > ")
-    terminal.type("140.6")
-    shown = terminal.until("Enter if not: ")
-    assert 'Was the zero of "laser" set anew before reading 9?' in shown
-    terminal.type("yes")
-    shown = terminal.until("reading [um] > ")
-    assert 'Kept: "laser" has another zero from reading 9 on; undo takes it back.' in shown
-    assert "contradict" not in shown
-    terminal.type("anew")
-    assert 'Kept: "laser" has another zero from reading 11 on' in terminal.until("reading [um] > ")
-    terminal.type("-80")
-    terminal.until("reading [um] > ")
-    terminal.type("pause")
-    assert terminal.ended() == 0
-    with Campaign.open(tmp_path / "mill.axiscal", write=False) as campaign:
-        setups = [reading.setup for reading in campaign.state.readings]
-        assert [setups.count(f"laser, before reading {n}") for n in (9, 11)] == [8, 2]
-        assert setups[-1] == "laser"
-        assert not campaign.estimate().agreement.contradicts

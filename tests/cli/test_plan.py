@@ -1,9 +1,8 @@
-"""`axiscal plan`: the document outsiders rely on, its bound, programs, refusals; `next` asks what it printed."""
+"""`axiscal plan` and the bound that it states."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -35,27 +34,3 @@ def test_a_plan_states_what_no_other_can_beat_where_it_is_near(campaign: Path, c
     said = command("plan", campaign, "--readings", "4", "--details").printed
     assert f"No plan of 4 readings can reach a smaller RMS than {document['bound_rms_um']:.0f} um" in said
     assert command("plan", campaign, "--readings", "40", "--json").document["bound_rms_um"] is None
-
-
-MILL = (Path(__file__).parents[1] / "golden" / "campaigns" / "mill" / "campaign.toml").read_text()
-
-
-@pytest.mark.long
-def test_places_are_asked_in_the_order_in_which_they_are_printed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("campaign.toml").write_text(MILL)
-
-    def said(*words: str) -> Any:
-        return command(*words).document
-
-    planned = said("plan", "campaign.toml", "--json")["points"]
-    assert len(planned) >= 3
-    said("start", "campaign.toml", "--json")
-    for point in planned:
-        question = said("next", "campaign.axiscal", "--json")["question"]
-        assert [question[key] for key in ("setup", "position", "approach")] == [
-            point[key] for key in ("setup", "position", "approach")
-        ]
-        said("record", "campaign.axiscal", "0 um", "--json")

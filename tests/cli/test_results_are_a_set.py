@@ -1,4 +1,4 @@
-"""What commands leave in a folder: a whole set with a manifest, or what was there; and nothing that is in the way."""
+"""What commands leave in a folder: a whole set with a manifest, or what was there."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli import outputs
 from axiscal.cli.app import run
 from axiscal.present import delivery
 from tests.commands import Command
@@ -107,23 +106,6 @@ def test_the_tables_are_those_of_the_controls_that_the_campaign_names(
     assert "sinumerik" in complaint(capsys)
 
 
-def test_an_export_has_a_manifest_and_takes_the_place_of_the_one_before(folder: Path) -> None:
-    measured(folder)
-    for _ in range(2):
-        assert run(["export", "mill.axiscal", "--to", "csv", "--out", "tables"]) == 0
-        assert differing(folder / "tables", "manifest-csv.json") == set()
-
-
-def test_results_may_be_written_where_one_stands(folder: Path) -> None:
-    measured(folder)
-    assert run(["finish", "mill.axiscal", "--out", "."]) == 0
-    assert run(["export", "mill.axiscal", "--to", "csv", "--out", "."]) == 0
-    assert (folder / "manifest.json").exists()
-    assert (folder / "campaign.toml").read_text() == CAMPAIGN
-    assert Path.cwd() == folder
-    assert Path("report.pdf").exists()
-
-
 def test_a_full_disk_leaves_the_earlier_results(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -141,31 +123,6 @@ def test_a_full_disk_leaves_the_earlier_results(
     assert "axiscal finish mill.axiscal --out out" in said
     assert {path: path.read_bytes() for path in (folder / "out").rglob("*") if path.is_file()} == before
     assert not beside(folder)
-
-
-@pytest.mark.parametrize("source", ["csv:nowhere.csv", "exec:false"])
-def test_a_run_that_ended_before_its_first_reading_leaves_nothing_in_the_way(folder: Path, source: str) -> None:
-    assert run(["run", "campaign.toml", "--source", source, "--out", "out"]) == 1
-    (folder / "campaign.toml").write_text(CAMPAIGN.replace("readings = 4", "readings = 1"))
-    assert run(["run", "campaign.toml", "--source", "sim:3", "--out", "out"]) == 0
-
-
-def test_an_estimate_that_failed_leaves_nothing_in_the_way(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with monkeypatch.context() as patched:
-        patched.setattr(outputs, "deliver", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
-        assert run(["estimate", "campaign.toml", "readings.csv", "--out", "out"]) == 1
-    assert run(["estimate", "campaign.toml", "readings.csv", "--out", "out"]) == 0
-    assert run(["estimate", "campaign.toml", "readings.csv", "--out", "out"]) == 1
-    assert "Name another --out, or remove it" in complaint(capsys)
-
-
-def test_a_start_that_cannot_be_planned_leaves_no_record(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with monkeypatch.context() as patched:
-        patched.setattr(Campaign, "prepared", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
-        assert run(["start", "campaign.toml", "mill.axiscal"]) == 1
-    assert run(["start", "campaign.toml", "mill.axiscal"]) == 0
 
 
 def test_ctrl_c_says_whether_the_reading_was_kept(

@@ -1,4 +1,4 @@
-"""What a command that takes long says of itself: one line that changes, and the line about the progress."""
+"""What a command that takes long says of itself: one line that changes."""
 
 from __future__ import annotations
 
@@ -9,14 +9,9 @@ import threading
 
 import pytest
 
-from axiscal.campaign.ending import Milestone
 from axiscal.cli import stages
-from axiscal.cli.progress import progress_line
 from axiscal.cli.stages import StageLine
-from axiscal.description.target import Target
-from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.language.stages import Listener, listening, stage, staged
-from axiscal.measurement.reading import Reading
 
 
 class Terminal(io.StringIO):
@@ -52,6 +47,22 @@ def test_on_a_terminal_one_line_changes_and_goes_when_the_work_is_done(monkeypat
     assert err.getvalue().split("\r")[-2].isspace()
 
 
+def test_ctrl_c_that_was_answered_ends_with_status_1_and_not_by_the_signal() -> None:
+    """Python itself ends a process by the signal where it met the code of a text, whoever caught it."""
+    program = (
+        "import signal, axiscal.cli, axiscal.cli.app\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # ignored where the tests run in the background
+        "def run(words):\n"
+        "    try:\n"
+        "        exec('import os, signal, time; os.kill(os.getpid(), signal.SIGINT); time.sleep(9)')\n"
+        "    except KeyboardInterrupt:\n"
+        "        return 1\n"
+        "axiscal.cli.app.run = run\n"
+        "raise SystemExit(axiscal.cli.main())\n"
+    )
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 1
+
+
 def test_a_command_is_watched_until_it_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     err, looked = Terminal(), threading.Event()
     monkeypatch.setattr("sys.stderr", err)
@@ -71,36 +82,3 @@ def test_a_command_is_watched_until_it_ends(monkeypatch: pytest.MonkeyPatch) -> 
         assert looked.wait(20)
     assert err.getvalue().startswith("\rlong work, ")
     assert threading.active_count() == before
-
-
-def test_where_nobody_looks_nothing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    err = io.StringIO()
-    monkeypatch.setattr("sys.stderr", err)
-    monkeypatch.setattr(stages, "_QUIET", 0.0)
-    monkeypatch.delenv("AXISCAL_PROGRESS")
-    before = threading.active_count()
-    with stages.shown_stages(), stage("long work"):
-        assert threading.active_count() == before
-    assert err.getvalue() == ""
-
-
-def test_ctrl_c_that_was_answered_ends_with_status_1_and_not_by_the_signal() -> None:
-    """Python itself ends a process by the signal where it met the code of a text, whoever caught it."""
-    program = (
-        "import signal, axiscal.cli, axiscal.cli.app\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # ignored where the tests run in the background
-        "def run(words):\n"
-        "    try:\n"
-        "        exec('import os, signal, time; os.kill(os.getpid(), signal.SIGINT); time.sleep(9)')\n"
-        "    except KeyboardInterrupt:\n"
-        "        return 1\n"
-        "axiscal.cli.app.run = run\n"
-        "raise SystemExit(axiscal.cli.main())\n"
-    )
-    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 1
-
-
-def test_a_line_with_all_that_may_be_wanted_fits_a_terminal() -> None:
-    reading = Reading("laser", (0.0,), (0,), 0.0, number=53)
-    known = Accuracy(4.861e-6, 6.742e-6, 4.861e-6, 6.742e-6)
-    assert len(progress_line(Milestone(53, reading, known, 1674.0), Target(5e-6, None, 120, None, (), "volume"))) < 80

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -53,19 +52,6 @@ def test_each_record_has_a_line_with_what_it_needs_next(folder: Path, capsys: py
     assert left_out.startswith("Left out: ")
     assert "e.axiscal" in left_out
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
-
-
-def test_the_same_as_a_document(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["status", str(folder), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["schema"] == "axiscal-folder/1"
-    assert [(each["readings"], each["finished"], each["rms_um"], each["U_um"], each["agreement"])
-            for each in found["records"]] == [
-        (0, None, None, None, None), (1, None, None, None, None),
-        (1, "ended by the operator", pytest.approx(1.5), pytest.approx(3.1), "agree"),
-        (1, "ended by the operator", None, None, "contradict"),
-    ]  # fmt: skip
-    assert len(found["left_out"]) == 1
 
 
 def test_a_folder_without_records_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

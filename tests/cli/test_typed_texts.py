@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import pytest
 
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.cli.app import run
-from axiscal.cli.printing import ask, complain, say, tell, visible
+from axiscal.cli.printing import complain, say, tell, visible
 from tests.commands import Command
 from tests.generators.texts import FOUR_READINGS
 
@@ -51,13 +50,6 @@ def test_bytes_that_are_no_text_are_refused(
     assert run(["status", str(record)]) == 0
 
 
-def test_a_file_whose_name_is_no_text_begins_no_campaign(record: Path, command: Command) -> None:
-    described = record.parent / f"{LATIN}.toml"
-    described.write_text(FOUR_READINGS)
-    assert "rename the file" in command("start", described, record.parent / "other.axiscal").refusal
-    assert not list(record.parent.glob("other*"))
-
-
 @pytest.mark.parametrize("words", [("note",), ("skip",)])
 def test_a_book_is_no_note_and_no_reason(
     words: tuple[str, ...], record: Path, capsys: pytest.CaptureFixture[str]
@@ -76,20 +68,6 @@ def test_what_is_kept_steers_no_terminal(record: Path, command: Command) -> None
     assert [note["text"] for note in json.loads(document)["notes"]] == [STEERING]
 
 
-def test_a_program_whose_reason_is_half_a_character_ends_the_run(tmp_path: Path, command: Command) -> None:
-    (tmp_path / "campaign.toml").write_text(FOUR_READINGS)
-    program = tmp_path / "reads.py"
-    program.write_text(r"""import sys
-for line in sys.stdin:
-    print('{"skip": "half \\ud800"}', flush=True)
-""")
-    source, out = f"exec:{sys.executable} {program}", tmp_path / "out"
-    why = command("run", tmp_path / "campaign.toml", "--source", source, "--out", out).refusal
-    assert r'"half \xd800" ends in a byte that is no UTF-8, or in half a character' in why
-    assert "defect" not in why
-    assert run(["status", str(out / "campaign.axiscal")]) == 0
-
-
 @pytest.mark.parametrize("write", [say, tell, complain])
 def test_whatever_is_said_steers_no_terminal(write: Callable[[str], None], capsys: pytest.CaptureFixture[str]) -> None:
     """Such as what a printer answers, or what somebody called a store."""
@@ -99,26 +77,7 @@ def test_whatever_is_said_steers_no_terminal(write: Callable[[str], None], capsy
     assert written.replace("\n", "").isprintable()
 
 
-def test_a_prompt_steers_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("builtins.input", str)
-    assert ask("results into \x1b[31m > ") == r"results into \u001b[31m > "
-
-
 def test_other_text_is_shown_as_it_is() -> None:
     text = "21,4 °C\t±\u202f0.3 µm → – …\n日本 \U0001f600 \xa0"
     assert visible(text) == text
     assert json.loads(visible(json.dumps("\x9b\ud800\x7f", ensure_ascii=False))) == "\x9b\ud800\x7f"
-
-
-def test_every_number_of_a_reading_is_said(tmp_path: Path, command: Command) -> None:
-    (tmp_path / "own.py").write_text(
-        "import axiscal_core as ac\n\n\nclass Pair(ac.Instrument):\n"
-        '    names, units, noise = ("along", "tilt"), ("m", "rad"), ("1 um", "1 urad")\n\n'
-        "    def sees(self, at, u):\n        return [at.moved[:, 0], at.turned[:, 1]]\n"
-    )
-    campaign, record = tmp_path / "campaign.toml", tmp_path / "m.axiscal"
-    setup = '[[setups]]\nname = "pair"\ninstrument = "own.py:Pair"\nmoves = ["X"]\n'
-    campaign.write_text(f'machine = "three-axis-mill"\n[target]\nreadings = 4\n{setup}')
-    assert run(["step", "start", str(campaign), str(record)]) == 0
-    assert run(["step", "next", str(record)]) == 0
-    assert "Kept reading 1: 1.5 um, -4 urad at X = " in command("step", "record", record, "1.5 um -4 urad").printed

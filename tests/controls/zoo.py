@@ -64,9 +64,9 @@ def linuxcnc_volumetric() -> Row:
     return _on_linuxcnc("linuxcnc-volumetric", "axiscal_vcomp in the servo thread", machine)
 
 
-def linuxcnc_samples() -> Row:
-    """Every sample configuration of the LinuxCNC that is installed, from its INI to tables or to a reason."""
-    found = counted()
+def linuxcnc_samples(every: int = 1) -> Row:
+    """Every so many-th sample configuration of the LinuxCNC that is here, from its INI to tables or to a reason."""
+    found = counted(every)
     total, ended = sum(found.values()), found["loaded"] + found["refused"]
     ran = f"{total} samples: {found['loaded']} loaded, {found['refused']} refused"
     return Row("linuxcnc samples", debian(), ran, 100 * (total - ended) / total)

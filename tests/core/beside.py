@@ -106,12 +106,9 @@ class Beside:
         return np.array([mine[at[size.kind, size.owners]] for size in theirs.of])
 
 
-def machine_of(machine: ac.Machine, usual: bool = True) -> ac.Machine:
-    """Return a machine for a case of the core.
-
-    usual : it is as machines usually are; the rough part of a rest is taken off then, which the core adds itself
-    """
-    return replace(machine, errors=tuple(_bare(each) for each in machine.stated)) if usual else machine
+def machine_of(machine: ac.Machine) -> ac.Machine:
+    """Return a machine for a case of the core, without the rough part of a rest, which the core adds itself."""
+    return replace(machine, errors=tuple(_bare(each) for each in machine.stated))
 
 
 def _bare(error: ac.Error) -> ac.Error:

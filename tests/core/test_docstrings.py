@@ -1,4 +1,4 @@
-"""What docstrings show runs as it says; the package loads quickly, and what it needs is little."""
+"""What docstrings show runs as it says; what the package loads is little."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ import axiscal_core
 PACKAGE = Path(axiscal_core.__path__[0])
 MODULES = ["axiscal_core", *(f"axiscal_core.{path.stem}" for path in sorted(PACKAGE.glob("[a-z]*.py")))]
 SHOWING = 12
-LINES = 400
 
 
 @pytest.mark.parametrize("module", MODULES)
@@ -34,15 +33,3 @@ def test_loading_takes_no_scipy_and_nothing_of_the_product() -> None:
     say = "import sys, axiscal_core; print(*sorted({name.partition('.')[0] for name in sys.modules}))"
     loaded = subprocess.run([sys.executable, "-c", say], check=True, capture_output=True, text=True).stdout.split()
     assert not {"scipy", "axiscal", "pydantic", "threadpoolctl", "pandas"} & set(loaded)
-
-
-def test_loading_takes_little_time_beside_numpy() -> None:
-    say = "import time, numpy; start = time.process_time(); import axiscal_core; print(time.process_time() - start)"
-    program = [sys.executable, "-c", say]
-    took = [float(subprocess.run(program, check=True, capture_output=True, text=True).stdout) for _ in range(3)]
-    assert min(took) < 0.15
-
-
-def test_files_stay_small() -> None:
-    lengths = {path.name: len(path.read_text(encoding="utf-8").splitlines()) for path in PACKAGE.glob("*.py")}
-    assert {name: length for name, length in lengths.items() if length > LINES} == {}

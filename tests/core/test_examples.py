@@ -6,11 +6,8 @@ import ast
 import re
 import runpy
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
-from scipy.optimize import fsolve
 
 ROOT = Path(__file__).resolve().parents[2]
 SAYS = {
@@ -48,20 +45,3 @@ def test_an_example_is_short_and_stands_on_the_page(name: str) -> None:
 
 def test_every_example_of_the_core_is_run() -> None:
     assert {path.stem for path in (ROOT / "examples").glob("core_*.py")} == set(SAYS)
-
-
-@pytest.mark.long
-def test_a_delta_printer_moves_as_its_rods_do() -> None:
-    """Against the place that is as far from each carriage as its rod is long, found by scipy."""
-    towers = runpy.run_path(str(ROOT / "examples" / "core_delta.py"))["Towers"]()
-    off = 1e-6 * np.array([300.0, -200.0, 100.0, 50.0, -80.0, 120.0, 250.0])
-    for nozzle in np.array([[0.0, 0.0, 0.0], [0.05, -0.06, 0.08], [-0.08, 0.08, -0.03]]):
-        feet = 0.12 * towers.out
-        high = nozzle[2] + np.sqrt(0.25**2 - np.sum((nozzle[:2] - feet) ** 2, axis=1)) + off[:3]
-        carriages = np.column_stack([feet + off[6] * towers.out, high])
-
-        def short(at: Any, carriages: Any = carriages) -> Any:
-            return np.linalg.norm(at - carriages, axis=1) - 0.25 - off[3:6]
-
-        there = fsolve(short, nozzle, xtol=1e-14)
-        assert there - nozzle == pytest.approx((towers.rows(nozzle[None])[0] @ off)[:3], abs=2e-6)

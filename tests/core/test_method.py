@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -71,14 +71,6 @@ def test_indices_of_observability_are_those_of_the_jacobian(index: str) -> None:
     assert pytest.approx(wanted[index], rel=1e-3) == -case.evaluate(places, criterion=found).J
 
 
-@pytest.mark.long
-def test_a_plan_by_an_index_beats_even_places_in_it() -> None:
-    case = _paper()
-    for index in ("O1", "O4"):
-        plan = case.plan(9, criterion=cast("Any", index), candidates=60)
-        assert plan.J < case.evaluate(case.lattice(9), criterion=cast("Any", index)).J < 0
-
-
 def test_kept_places_stay_and_own_candidates_are_not_left() -> None:
     case = mill()
     kept = ac.Places("x", [[0.123, 0.2]], [[1, 0]])
@@ -96,13 +88,6 @@ def test_minutes_are_kept_and_more_of_them_leave_less() -> None:
     plans = [case.plan(minutes=each if each < 5 else f"{60 * each} s", candidates=60) for each in limits.tolist()]
     assert np.abs(np.array([plan.minutes for plan in plans]) - limits).max() < 1e-9
     assert np.all(np.diff([plan.J for plan in plans]) < 0)
-
-
-def test_beyond_a_hundred_readings_more_minutes_leave_less() -> None:
-    fewer, more = (_paper().plan(minutes=each, candidates=12) for each in (16, 18))
-    assert len(fewer) < 100 < len(more)
-    assert more.J < fewer.J
-    assert more.U < fewer.U
 
 
 def test_an_rms_is_reached_with_as_few_readings_as_do() -> None:
@@ -247,27 +232,6 @@ def test_tables_go_to_pandas_and_back() -> None:
     assert [*pd.DataFrame(case.estimate(readings).table())["name"]] == [*case.names]
 
 
-def test_tables_serve_wherever_readings_do() -> None:
-    machine = ac.Machine([ac.Axis.linear("X", "x", (0, "600 mm"))], [ac.Error("EXX", "10 um", length="200 mm")])
-    case = ac.Case(machine, [ac.Laser("laser", "X")])
-    first, more = (ac.Readings.simulated(case, case.lattice(count), seed=1) for count in (4, 6))
-    both = case.estimate(first).read(case.table(more))
-    assert both.readings is not None
-    assert both.mean.tolist() == case.estimate(first + more).mean.tolist()
-    assert case.next(case.table(first)).poses.tolist() == case.next(first).poses.tolist()
-    known = case.known(both.mean, both.covariance).read(case.table(more)).read(first)
-    assert known.readings is not None
-    assert known.readings.values.tolist() == [*more.values, *first.values]
-
-
-def test_an_error_that_cannot_be_is_estimated_as_nothing() -> None:
-    errors = [ac.Error("EXX", 0.0, scale=0.0), ac.Error("EYX", "10 um")]
-    case = ac.Case(ac.Machine([ac.Axis.linear("X", "x", (0, "600 mm"))], errors), [ac.Laser("laser", "X", along="y")])
-    known = case.estimate(ac.Readings.simulated(case, case.lattice(8), seed=2))
-    assert known["EXX"]([0.1, 0.5]).std.tolist() == [0.0, 0.0]
-    assert known["EYX"].rms < 10e-6
-
-
 def test_a_rigid_motion_of_the_volume_is_no_error_where_it_is_aligned() -> None:
     """A squareness alone of two axes is a rotation only in part; both straightness constants are nothing."""
     axes = [ac.Axis.linear(name, name.lower(), (0, 1.0)) for name in "XY"]
@@ -278,17 +242,3 @@ def test_a_rigid_motion_of_the_volume_is_no_error_where_it_is_aligned() -> None:
         case = ac.Case(machine, [laser], usual="off", aligned=aligned)
         found = [float(np.sum((case.volume.root @ each) ** 2)) for each in (shift, square)]
         assert found == pytest.approx(wanted, abs=2e-3)
-
-
-@pytest.mark.long
-def test_what_is_promised_of_the_tool_point_holds() -> None:
-    """Of forty machines drawn as the case believes them: mean squares of deviations in standard deviations are one."""
-    case = mill(usual="off", sure="exactly")
-    places, poses = case.plan(readings=8, candidates=90).places, [[0.0, 0.4], [0.15, 0.1], [0.4, 0.3]]
-    rows, z = case.machine.rows(np.array(poses)).displacement, []
-    for seed in range(40):
-        readings, truth = _told(case, places, seed)
-        found = case.estimate(readings).deviation(poses)
-        apart = (rows @ truth[: case.machine.size] - found.mean)[:, :2]
-        z += [apart[i] @ np.linalg.solve(found.covariance[i, :2, :2], apart[i]) / 2 for i in range(len(poses))]
-    assert np.mean(z) == pytest.approx(1.0, abs=0.25)

@@ -38,15 +38,6 @@ def test_what_was_saved_is_what_is_loaded(tmp_path: Path, ending: str) -> None:
     assert np.array_equal(again.read(more).covariance, known.read(more).covariance)
 
 
-@pytest.mark.parametrize("ending", ["json", "npz"])
-def test_a_belief_has_no_readings(tmp_path: Path, ending: str) -> None:
-    case, file = mill(), tmp_path / f"known.{ending}"
-    case.known(case.prior.mean, case.prior.covariance).save(file)
-    again = ac.Known.load(file, case)
-    assert np.array_equal(again.covariance, case.prior.covariance)
-    assert again.readings is None
-
-
 def test_what_is_no_such_file_is_refused(tmp_path: Path) -> None:
     case = warm()
     known = estimated(case)

@@ -103,7 +103,6 @@ def _axis(generator: np.random.Generator, name: str, rotary: bool) -> ac.Axis:
         *((1, seed) for seed in range(8)),
         *((2, seed) for seed in range(4)),
         *((3, seed) for seed in range(2)),
-        *(pytest.param(3, seed, marks=pytest.mark.long) for seed in range(2, 12)),
     ],
 )
 def test_no_pose_of_a_dense_lattice_gains_more(joints: int, seed: int) -> None:

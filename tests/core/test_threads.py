@@ -66,19 +66,6 @@ except ValueError:
     assert said(script, tmp_path).split("\n") == ["[2]", "[1]", "[1]", "[1]", "[2]"]
 
 
-def test_a_library_that_is_loaded_behind_a_door_is_held_as_well(tmp_path: Path) -> None:
-    script = """
-from axiscal_core.from_scipy import solution
-import sys
-with one_thread():
-    assert "scipy.linalg" not in sys.modules
-    solution(np.eye(3), np.ones((3, 1)))
-    assert "scipy.linalg" in sys.modules
-    print(threads())
-"""
-    assert said(script, tmp_path) == "[1]"
-
-
 def test_the_last_of_several_threads_of_python_opens_the_limit(tmp_path: Path) -> None:
     script = """
 from threading import Event, Thread

@@ -35,12 +35,3 @@ def test_what_cannot_be_is_never_first() -> None:
     assert ranked(np.full(3, -np.inf), SHARE, 1).tolist() == [0]
     assert first_best(values, SHARE) == 4
     assert surely_more(np.array([1.0]), np.array([-np.inf]), SHARE).all()
-
-
-def test_what_is_beyond_all_numbers_is_first() -> None:
-    assert first_best(np.array([1.0, np.inf, 2.0]), SHARE) == 1
-
-
-def test_what_is_more_than_rounding_counts() -> None:
-    assert first_best(np.array([1.0, 1.0 + 1e-8]), SHARE) == 1
-    assert ranked(np.array([1.0, 1.0 + 1e-8]), SHARE).tolist() == [1, 0]

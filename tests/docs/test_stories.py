@@ -39,10 +39,3 @@ def test_a_cell_runs_and_shows_its_picture(
     exec(compile(cell["source"], cell["id"], "exec"), names)
     assert capsys.readouterr().out.count("\n") >= 3
     assert all(len(svg.split("<path")) > 1 for svg in names["picture"].svg)
-
-
-def test_the_stories_use_public_names_only() -> None:
-    for path in STORIES:
-        code = told(path)[2]
-        assert "from axiscal" not in code
-        assert "ac._" not in code

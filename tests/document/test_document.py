@@ -126,11 +126,6 @@ def test_a_file_that_is_no_toml_text_is_refused_once(
     assert len(str(failure.value)) < 400 + len(str(path))
 
 
-def test_a_text_that_a_record_carries_is_no_larger_than_a_file_may_be() -> None:
-    with pytest.raises(DescriptionError, match="larger than 250 kB"):
-        Document.parse("# x\n" * 70_000, "machine.toml")
-
-
 def test_a_value_of_thousands_of_lines_ends_the_search_for_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(file, "_MOST_TRIED", 50_000)
     for begin, end, lines in (("[", "]", (1, 2, 1004)), ("[[[", "]]]", (None, None, None))):
@@ -138,29 +133,6 @@ def test_a_value_of_thousands_of_lines_ends_the_search_for_lines(monkeypatch: py
         assert tuple(document.line(key) for key in ("a", "b", "c")) == lines
     deep = ".".join(['"a\\""'] * 150) + " = 1"
     assert Document.parse(deep, "x.toml").line('a"') == 1
-
-
-def test_paths_that_are_no_files_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "file.txt").touch()
-    with pytest.raises(DescriptionError, match="no such file"):
-        Document.read(tmp_path / "absent.toml")
-    with pytest.raises(DescriptionError, match="folder"):
-        Document.read(tmp_path)
-    with pytest.raises(DescriptionError, match="cannot be read"):
-        Document.read("x\0.toml")
-    with pytest.raises(DescriptionError, match="cannot be read"):
-        Document.read("x" * 5000 + ".toml")
-    with pytest.raises(DescriptionError, match="cannot be read"):
-        Document.read(tmp_path / "file.txt" / "x.toml")
-
-
-def test_a_file_without_permission_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(path: Path, most: int) -> None:
-        raise PermissionError(13, "Permission denied", str(path))
-
-    monkeypatch.setattr("axiscal.document.file.bounded_content", refuse)
-    with pytest.raises(DescriptionError, match="cannot be read: Permission denied"):
-        Document.read(tmp_path / "secret.toml")
 
 
 def _early(key: str, hour: int, known: Beside) -> int:

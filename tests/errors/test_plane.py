@@ -102,14 +102,3 @@ def test_a_last_campaign_is_read_at_the_knots_of_today() -> None:
     free -= free.mean(axis=1, keepdims=True)
     new = now.rows(*grid.T) @ (now.taken_from(then) @ values)
     np.testing.assert_allclose(new.reshape(12, 11), free, atol=1e-6 * np.abs(old).max())
-
-
-def test_readings_share_a_cell_only_where_both_axes_do() -> None:
-    plane = _plane(bed(), "EZXY")
-    width, depth = 0.3 / 40, 0.2 / 32
-    at = np.array([[0.1, 0.05], [0.1 + width / 4, 0.05], [0.1, 0.05 + 1.1 * depth], [0.1 + 1.1 * width, 0.05]])
-    at += np.array([width / 8, depth / 8])
-    cells = plane.cells(*at.T)
-    assert cells[0] == cells[1]
-    assert len({int(cell) for cell in cells}) == 3
-    assert plane.cells(np.array([0.3]), np.array([0.15]))[0] == plane.cell_count - 1

@@ -1,4 +1,4 @@
-"""`smoothness = 1.5`: the correlation of rough curves against Bessel functions, its slopes, and what is refused."""
+"""`smoothness = 1.5`: the slopes of the likelihood against differences."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.machine import Machine
 from axiscal_core.spaces import Given
-from axiscal_core.splines import matern
 from axiscal_core.unknowns import space_of
 from axiscal_core.usual import sizes_of
 from tests.generators.texts import machine_text
@@ -23,17 +22,6 @@ _HEAD = machine_text("w-X'-Y'-b-Z-t", {"X": (0, 500), "Y": (0, 400), "Z": (0, 30
 
 def _machine(entries: str) -> Machine:
     return machine_from_text(_HEAD + entries, "m.toml")
-
-
-def test_a_rough_curve_has_knots_at_a_quarter_of_its_length() -> None:
-    smooth, rough = (
-        _machine(f'EXX = {{ std = "10 um", length = "100 mm"{extra} }}').curves[0]
-        for extra in ("", ", smoothness = 1.5")
-    )
-    assert (smooth.spline.size, rough.spline.size) == (21, 21), "there is one curve: fine knots cost nothing"
-    at = rough.spline.control_positions
-    expected = 1e-10 * matern(np.abs(at[:, None] - at) / 0.1, 1.5)
-    assert rough.covariance == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_likelihood_of_rough_curves_and_planes_has_the_slope_that_it_says() -> None:

@@ -1,4 +1,4 @@
-"""EXX_pitch and EXX_step: read, believed beforehand, planned for, estimated, refused."""
+"""EXX_pitch: believed beforehand and estimated."""
 
 from __future__ import annotations
 
@@ -25,14 +25,6 @@ def test_a_pitch_is_a_sum_of_waves_of_falling_size() -> None:
     assert rows @ function.covariance @ rows.T == pytest.approx(
         25e-12 * (np.cos(turns) + np.cos(2 * turns) / 4), abs=2e-3 * 25e-12
     )
-
-
-def test_steps_are_independent_of_each_other() -> None:
-    step = 'EXX_step = { std = "6 um", at = ["200 mm", "400 mm"] }\n'
-    function = machine_from_text(_MACHINE + step, "m").by_name["EXX_step"]
-    levels = function.rows(np.array([0.1, 0.3, 0.5]))
-    steps = np.diff(levels, axis=0)
-    assert steps @ function.covariance @ steps.T == pytest.approx(36e-12 * np.eye(2), abs=1e-24)
 
 
 def test_readings_find_a_pitch_between_what_a_curve_can_follow() -> None:

@@ -90,6 +90,6 @@ def test_most_sick_records_are_named(sick: str) -> None:
 
 
 @pytest.mark.long
-def test_of_five_hundred_right_records_at_most_five_are_called_sick() -> None:
-    found = [_named(job, seed) for job in JOBS for seed in range(100)]
-    assert sum(each != "" for each in found) <= 5, found
+def test_of_a_hundred_right_records_at_most_one_is_called_sick() -> None:
+    found = [_named(job, seed) for job in JOBS for seed in range(20)]
+    assert sum(each != "" for each in found) <= 1, found

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import re
+import shutil
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
+
+import pytest
 
 Row = Mapping[str, Any]
 """A row of a document: of `result.json`, of `status --json`, of the page's state."""
@@ -51,6 +54,8 @@ def words_of(path: Path, page: int) -> list[str]:
 
 def lines_of(path: Path, page: int | None = None) -> str:
     """Return what a PDF says, or one page of it, as its lines are laid out."""
+    if shutil.which("pdftotext") is None:
+        pytest.skip("needs Debian's poppler-utils")
     pages = [] if page is None else ["-f", f"{page}", "-l", f"{page}"]
     command = ["pdftotext", "-layout", *pages, str(path), "-"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 
 import pytest
 
 from tests.golden.__main__ import EXPECTED
-from tests.golden.given import CAMPAIGNS
 
 PLANS = {
     "plans": ("plan campaign.toml --readings 4 --candidates 60\n", "04-plan.json"),
@@ -40,47 +38,8 @@ def test_a_screen_shows_the_rows_of_the_plan(campaign: str) -> None:
     assert document["setups"][-1]["minutes"] == pytest.approx(document["minutes"])
 
 
-_WITHIN = r"deviations\s+lie\s+within\s+(\S+)\s+um\."
-_PROMISED = re.compile(rf"Compensation for (\S+), made by axiscal\..*?{_WITHIN}", re.DOTALL)
-_SCREEN = re.compile(rf"^\$ axiscal export [^\n]*--to (\S+)[^$]*?{_WITHIN}", re.MULTILINE)
 _OF_ANSWER = re.compile(r"U\s+of\s+the\s+estimate\s+is\s+(\S+)\s+um;")
 _VOLUME = re.compile(r"^  volume .*± (\S+) um", re.MULTILINE)
-
-
-def promised(campaign: str) -> Iterator[tuple[str, str, float]]:
-    """Yield where it is said which U is to be expected with the files of a control, the control, and U, um."""
-    folder = EXPECTED / campaign
-    texts = [(path, _PROMISED) for path in folder.rglob("README.txt")]
-    for path, saying in (*texts, (folder / "screens.txt", _SCREEN)):
-        for control, size in saying.findall(path.read_text(encoding="utf-8")):
-            yield path.name, control, float(size)
-    for path in folder.rglob("result.json"):
-        for table in json.loads(path.read_text(encoding="utf-8")).get("tables", []):
-            if "U_um" in table:
-                yield path.name, table["controller"], table["U_um"]
-    lines = (CAMPAIGNS / campaign / "commands.txt").read_text(encoding="utf-8").splitlines()
-    commands = [line for line in lines if not line.startswith("#")]
-    for path in folder.glob("*-verify.json"):
-        control = commands[int(path.name[:2]) - 1].partition("--to ")[2].partition(" ")[0]
-        yield "verify", control, json.loads(path.read_text(encoding="utf-8"))["expected_um"]
-
-
-@pytest.mark.parametrize(
-    ("campaign", "control", "places"),
-    [
-        ("xyzac", "linuxcnc", {"README.txt", "screens.txt", "result.json", "verify"}),
-        ("vcomp", "linuxcnc-volumetric", {"README.txt", "screens.txt", "verify"}),
-        ("controllers", "linuxcnc", {"README.txt", "screens.txt"}),  # result.json is of files with other points
-        ("plane_map", "sinumerik", {"README.txt", "screens.txt"}),
-        ("printer", "klipper", {"README.txt", "screens.txt"}),
-    ],
-)
-def test_the_same_uncertainty_stands_wherever_files_are_spoken_of(
-    campaign: str, control: str, places: set[str]
-) -> None:
-    found = [(place, size) for place, of, size in promised(campaign) if of == control and place in places]
-    assert {place for place, _ in found} == places
-    assert len({f"{size:.2g}" for _, size in found}) == 1
 
 
 @pytest.mark.parametrize("campaign", ["controllers", "plane_map", "printer", "vcomp", "xyzac"])

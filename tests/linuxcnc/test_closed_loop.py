@@ -41,7 +41,7 @@ def known(name: str) -> tuple[Estimate, VirtualMachine]:
 def spread(estimate: Estimate) -> tuple[Array, Array]:
     rng = np.random.default_rng(9)
     low, high = np.array(estimate.box).T
-    return low + (high - low) * rng.uniform(size=(40, len(low))), rng.choice([-1.0, 1.0], size=(40, len(low)))
+    return low + (high - low) * rng.uniform(size=(16, len(low))), rng.choice([-1.0, 1.0], size=(16, len(low)))
 
 
 @pytest.mark.parametrize("name", ["gantry", "inch", "xyzbc"])

@@ -11,10 +11,6 @@ from axiscal_core.rigid import SmallMotions
 from tests.generators.machines import random_machine, random_poses, twin_tool
 
 
-def _still(axes: int, poses: int) -> SmallMotions:
-    return SmallMotions(*(np.zeros((axes, poses, 3)) for _ in range(3)))
-
-
 @pytest.mark.parametrize("seed", range(15))
 def test_the_exact_motion_agrees_with_the_second_writing(seed: int) -> None:
     """Errors of a hundredth, so that every product of errors counts."""
@@ -26,14 +22,6 @@ def test_the_exact_motion_agrees_with_the_second_writing(seed: int) -> None:
         expected = twin_tool(machine, pose, errors[:, i]).real
         assert np.abs(found.translation[i] - expected[:3, 3]).max() < 1e-14
         assert np.abs(found.rotation[i] - expected[:3, :3]).max() < 1e-14
-
-
-@pytest.mark.parametrize("seed", range(15))
-def test_the_nominal_tool_is_where_the_frames_say(seed: int) -> None:
-    machine = random_machine(seed)
-    poses, _ = random_poses(machine, 5, np.random.default_rng(seed))
-    expected = tool_motion(machine, poses, _still(len(machine.axes), 5)).translation
-    assert np.abs(machine.frames(poses).tcp - expected).max() < 1e-15
 
 
 @pytest.mark.parametrize("name", ["one-axis", "three-axis-mill", "printer-gantry"])

@@ -1,4 +1,4 @@
-"""How a machine moves while measuring: times against a run in small steps, families in turn, overrun and room."""
+"""How a machine moves while measuring: times against a run in small steps, overrun and room."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from axiscal.machine import machine_from_text
 from axiscal.machine.axis import iso_axis
-from axiscal.machine.motion import Driving, approach_seconds, inward, move_groups, travel_seconds, turning
+from axiscal.machine.motion import Driving, approach_seconds, inward, travel_seconds, turning
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
@@ -55,24 +55,6 @@ def test_a_straight_move_takes_as_long_as_in_small_steps(ways: tuple[float, floa
     assert float(travel_seconds(MACHINE, start, stop)) == pytest.approx(stepped((X, Y), list(ways)), abs=3e-3)
 
 
-def test_families_move_one_after_another() -> None:
-    assert move_groups(MACHINE) == ((1, 2), (0,))
-    start, slid, there = (np.array(p) for p in ([0.0, 0.1, 0.1], [0.0, 0.2, 0.3], [1.5, 0.2, 0.3]))
-    whole = travel_seconds(MACHINE, start, there)
-    assert whole == pytest.approx(travel_seconds(MACHINE, start, slid) + travel_seconds(MACHINE, slid, there))
-
-
-def test_a_long_turn_is_made_in_parts() -> None:
-    start, third, there = (np.array([angle, 0.1, 0.1]) for angle in (0.0, math.tau / 4, 3 * math.tau / 4))
-    assert travel_seconds(MACHINE, start, there) == pytest.approx(
-        3 * travel_seconds(MACHINE, start, third)
-    )  # 270 deg: three parts of 90
-    exactly = np.array([2 * math.tau / 3, 0.1, 0.1])  # two of 120
-    assert travel_seconds(MACHINE, start, exactly) == pytest.approx(
-        2 * travel_seconds(MACHINE, start, np.array([math.tau / 3, 0.1, 0.1]))
-    )
-
-
 @given(
     st.tuples(*[st.floats(0, 0.4)] * 3),
     st.tuples(*[st.floats(0, 0.4)] * 3),
@@ -98,12 +80,6 @@ def test_room_is_the_whole_overrun_at_the_ends_of_a_full_turn_too() -> None:
     assert inward(X, 0.6, -1) == pytest.approx(0.599)
     assert inward(X, 0.0, 0) == 0.0
     assert inward(C, 0.0, 1) == pytest.approx(math.radians(1.0))
-
-
-def test_the_usual_overrun_is_a_hundredth_of_a_short_travel() -> None:
-    assert iso_axis("X", False, (0.0, 0.02)).overrun == pytest.approx(0.0002)
-    assert iso_axis("A", False, (0.0, 0.2)).overrun == pytest.approx(0.002)
-    assert C.overrun == pytest.approx(math.radians(1.0))
 
 
 def test_the_owner_may_state_an_overrun() -> None:
@@ -134,18 +110,3 @@ def test_many_moves_at_once_take_as_long_as_each_however_they_are_driven(driving
         for j in range(6):
             alone = approach_seconds(MACHINE, poses[i], poses[j], sides[j], driving)
             assert table[i, j] == pytest.approx(float(alone))
-
-
-def test_what_goes_clear_takes_its_time_there_and_back() -> None:
-    """X at 0.1 m goes to 0.55 m, Y over, X down: three moves, in small steps."""
-    start, stop, sides = np.array([1.0, 0.1, 0.1]), np.array([1.0, 0.3, 0.2]), np.zeros(3)
-    taken = float(approach_seconds(MACHINE, start, stop, sides, Driving(clearance=("X", 0.55))))
-    assert taken == pytest.approx(stepped((X,), [0.45]) + stepped((Y,), [0.2]) + stepped((X,), [0.35]), abs=3e-3)
-    alone = float(approach_seconds(MACHINE, start, np.array([1.0, 0.1, 0.2]), sides, Driving(clearance=("X", 0.55))))
-    assert alone == pytest.approx(stepped((X,), [0.1]), abs=3e-3)  # nothing else moves: no need to go clear
-
-
-def test_the_last_two_millimetres_are_slow() -> None:
-    start, stop, sides = np.array([1.0, 0.1, 0.1]), np.array([1.0, 0.1, 0.2]), np.zeros(3)
-    taken = float(approach_seconds(MACHINE, start, stop, sides, Driving(feed=0.5e-3)))
-    assert taken == pytest.approx(stepped((X,), [0.098]) + 2e-3 / 0.5e-3, abs=3e-3)

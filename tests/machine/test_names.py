@@ -1,4 +1,4 @@
-"""Names and chains in the manner of ISO 230-1 and ISO 10791-6, errors of two axes, and what is refused."""
+"""Names and chains in the manner of ISO 230-1 and ISO 10791-6 and errors of two axes."""
 
 from __future__ import annotations
 
@@ -7,32 +7,25 @@ import pytest
 from axiscal.machine import machine_from_text
 from axiscal.machine.description import parse_chain
 from axiscal.machine.error_names import ErrorName, parse_error_name
-from axiscal.machine.questions import questions
 from axiscal_core.errors import Kind
 
 NAMES: list[tuple[str, str, str, Kind, int]] = [
     ("EXX", "EXX", "X", "motion", 0),
-    ("EYX", "EYX", "X", "motion", 1),
     ("EZX", "EZX", "X", "motion", 2),
     ("EAX", "EAX", "X", "motion", 3),
-    ("EBX", "EBX", "X", "motion", 4),
     ("ECX", "ECX", "X", "motion", 5),
     ("ECC", "ECC", "C", "motion", 5),
-    ("EXC", "EXC", "C", "motion", 0),
     ("EZU2", "EZU2", "U2", "motion", 2),
     ("EXX_reversal", "EXX_reversal", "X", "reversal", 0),
-    ("ECC_reversal", "ECC_reversal", "C", "reversal", 5),
     ("EYX1_reversal", "EYX1_reversal", "X1", "reversal", 1),
     ("C0Y", "C0Y", "Y", "location", 5),
     ("EC0Y", "C0Y", "Y", "location", 5),
     ("COY", "C0Y", "Y", "location", 5),
-    ("ECOY", "C0Y", "Y", "location", 5),
     ("C(0X)Y", "C0Y", "Y", "location", 5),
     ("EC(0X)Y", "C0Y", "Y", "location", 5),
     ("EC(OX)Y", "C0Y", "Y", "location", 5),
     ("A0Z", "A0Z", "Z", "location", 3),
     ("X0C", "X0C", "C", "location", 0),
-    ("C0C", "C0C", "C", "location", 5),
     ("Z0B2", "Z0B2", "B2", "location", 2),
 ]
 
@@ -68,14 +61,3 @@ def test_one_value_counts_along_both_axes_and_the_order_of_the_name_counts() -> 
     assert plane.std == pytest.approx(10e-6)
     (other,) = machine_from_text(f'{HEAD}EYXC = {{ std = "1 um", length = ["100 mm", "60 deg"] }}').stated
     assert [side.length for side in other.sides] == pytest.approx([0.1, 1.0471975512])
-
-
-def test_a_rest_alone_needs_no_size() -> None:
-    machine = machine_from_text(f'{HEAD}EZXY = {{ std = "0 um", knots = 5, rest = "2 um" }}')
-    assert (machine.stated[0].std, machine.stated[0].first_rest) == (0.0, 2e-6)
-
-
-def test_a_plane_of_millimetres_is_asked_about() -> None:
-    asked = questions(machine_from_text(f'{HEAD}EZXY = {{ std = "10 mm" }}\nEAXY = {{ std = "20 urad" }}'))
-    assert [text for text in asked if "EZXY" in text]
-    assert not [text for text in asked if "EAXY" in text]

@@ -12,9 +12,9 @@ from axiscal.description.placed_readings import file_readings
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.probe_offset import offset_in
 from axiscal.present.plan_words import open_questions
-from tests.zoo.animals import Job
-from tests.zoo.beds import rolled
-from tests.zoo.running import described, given
+from benchmarks.zoo.animals import Job
+from benchmarks.zoo.beds import rolled
+from benchmarks.zoo.running import described, given
 
 TWIST = "calibrate_y: 10\n#*# [axis_twist_compensation]\n#*# z_compensations = -0.01, 0.0, 0.01\n"
 """By which Klipper makes the heights those that the nozzle would touch (axis_twist_compensation.py)."""

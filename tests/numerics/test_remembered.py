@@ -6,9 +6,7 @@ import gc
 from functools import partial
 from weakref import ref
 
-import numpy as np
-
-from axiscal.numerics.remembered import Itself, Memo, remembered
+from axiscal.numerics.remembered import Memo, remembered
 
 
 class Model:
@@ -51,9 +49,3 @@ def test_the_last_few_are_kept() -> None:
     numbers = (0, 1, 2, 3, 0, 4, 0, 1)
     assert [memo.answer(number, partial(found, number)) for number in numbers] == [10 * number for number in numbers]
     assert asked == [0, 1, 2, 3, 4, 1]
-
-
-def test_what_compares_by_its_identity_is_kept_with_it() -> None:
-    one, other = np.zeros(2), np.zeros(2)
-    assert {Itself(one): 1}[Itself(one)] == 1
-    assert Itself(one) != Itself(other)

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 
 from axiscal.numerics import Array
 from axiscal_core.segments import Segments
-from axiscal_core.splines import CyclicSpline, Repeated
+from axiscal_core.splines import Repeated
 
 
 @pytest.mark.parametrize("waves", [1, 2, 4])
@@ -42,19 +42,3 @@ def test_between_breaks_a_derivative_is_that_of_the_value() -> None:
         middle = (spline.knots[1:] + spline.knots[:-1]) / 2
         slope = (spline.rows(middle + 1e-7) - spline.rows(middle - 1e-7)) / 2e-7
         assert spline.rows(middle, 1) == pytest.approx(slope, rel=1e-5, abs=1e-4)
-
-
-def test_levels_are_passed_at_their_joints() -> None:
-    spline = Segments(0.0, 1.0, (0.3, 0.7), 0.05)
-    assert spline.rows([0.0, 0.27, 0.3, 0.5, 0.9]) == pytest.approx(
-        np.array([[1, 0, 0], [1, 0, 0], [0.5, 0.5, 0], [0, 1, 0], [0, 0, 1]]), abs=1e-12
-    )
-
-
-@pytest.mark.parametrize(("points", "expected"), [(2, 0.70), (3, 0.063), (4, 0.0125), (5, 0.0040)])
-def test_two_control_points_miss_most_of_a_tilt(points: int, expected: float) -> None:
-    turn = np.linspace(0, 2 * np.pi, 720, endpoint=False)
-    rows = CyclicSpline(np.linspace(0, 2 * np.pi, points + 1)).rows(turn)
-    waves = np.cos(turn[:, None] - np.linspace(0, 2 * np.pi, 36, endpoint=False))
-    left = waves - rows @ np.linalg.lstsq(rows, waves, rcond=None)[0]
-    assert np.sqrt(np.mean(left**2) / np.mean(waves**2)) == pytest.approx(expected, rel=0.03)

@@ -1,8 +1,7 @@
-"""Checks are a fifth of a plan, drawn at random and put where they cost least; small plans and exact ones have none."""
+"""Checks are a fifth of a plan, drawn and put where they cost least; small plans and exact ones have none."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -12,14 +11,13 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
-from axiscal.measurement.candidates import drawn_places
-from axiscal.measurement.reading import Place, Places
+from axiscal.measurement.reading import Place
 from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.planning.enough import reached_by
 from axiscal.planning.next_readings import next_places, placed, posed
 from axiscal.planning.other_readings import Within, checks_among, with_checks, with_rooms
 from axiscal.planning.plan.order import seconds_along
-from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from tests.generators.texts import machine_text, setup_text
 
@@ -72,14 +70,6 @@ def test_a_plan_has_its_readings_and_a_fifth_of_them_are_drawn() -> None:
     assert all(0 <= place.pose[0] <= 1 for place in places)
 
 
-def test_of_a_dozen_readings_every_other_check_is_near_one_of_them() -> None:
-    for count in (12, 15):
-        places = plan_of(f"readings = {count}")
-        own = np.array([place.pose[0] for place in places if not place.check])
-        apart = np.array([np.abs(own - place.pose[0]).min() for place in checks(places)])
-        assert np.sum((apart > 0.0195) & (apart < 0.037)) >= 2
-
-
 def test_an_accuracy_needs_fewer_readings_beside_checks() -> None:
     target = 'rms = "1.2 um"\nrefers_to = "as read"'
     alone, both = plan_of(f"{target}\nchecks = 0"), plan_of(target)
@@ -89,49 +79,6 @@ def test_an_accuracy_needs_fewer_readings_beside_checks() -> None:
     case = case_of(target)
     assert reached_by(case, Limits.of(case.description.target), both)
     assert not reached_by(case, Limits.of(case.description.target), [each for each in both if not each.check])
-
-
-def test_a_budget_is_planned_again_from_the_first_plan_with_room_for_its_checks() -> None:
-    case, asked = case_of('budget = "16 min"'), list[tuple[float, int]]()
-    task, full = posed(case, case.knowledge), plan_of("readings = 20\nchecks = 0")
-    room = seconds_along(task, places_of(case.description.setups, full)) + 1.0
-
-    def plan(of: Task, limits: Limits, left: Sequence[Place], beside: Sequence[Place]) -> tuple[Place, ...]:
-        asked.append((limits.budget or 0.0, len(left)))
-        assert bool(beside) == bool(left)
-        assert of.patience
-        return full[: 16 if left else 20]
-
-    found = checked(case, Limits(budget=room), plan)
-    (first, none), (second, begun) = asked
-    assert (first, none, begun) == (room, 0, 20)
-    assert second < room
-    assert seconds_along(task, places_of(case.description.setups, found)) <= room
-    assert len(checks(found)) >= 3
-
-
-def test_the_plan_beside_checks_is_of_the_set_ups_in_which_they_are() -> None:
-    """Else a check would stand where nothing else is mounted for, and be lost."""
-    text = CAMPAIGN.replace("TARGET", "readings = 20")
-    more = text.partition("[[setups]]")[2]
-    others = "".join("[[setups]]" + more.replace('"laser"', f'"{name}"') for name in ("second", "third"))
-    case, among = Case(campaign_from_texts(text + others, "c.toml", MACHINE, "m")), list[set[int]]()
-    full = plan_of("readings = 20\nchecks = 0")
-
-    def plan(of: Task, limits: Limits, *_: Sequence[Place]) -> tuple[Place, ...]:
-        among.append({*of.lattice.setups.tolist()})
-        return full[: limits.readings]
-
-    assert len(checked(case, Limits(readings=20), plan)) == 20
-    assert among == [{0, 1, 2}, {0}]
-
-
-def test_checks_come_from_a_side_that_the_others_hardly_come_from() -> None:
-    case, full = case_of("readings = 20"), plan_of("readings = 20\nchecks = 0")
-    for side in (1, -1):
-        one = tuple(replace(place, approach=(side,)) for place in full)
-        found = checked(case, Limits(readings=20), lambda _, most, *__, own=one: own[: most.readings])
-        assert {place.approach for place in checks(found)} == {(-side,)}
 
 
 @pytest.mark.parametrize("slack", [30.0, 45.0, 60.0])
@@ -173,18 +120,6 @@ def test_a_check_is_put_where_it_costs_least() -> None:
     every = [(*without[:n], found[at], *without[n:]) for n in range(1, len(found))]
     least = min(seconds_along(task, places_of(case.description.setups, each)) for each in every)
     assert seconds_along(task, places_of(case.description.setups, found)) == pytest.approx(least, abs=0.5)
-
-
-def test_places_are_drawn_by_the_share_of_each_set_up_and_each_once() -> None:
-    count = 400
-    candidates = Places(
-        np.repeat([0, 1], count), np.random.default_rng(0).random((2 * count, 1)), np.ones((2 * count, 1))
-    )
-    found = drawn_places(candidates, np.repeat([0, 1], [30, 10]), 200)
-    assert np.bincount(found.setups).tolist() == [150, 50]
-    assert len(np.unique(found.poses)) == 200
-    assert np.mean(found.poses) == pytest.approx(0.5, abs=0.08)
-    assert not found.same_as(drawn_places(candidates, np.repeat([0, 1], [30, 10]), 200, 1))
 
 
 def test_fewer_readings_than_checks_are_refused_on_the_way() -> None:

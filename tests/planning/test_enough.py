@@ -82,39 +82,6 @@ def test_a_plan_reaches_its_target_in_the_order_in_which_it_is_read(checks: int)
     assert yardstick.measure(foreseen(case, (), places).belief).rms <= limit
 
 
-TURNED = machine_text(
-    "w-A'-b-Y-Z-t",
-    {"Y": (0, 400), "Z": (-350, 0), "A": (0, 360)},
-    {"Y0A Z0A": "30 um"},
-    origins={"A": (0, 200, -250)},
-)
-BALL = campaign_text(
-    "turned",
-    artefact_text("ball", placed="1 mm", balls={"it": ["0 mm", "240 mm", "-200 mm"]}),
-    setup_text("sphere", "sphere", artefact="ball"),
-    target={"wants": ["centre of A 15 um"]},
-)
-
-
-@pytest.mark.long
-def test_a_plan_says_that_a_tool_of_known_length_would_reach_its_target() -> None:
-    case = case_of(campaign_from_texts(BALL, "campaign.toml", TURNED, "turned"))
-    found = helping_setups(case, case.description.target)
-    assert found is not None
-    assert found.setups == ()
-    assert found.tool
-    assert found.reached
-    assert helping_words(found).startswith(
-        'With tool_length = "5 um", tool_eccentricity = "5 um", tool_certificate as well, '
-    )
-    known = case_of(
-        campaign_from_texts(
-            f'tool_length = "5 um"\ntool_certificate = "presetter"\n{BALL}', "campaign.toml", TURNED, "turned"
-        )
-    )
-    assert [row.reachable for each in (case, known) for row in known_rows(each, each.knowledge, ())] == [False, True]
-
-
 @pytest.mark.long
 def test_a_campaign_takes_the_readings_and_minutes_that_its_plan_says(tmp_path: Path) -> None:
     """No set-up is mounted again. Sizes that readings show smaller than usual may save a few of them."""
@@ -145,3 +112,38 @@ def test_a_plan_ends_where_the_result_just_reaches_u() -> None:
     places = placed(case, proposed(case, limits, FEW))
     assert reached_by(case, limits, places)
     assert not reached_by(case, limits.times(0.95), places)
+
+
+TURNED = machine_text(
+    "w-A'-b-Y-Z-t",
+    {"Y": (0, 400), "Z": (-350, 0), "A": (0, 360)},
+    {"Y0A Z0A": "30 um"},
+    origins={"A": (0, 200, -250)},
+)
+
+
+BALL = campaign_text(
+    "turned",
+    artefact_text("ball", placed="1 mm", balls={"it": ["0 mm", "240 mm", "-200 mm"]}),
+    setup_text("sphere", "sphere", artefact="ball"),
+    target={"wants": ["centre of A 15 um"]},
+)
+
+
+@pytest.mark.long
+def test_a_plan_says_that_a_tool_of_known_length_would_reach_its_target() -> None:
+    case = case_of(campaign_from_texts(BALL, "campaign.toml", TURNED, "turned"))
+    found = helping_setups(case, case.description.target)
+    assert found is not None
+    assert found.setups == ()
+    assert found.tool
+    assert found.reached
+    assert helping_words(found).startswith(
+        'With tool_length = "5 um", tool_eccentricity = "5 um", tool_certificate as well, '
+    )
+    known = case_of(
+        campaign_from_texts(
+            f'tool_length = "5 um"\ntool_certificate = "presetter"\n{BALL}', "campaign.toml", TURNED, "turned"
+        )
+    )
+    assert [row.reachable for each in (case, known) for row in known_rows(each, each.knowledge, ())] == [False, True]

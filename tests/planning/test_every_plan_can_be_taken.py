@@ -1,4 +1,4 @@
-"""What a plan, the next reading, or a renewed plan of any example asks for can be taken as its text says."""
+"""What a plan, the next reading, or a renewed plan of each kind of example asks for can be taken as its text says."""
 
 from __future__ import annotations
 
@@ -19,16 +19,23 @@ from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.programs import Program, controllers, dialect, programs
+from tests.generators.campaigns import built_in
 from tests.generators.printed_machine import printed_machine
 from tests.generators.said_places import Said
 from tests.generators.ways_said import WaysSaid
 
 ROOT = Path(__file__).resolve().parents[2]
+KINDS = ("ball_bar", "five_axes", "printer", "rotary", "square", "tracker")
+"""Golden campaigns with an instrument that the others have not."""
+FOLDERS = (
+    *("src/axiscal/present/demo", "tests/linuxcnc/machines", "examples"),
+    *(f"tests/golden/campaigns/{kind}" for kind in KINDS),
+)
 FILES = sorted(
     path
-    for folder in ("src/axiscal/present/demo", "tests/linuxcnc/machines", "tests/golden/campaigns", "examples")
+    for folder in FOLDERS
     for path in (ROOT / folder).rglob("*.toml")
-    if re.search(r"^\[\[setups\]\]", path.read_text(encoding="utf-8"), re.MULTILINE) and path.parent.name != "refusals"
+    if re.search(r"^\[\[setups\]\]", path.read_text(encoding="utf-8"), re.MULTILINE)
 )
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 
@@ -129,3 +136,14 @@ def _programs_hold(campaign: CampaignDescription, said: Said, places: tuple[Plac
         setup = program.readings[0].setup.name
         planned = {k: np.array(place.pose) for k, place in enumerate(places, start=1) if place.setup == setup}
         assert WaysSaid(said, setup, controller).holds(program.text, planned) == len(planned) - 1
+
+
+def test_a_plan_of_a_record_of_before_is_refused_with_the_keys_of_every_set_up() -> None:
+    """Descriptions that a record holds are read as they are; only what is asked for must say where."""
+    nest = '[[setups]]\nname = "nest"\ninstrument = "rtest"\n'
+    bar = '[[setups]]\nname = "bar"\ninstrument = "ballbar"\nstation = ["0 mm", "0 mm", "100 mm"]\n'
+    both = 'In "nest": write artefact = .* In "bar": write length = "150 mm"'
+    for setups, said in ((nest + bar, both), (nest, "Write artefact = ")):
+        case = Case(built_in(setups, "dmu60"))
+        with pytest.raises(PlanError, match=said):
+            next_places(case, case.knowledge, ())

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from axiscal.estimation.promise.causes import passing_columns
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
-from axiscal.planning.plan.order import in_order, interleaved, seconds_along, seconds_each
-from axiscal.planning.plan.task import Limits, Task
-from tests.generators.designs import levered
+from axiscal.planning.plan.order import seconds_along, seconds_each
+from axiscal.planning.plan.task import Task
 from tests.planning.test_out_and_back import apart, one_axis, planned
 
 
@@ -40,29 +37,3 @@ def test_j_with_what_passes_falls_by_more_than_the_time_rises() -> None:
     assert costs[1] < 0.8 * costs[0]
     assert left(task, after) < 0.8 * left(task, before)
     assert seconds_along(task, after) < 1.02 * seconds_along(task, before)
-
-
-def test_a_budget_is_kept() -> None:
-    _, task = one_axis()
-    before = planned(task)
-    allowed = seconds_along(task, before) + 3.0
-    after = interleaved(task, Limits(20, budget=allowed), before)
-    assert seconds_along(task, before) < seconds_along(task, after) <= allowed
-
-
-def test_two_readings_and_set_ups_that_move_several_axes_stay_as_they_are() -> None:
-    _, task = one_axis()
-    two = planned(task).within(np.array([3, 11]))
-    assert interleaved(task, Limits(2), two).same_as(two)
-    several = levered(300)
-    order = in_order(several, several.lattice.within(np.arange(0, len(several.lattice), 15)))
-    assert interleaved(several, Limits(len(order)), order).same_as(order)
-
-
-def test_where_the_machine_stands_counts() -> None:
-    _, task = one_axis()
-    before = planned(task)
-    here = replace(task, here=before.single(19))
-    after = interleaved(here, Limits(20), in_order(here, before))
-    assert seconds_along(here, after) < seconds_along(task, after)
-    assert left(here, after) < left(here, in_order(here, before))

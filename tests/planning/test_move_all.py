@@ -1,4 +1,4 @@
-"""All readings moved at once: never worse, inside the travel, off rasters only, and the gradient is that of J."""
+"""All readings moved at once: better, inside the travel, off rasters only."""
 
 from __future__ import annotations
 
@@ -7,22 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimation.case import Case
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.planning.plan.exchange import relocated
-from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.proposal import proposed
-from tests.generators.campaigns import on
+from axiscal.planning.plan.task import Task
 from tests.generators.designs import levered, random_poses
-from tests.generators.texts import machine_text, setup_text
-
-TABLE = machine_text(
-    "w-C'-b-t", {"C": (0, 360)}, {"ECC": 'std = "20 urad", knots = 8, length = "90 deg"'}, name="table"
-)
-ALONE = setup_text(
-    "table", "autocollimator", direction="z", moves=["C"], noise="0.5 urad", unknowns={"zero": "100 urad"}
-)
 
 
 def drawn(asked: Task, seed: int, count: int) -> Places:
@@ -42,13 +31,6 @@ def test_readings_of_random_plans_come_to_lie_better(seed: int) -> None:
     np.testing.assert_array_equal(found.approaches, places.approaches)
     for axis, at in zip(asked.observation.machine.axes, found.poses.T, strict=True):
         assert np.all((axis.travel[0] <= at) & (at <= axis.travel[1]))
-
-
-def test_where_no_error_moves_the_tool_point_a_plan_is_made_and_its_readings_stay() -> None:
-    """A table read alone: its tool point lies on its axis, and nothing that it does counts."""
-    plan = proposed(Case(on(TABLE, ALONE, target={"readings": 4})), Limits(4))
-    assert len(plan.places) == 4
-    assert plan.accuracy.rms == 0
 
 
 def test_what_stands_on_a_raster_stays() -> None:

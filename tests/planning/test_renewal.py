@@ -97,27 +97,6 @@ def test_a_rejected_reading_is_made_up_for_where_an_accuracy_is_asked_for() -> N
     assert len(rest) >= len(part(plan.places, half + 1))
 
 
-def test_what_came_to_be_too_much_is_left_out() -> None:
-    after = taken(ASKED, part(PLAN, 0, 4))
-    assert len(renewed(after, Limits(readings=6), part(PLAN, 4))) == 6
-    assert len(renewed(after, Limits(readings=12), part(PLAN, 4))) == 12
-    known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief)
-    limits, goal = Limits(readings=10, rms=1.2 * known.rms), rms_of(after, 1.2 * known.rms)
-    alone = replace(after, here=None)
-    assert len(renewed(alone, limits, part(PLAN, 4), goal=rms_of(alone, 1.2 * known.rms))) < 10
-    assert way(after, renewed(after, limits, part(PLAN, 4), goal=goal)) < way(after, part(PLAN, 4))
-
-
-def test_what_may_yet_be_needed_stays_while_sizes_are_unsure() -> None:
-    after = replace(taken(ASKED, part(PLAN, 0, 4)), here=None)
-    known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief)
-    limits = Limits(readings=10, rms=1.2 * known.rms)
-    goals = (rms_of(after, 1.2 * known.rms, unsure) for unsure in (1.0, 1.3, 1.1))
-    sure, unsure, less = (len(renewed(after, limits, part(PLAN, 4), goal=goal)) for goal in goals)
-    assert unsure == 10
-    assert sure < less <= 10
-
-
 def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
     two = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
     left = ASKED.lattice.within(ASKED.lattice.setups == 0).within(slice(0, 8))
@@ -157,21 +136,6 @@ def test_a_budget_is_kept(share: float) -> None:
     rest = renewed(after, Limits(budget=share * whole), part(PLAN, 4))
     assert 0.5 * share * whole < way(after, rest) <= share * whole
     assert share < 1 or len(rest) > len(part(PLAN, 4))
-
-
-def test_what_there_is_no_time_to_mount_is_given_up() -> None:
-    here = replace(ASKED, here=Places.one(1, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
-    elsewhere = PLAN.within(PLAN.setups == 0)
-    rest = renewed(here, Limits(budget=300.0), elsewhere)
-    assert set(rest.setups) == {1}
-    assert way(here, rest) <= 300.0
-    assert len(renewed(ASKED, Limits(budget=300.0), elsewhere)) == 0
-
-
-def test_nothing_but_what_is_left_may_be_allowed() -> None:
-    after = taken(ASKED, part(PLAN, 0, 4))
-    nothing = Places.none(3)
-    assert same(renewed(replace(after, lattice=nothing), Limits(readings=10), part(PLAN, 4)), part(PLAN, 4))
 
 
 TEXT = campaign_text(

@@ -11,14 +11,11 @@ from axiscal.estimation.case import Case
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.setup import Unknown
-from axiscal.numerics import Array
 from axiscal.planning.next_readings import posed
-from axiscal.planning.plan import greedy
 from axiscal.planning.plan.greedy import Setups, scores_among
 from axiscal.planning.plan.minutes import quickest
 from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Goal, Limits, Task
-from axiscal_core.state import unexplained
 from tests.generators.campaigns import on
 from tests.generators.designs import levered, read
 from tests.generators.texts import machine_text, setup_text
@@ -68,15 +65,6 @@ def test_gains_and_what_readings_leave_are_those_among_all(asked: Task, setups: 
     assert some.value == pytest.approx(every.value, rel=1e-9, abs=0.0)
 
 
-def test_only_others_unknowns_are_left_out() -> None:
-    asked = sharing()
-    kept = asked.observation.among({0})[0].unknowns
-    assert [each.name for each in kept] == ["zero", "tool_x"]
-    alone = replace(asked, beside=None).among((0,))
-    assert alone.belief.size == asked.observation.errors.size + 2
-    assert len(asked.among((0,)).observation.unknowns) == len(("zero", "tool_x", "zero of the one beside"))
-
-
 def test_where_another_set_up_hardly_helps_no_larger_sets_are_tried() -> None:
     case, tried = lasers(12), list[int]()
     task = posed(case, case.knowledge, candidates=60)
@@ -91,21 +79,3 @@ def test_where_another_set_up_hardly_helps_no_larger_sets_are_tried() -> None:
     tried.clear()
     assert quickest(task, Limits(rows=True), map(sets, range(1, 5)), never, 0.0) is None
     assert len(tried) == 4
-
-
-def test_many_set_ups_alike_leave_no_more_than_one() -> None:
-    """The readings that endless ones stand for are spread over each of them."""
-    one, many = (lasers(count).yardstick.rms_floor for count in (1, 150))
-    assert many == pytest.approx(one, rel=0.02)
-
-
-def test_of_set_ups_that_are_alike_one_is_looked_at_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    case, looked = lasers(40), list[int]()
-
-    def counted(weighted: Array, told: Array) -> Array:
-        looked.append(len(told))
-        return unexplained(weighted, told)
-
-    monkeypatch.setattr(greedy, "unexplained", counted)
-    assert greedy.chosen_setups(posed(case, case.knowledge), Limits(readings=8)) == (0,)
-    assert len(looked) == 4

@@ -1,4 +1,4 @@
-"""Planning of readings that have several values: gains, exchanges and exact lines against dense matrices."""
+"""Planning of readings that have several values: gains against dense matrices."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
-from axiscal.planning.plan.exchange import exchange
 from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Task
 from tests.generators import dense_gains as dense
@@ -97,19 +96,3 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
     assert len(scores.places) == 5
     np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, looked_at), rtol=1e-4)
     assert scores.losses()[2] > 0
-
-
-@pytest.mark.parametrize(("open_by", "alone"), [(1e-4, False), (3.0, True)])
-def test_a_reading_that_alone_holds_an_unknown_keeps_its_place(open_by: float, alone: bool) -> None:
-    asked = mixed(three=())
-    beams = tuple(replace(beam, std=open_by) for beam in BEAMS)
-    four = replace(of_kind(asked.observation.setups[0], Tracer), stations=STATIONS, unknowns=of_each(beams, 4))
-    observation = Observation(asked.observation.errors, (four, *asked.observation.setups[1:]))
-    belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
-    task = Task(observation, belief, asked.root, asked.yardstick, asked.lattice)
-    scores = Scores(task)
-    scores.put(int(np.flatnonzero(asked.lattice.setups == 0)[0]))
-    assert scores.held_alone(0) == alone
-    before = scores.places.poses.copy()
-    exchange(scores)
-    assert np.array_equal(scores.places.poses, before) or not alone

@@ -77,7 +77,6 @@ def test_it_is_said_from_a_tenth_of_the_variance_on() -> None:
             "A tool of another length (known to 9 um) or that sits aside (known to 6 um) looks like",
             'tool_length = "5 um" and tool_eccentricity; write "0 um" if',
         ),
-        ([("tool_z", 9e-6, "tool")], "A tool of another length (known to 9 um) looks like", 'tool_length = "5 um"'),
         (
             [("tool_x", 7e-6, ""), ("tool_y", 5e-6, "")],
             "A tool that sits aside (known to 7 um) looks like",

@@ -18,7 +18,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.planning.next_readings import next_places, twice_rejected
 from axiscal.planning.promise import plan_basis
 from axiscal.record.events import Asked, Planned
-from tests.generators.texts import campaign_text, machine_text, setup_text
+from tests.generators.texts import campaign_text, setup_text
 
 TEXT = campaign_text(
     "one-axis",
@@ -26,11 +26,6 @@ TEXT = campaign_text(
     target={"readings": 16},
     usual="off",
     sure="exactly",
-)
-MACHINE = machine_text(
-    "w-X'-Y'-b-t",
-    {"X": (0, 500), "Y": (0, 500)},
-    {"EXX": 'std = "10 um", knots = 5', "EXX_reversal": "3 um", "EXY": 'std = "10 um", knots = 5'},
 )
 OFF = 40e-6
 """How wrong a reading is that the others contradict."""
@@ -104,16 +99,6 @@ def test_a_reading_elsewhere_or_taken_back_renews_the_rest(start: Start) -> None
     assert len(plans(campaign)) == 3
 
 
-def test_the_first_question_of_a_plan_that_stands_needs_no_estimate(
-    start: Start, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    campaign, _ = start()
-    first = campaign.prepared()[0]
-    with monkeypatch.context() as patched:
-        patched.setattr(Campaign, "estimate", None)  # whoever calls it fails
-        assert question(campaign).place == first
-
-
 def test_one_rejected_reading_makes_no_gap_and_two_in_different_places_make_none(start: Start) -> None:
     campaign, _ = start()
     case = Case(campaign.description)
@@ -122,14 +107,6 @@ def test_one_rejected_reading_makes_no_gap_and_two_in_different_places_make_none
     assert twice_rejected(case, readings, rejected[:1]) == ()
     assert twice_rejected(case, readings, rejected[1:3]) == ()
     assert [gap.place.pose for gap in twice_rejected(case, readings, rejected)] == [(0.1001,), (0.3,)]
-
-
-@pytest.mark.parametrize(("side", "told"), [(1, frozenset()), (0, frozenset({"laser"})), (-1, frozenset({"laser"}))])
-def test_a_side_is_missed_only_where_the_axis_has_a_reversal(side: int, told: frozenset[str], tmp_path: Path) -> None:
-    (tmp_path / "m.toml").write_text(MACHINE)
-    (tmp_path / "c.toml").write_text(TEXT.replace("one-axis", "m.toml").replace('"both"', '"+"'))
-    reading = Reading("laser", (0.1, 0.0), (side, 0), 0.0, None)  # Y stands at its end: from any side
-    assert estimated(Case(read_campaign(tmp_path / "c.toml", asking=False)), [reading]).case.both == told
 
 
 @pytest.mark.parametrize(("drift", "basis"), [('drift = "0"', ["", "", ""]), ("", ["", "1 times 20 min", ""])])

@@ -64,34 +64,11 @@ def test_coarse_displays_are_found(step: float) -> None:
     assert steps == pytest.approx([step] * 40, rel=2e-3)
 
 
-def test_values_written_by_hand_without_decimals_are_steps_of_the_last_one() -> None:
-    written = np.round(curve(1, 20)) * 1e-6
-    assert step_of(written, 0.1e-6) == 1e-6
-    assert step_of(written, 0.4e-6) is None  # no coarser than three noises
-
-
 @pytest.mark.parametrize("decimals", [1, 2, 3, 9])
 @pytest.mark.parametrize("count", [3, 5, 12, 40])
 def test_values_with_usual_decimals_are_no_steps(decimals: int, count: int) -> None:
     files = [np.round(curve(seed, count, size), decimals) * 1e-6 for seed in range(100) for size in (0.3, 3.0, 30.0)]
     assert [step for step in map(found, files) if step] == []
-
-
-@pytest.mark.parametrize("display", [0.5, 0.7, 1.0, 1.5])
-def test_displays_as_coarse_as_may_be_are_hardly_ever_taken_for_coarser_ones(display: float) -> None:
-    files = [shown(curve(seed, count, 3.0), display) for seed in range(300) for count in (5, 12, 26)]
-    assert sum(found(each) is not None for each in files) <= 9  # one in a hundred
-
-
-@pytest.mark.parametrize("values", [[], [0.0], [0.0, 10.0], [0.0, 10.0, -10.0], [5.0] * 40, [0.0, 10.0] * 12])
-def test_few_different_values_tell_no_step(values: list[float]) -> None:
-    assert found(np.array(values) * 1e-6) is None
-
-
-def test_values_that_tell_a_step_no_longer_do_with_one_between() -> None:
-    values = shown(curve(2, 26), 10.0)
-    assert found(values) == pytest.approx(10.0)
-    assert found(np.append(values, values[0] + 3.1e-6)) is None
 
 
 def setups(more: str) -> tuple[Setup, ...]:
@@ -105,24 +82,8 @@ def taken(values: Array, std: float | None = None) -> list[Reading]:
     return [Reading("laser along x", (float(x),), (0,), float(y), std) for x, y in zip(places, values, strict=True)]
 
 
-def test_the_step_is_said_with_what_to_state() -> None:
-    (finding,) = coarse_displays(taken(shown(curve(3, 26), 10.0)), setups(""))
-    assert (finding.code, finding.error) == ("resolution", None)
-    assert 'The values of "laser along x" move in steps of 10 um, 20 times its noise' in finding.text
-    assert 'resolution, and what is rounded off as unknown. State resolution = "10 um"' in finding.text
-
-
 @pytest.mark.parametrize("count", [4, 21])
 def test_a_lead_error_at_equal_places_is_no_step(count: int) -> None:
     exact = np.linspace(0, 300, count)
     assert list(coarse_displays(taken(exact * 1e-6), setups(""))) == []
     assert len(list(coarse_displays(taken(shown(np.linspace(0, 307, 12), 20.0)), setups("")))) == 1
-
-
-def test_what_is_stated_is_not_asked_for() -> None:
-    readings = taken(shown(curve(3, 26), 10.0))
-    assert list(coarse_displays(readings, setups('resolution = "10 um"'))) == []
-    assert list(coarse_displays(readings, setups('bound = "6 um"'))) == []
-    assert list(coarse_displays(taken(shown(curve(3, 26), 10.0), 3e-6), setups(""))) == []
-    (finer,) = coarse_displays(readings, setups('resolution = "1 um"'))
-    assert 'State resolution = "10 um"' in finer.text

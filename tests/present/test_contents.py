@@ -55,10 +55,5 @@ def test_a_reading_that_was_not_believed_takes_its_run_out_of_the_test() -> None
     assert block.left_out == [17]
 
 
-def test_a_test_with_too_few_whole_runs_is_none() -> None:
-    readings, _ = _test_readings()
-    assert iso230_blocks(_described(CAMPAIGN), readings, {0, 14}) == []
-
-
 def test_readings_with_a_gap_are_no_such_test() -> None:
     assert iso230_blocks(_described(CAMPAIGN), _test_readings(skip=4)[0]) == []

@@ -1,15 +1,10 @@
-"""Readings that stand in a file twice: found where they were pasted, not where chance or a coarse display does it."""
+"""Readings that stand in a file twice: found where they were pasted, not where chance does it."""
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from axiscal.cli.app import app
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.present.findings import copies, repeated
@@ -45,25 +40,10 @@ def test_a_block_that_was_pasted_again_elsewhere_is_found() -> None:
     assert (found.before, found.again, found.size) == (5, 14, 5)
 
 
-def test_readings_of_three_numbers_are_compared_whole() -> None:
-    rng = np.random.default_rng(4)
-    rows = np.round(rng.normal(0, 8, (12, 3)), 1) * 1e-6
-    readings = [Reading("nest", (0.0,), (0,), float(x), others=(float(y), float(z))) for x, y, z in rows]
-    assert repeated(readings, NOISE) is None
-    assert repeated([*readings, *readings[3:7]], NOISE) is not None
-    other = [Reading("nest", (0.0,), (0,), each.value, others=(each.others[0], 0.0)) for each in readings[3:7]]
-    assert repeated([*readings, *other], NOISE) is None
-
-
 @pytest.mark.parametrize(("decimals", "noise"), [(2, NOISE), (1, NOISE), (0, NOISE), (0, 2e-6), (1, 0.1e-6)])
 def test_right_files_are_not_taken_for_copies(decimals: int, noise: float) -> None:
     files = [taken(seed, 12, decimals, noise, runs=5) for seed in range(400)]
     assert sum(repeated(each, noise) is not None for each in files) == 0  # one of 10,000 may be
-
-
-def test_of_a_display_coarser_than_the_noise_nothing_is_said() -> None:
-    once = taken(5, 20, 0, 0.3e-6)
-    assert repeated([*once, *once], 0.3e-6) is None
 
 
 def test_each_set_up_is_looked_at_by_itself() -> None:
@@ -75,18 +55,3 @@ def test_each_set_up_is_looked_at_by_itself() -> None:
     (found,) = copies([*once, *once, *elsewhere], described.setups)
     assert (found.code, found.error) == ("copies", None)
     assert '12 values of "laser" in its readings 13 to 24 repeat those in its readings 1 to 12' in found.text
-
-
-def test_estimate_names_the_lines_of_the_file(tmp_path: Path) -> None:
-    (tmp_path / "machine.toml").write_text(MACHINE)
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
-    """Others that were taken anew tell its noise."""
-    lines = [f"laser,{each.pose[0] * 1e3:.3f},{each.value * 1e6:.2f}" for each in taken(8, 14, 2, runs=3)]
-    once, others = lines[:14], lines[14:]
-    (tmp_path / "readings.csv").write_text("\n".join(["setup,X_mm,value_um", *once, *once, *others]) + "\n")
-    command = ["estimate", *(str(tmp_path / name) for name in ("campaign.toml", "readings.csv"))]
-    assert CliRunner().invoke(app, [*command, "--out", str(tmp_path / "out")]).exit_code == 0
-    warned = json.loads((tmp_path / "out" / "result.json").read_text())["warnings"]
-    assert any(
-        '14 values of "laser" in lines 16 to 29 repeat those in lines 2 to 15' in each["text"] for each in warned
-    )

@@ -1,4 +1,4 @@
-"""The report where there is little, too much or too large to show, and thousands of readings."""
+"""The report where there is little, or too large to show."""
 
 from __future__ import annotations
 
@@ -55,27 +55,8 @@ def test_readings_that_contradict_each_other_leave_no_uncertainty(paper: Path) -
     assert plain(CONTRADICT) in said
 
 
-def test_what_is_printed_anyway_says_on_each_page_that_readings_contradict(paper: Path) -> None:
-    paper.write_bytes(pdf(five_axis_result(20, agreement=AT_ODDS), {}))
-    for page in range(1, 4):
-        assert plain(CONTRADICT) in of_paper(paper, page)
-
-
 @pytest.mark.parametrize("language", sorted(LANGUAGES))
 def test_the_first_page_is_short(language: str, paper: Path) -> None:
     with speaking(language):
         paper.write_bytes(pdf(five_axis_result(), {}))
     assert len(words_of(paper, 1)) <= 190
-
-
-LISTED = 1000
-_MANY = LISTED + 3
-
-
-@pytest.mark.long
-def test_the_first_readings_are_listed_and_the_file_of_all_is_named(paper: Path) -> None:
-    said = _said(five_axis_result(_MANY, inputs={"data/readings.csv": 32 * "7e"}), paper)
-    assert plain(f"The first {LISTED} of {_MANY} readings are listed here") in said
-    assert 32 * "7e" in said
-    assert f"{LISTED}set-up" in said
-    assert f"{LISTED + 1}set-up" not in said

@@ -1,22 +1,16 @@
-"""The words of a question and what a reading should show: against the conditional Gaussian written out."""
+"""What a reading should show, against the conditional Gaussian written out."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from axiscal.answers.prediction import expectation
-from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
-from axiscal.machine import load_machine
 from axiscal.measurement.reading import Place, Reading
-from axiscal.present.guide.question import Question
-from axiscal.record.events import Asked
-from tests.generators.texts import FOUR_READINGS, campaign_text, machine_text, setup_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", rest = "2 um"'})
 CAMPAIGN = campaign_text(
@@ -45,19 +39,3 @@ def test_it_is_what_the_readings_so_far_say_of_the_place() -> None:
     weights = np.linalg.solve(joint[:3, :3], joint[:3, 3])
     assert found.mean[0] == pytest.approx(weights @ list(taken.values()), rel=1e-6)
     assert found.std[0] == pytest.approx(np.sqrt(joint[3, 3] - weights @ joint[:3, 3]), rel=1e-6)
-
-
-def test_a_place_that_was_read_before_is_said_with_its_number(tmp_path: Path) -> None:
-    described = campaign_from_texts(FOUR_READINGS, "campaign.toml", load_machine("one-axis").text, "one-axis")
-    with Campaign.create(tmp_path / "mill.axiscal", described) as campaign:
-        first = campaign.next()
-        assert isinstance(first, Asked)
-        question = Question.from_campaign(campaign, first)
-        assert question.again == ""
-        known = expectation(campaign.estimate(), first.place)
-        assert question.surprise(known.mean - 3 * known.std) == pytest.approx(3.0)
-        campaign.record(1e-6)
-        assert "where reading 1 was taken" in Question.from_campaign(campaign, Asked(2, first.place)).again
-        other = campaign.next()
-        assert isinstance(other, Asked)
-        assert Question.from_campaign(campaign, other).again == ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 import re
 from dataclasses import replace
 from xml.etree import ElementTree
@@ -14,12 +13,10 @@ import pytest
 from axiscal.estimation.estimate import concluded
 from axiscal.machine import builtin_names, load_machine
 from axiscal.numerics import Array
-from axiscal.present import volume_error as bent_module
 from axiscal.present.drawing.scene import flat
 from axiscal.present.found_and_left import found_and_left_drawing, magnification
 from axiscal.present.schematic import DrawnMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, bent_volume
-from axiscal.tables.surface import Control
 from axiscal_core.machine import Machine
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.kinematics import tip
@@ -51,57 +48,6 @@ def test_found_is_the_deviation_that_is_expected_without_a_motion_of_the_part() 
     spread = np.linalg.norm(bent.allowed, axis=-1).max()
     assert 0 < spread < 1e-2
     assert estimate.machine is bent.machine
-
-
-def test_tables_that_do_nothing_leave_what_is_found() -> None:
-    case = mixed()
-    known = concluded(case, drawn(case))
-    idle: Control = lambda poses, approaches: np.zeros_like(poses)  # noqa: E731
-    bent = bent_volume(known, "none", idle)
-    assert bent.left is not None
-    np.testing.assert_allclose(bent.left, bent.found, atol=1e-15)
-
-
-@pytest.mark.long
-def test_the_machines_that_are_drawn_scatter_as_the_posterior_says(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = mixed()
-    known = concluded(case, drawn(case))
-    monkeypatch.setattr(bent_module, "MACHINES", 4000)
-    bent, estimate = bent_volume(known), known.estimate()
-    poses = _poses_of(bent, known.estimate().box)
-    rows = (
-        estimate.model.rows_at(poses, np.ones_like(poses)) + estimate.model.rows_at(poses, -np.ones_like(poses))
-    ) / 2
-    covariance = estimate.factor @ estimate.factor.T
-    away = bent.tcp.reshape(-1, 3) - bent.tcp.reshape(-1, 3).mean(axis=0)
-    turns = [np.cross(np.eye(3)[k], away).ravel() for k in range(3)] if bent.aligned else []
-    motions = np.linalg.qr(np.stack([*np.tile(np.eye(3), len(away)), *turns], axis=1))[0]
-    kept = np.eye(len(motions)) - motions @ motions.T
-    left = kept @ rows.reshape(len(motions), -1)
-    expected = np.sqrt(np.einsum("ij,jk,ik->i", left, covariance, left)).reshape(-1, 3)
-    np.testing.assert_allclose(bent.allowed.std(axis=0).reshape(-1, 3), expected, rtol=0.06, atol=1e-9)
-
-
-def _poses_of(bent: BentVolume, box: object) -> Array:
-    """Return the poses of a grid whose axes all move along, from its box."""
-    ends = np.array(box)
-    counts = bent.tcp.shape[:3]
-    lines = [np.linspace(low, high, count) for (low, high), count in zip(ends, counts, strict=False)]
-    return np.stack([each.ravel() for each in np.meshgrid(*lines, indexing="ij")], axis=1)
-
-
-@pytest.mark.parametrize("name", builtin_names())
-@pytest.mark.parametrize("size", [3e-7, 1.1e-5, 2.7e-4])
-def test_the_largest_is_about_a_tenth_of_the_shortest_side(name: str, size: float) -> None:
-    volume = _volume(load_machine(name), size)
-    times = magnification(volume)
-    leading = 10 ** (math.log10(times) % 1)
-    assert min(abs(leading - step) for step in (1, 2, 5, 10)) < 1e-9
-    both = [volume.found, volume.left, *(each + one for each in (volume.found, volume.left) for one in volume.allowed)]
-    largest = max(float(np.linalg.norm(each, axis=-1).max()) for each in both if each is not None)
-    sides = [float(np.linalg.norm(volume.tcp.take(-1, k) - volume.tcp.take(0, k), axis=-1).mean()) for k in range(3)]
-    shortest = min(side for side, count in zip(sides, volume.tcp.shape, strict=False) if count > 1)
-    assert 1 / 17 < times * largest / shortest < 1 / 6
 
 
 @pytest.mark.parametrize("name", builtin_names())

@@ -16,13 +16,11 @@ from axiscal.present import rendering
 from axiscal.present.rendering import pdf
 from axiscal.present.result import Result
 from axiscal.present.result_of_campaign import Extras, result_of
-from tests.generators.laser_axis import CAMPAIGN
-from tests.golden.surfaces import lines_of, of_paper
+from tests.golden.surfaces import lines_of
 
 CAMPAIGNS = Path(__file__).resolve().parents[1] / "golden" / "campaigns"
 GIVEN = {"outlier": "readings.csv", "drift": "readings.csv", "learnt": "equally-spaced.csv"}
 """Campaigns whose readings say something that a person has to be told."""
-TITLES = {"en": "Statementofuncertainty", "de": "AngabederUnsicherheit"}
 FILLED = re.compile(r"\{\w+\}")
 PROSE = re.compile(r"(?:\b[a-z]+\b[ ,;:]*){4,}")
 """Four small words in a row: a sentence of some language."""
@@ -76,31 +74,6 @@ def test_every_word_of_the_layout_has_its_german() -> None:
     assert [
         english for english, words in german.items() if set(FILLED.findall(english)) != set(FILLED.findall(words))
     ] == []
-
-
-def test_numbers_have_a_comma(result: Result, tmp_path: Path) -> None:
-    paper = tmp_path / "report.pdf"
-    with speaking("de"):
-        paper.write_bytes(pdf(result, {}))
-    shown = of_paper(paper)
-    assert re.search(r"±[0-9]+,[0-9]+", shown)
-    assert re.findall(r"[^0-9.][0-9]+\.[0-9]+um", shown) == []
-
-
-@pytest.mark.long
-def test_the_language_is_that_of_the_campaign_or_the_one_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("AXISCAL_LANGUAGE", raising=False)
-    monkeypatch.setenv("LANG", "de_DE.UTF-8")  # the same campaign gives the same bytes on any computer
-    spoken = {"": "en", 'language = "de"': "de"}
-    for said, language in spoken.items():
-        described = CAMPAIGN.replace('machine = "m"', 'machine = "one-axis"')
-        (tmp_path / "campaign.toml").write_text(f"{described}[report]\n{said}\n", encoding="utf-8")
-        record = tmp_path / f"{language}.axiscal"
-        run(["start", str(tmp_path / "campaign.toml"), str(record)])
-        run(["report", str(record), "--out", str(tmp_path / "said.pdf")])
-        assert TITLES[language] in of_paper(tmp_path / "said.pdf")
-    run(["report", str(record), "--out", str(tmp_path / "said.pdf"), "--language", "en"])
-    assert TITLES["en"] in of_paper(tmp_path / "said.pdf")
 
 
 def _shown(result: Result, language: str, paper: Path) -> set[str]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.present.result_set import MANIFEST, RECORD
+from axiscal.present.result_set import MANIFEST
 from benchmarks.reliability.set_faults import content, of_age, write_set
 
 
@@ -25,33 +25,6 @@ def test_a_file_of_somebody_stays_wherever_it_lies_among_the_results(tmp_path: P
     write_set(out, "new")
     assert (out / place).read_text() == "mine"
     assert content(out) == of_age("new")  # and nothing of the earlier set
-
-
-def test_folders_that_held_only_the_earlier_set_go_with_it(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    write_set(out, "old")
-    (out / "mine.txt").write_text("mine")
-    for folder in ("more", "more/tables"):
-        (out / folder).mkdir()
-    (out / "more" / "tables" / "Y.csv").write_text("old")
-    manifest = json.loads((out / MANIFEST).read_text())
-    manifest["files"]["more/tables/Y.csv"] = ""
-    (out / MANIFEST).write_text(json.dumps(manifest))
-    write_set(out, "new")
-    assert not (out / "more").exists()
-
-
-@pytest.mark.parametrize("others", [(), ("mine.txt", ".campaign.axiscal.answers")])
-def test_a_record_that_stays_and_the_files_of_others_are_there_afterwards(
-    tmp_path: Path, others: tuple[str, ...]
-) -> None:
-    out = tmp_path / "out"
-    write_set(out, "old")
-    for name in (RECORD, *others):
-        (out / name).write_text(f"mine: {name}")
-    write_set(out, "new", live=out / RECORD)
-    assert [(out / name).read_text() for name in (RECORD, *others)] == [f"mine: {name}" for name in (RECORD, *others)]
-    assert content(out).items() >= of_age("new").items() - {(RECORD, "new")}
 
 
 @pytest.mark.parametrize(

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import json
-import re
 from xml.etree import ElementTree
 
 import numpy as np
@@ -16,8 +13,8 @@ from axiscal.present.drawing.scene import RIGHT, UP, Arrow, RoundMark
 from axiscal.present.schematic import DrawnMachine, frame_seen, machine_schematic, plan_picture, setup_schematic
 from axiscal_core.machine import Machine
 from tests.generators.kinematics import shifted, tip, turned
-from tests.present.drawn_words import Box, boxes_of, held_inside
-from tests.present.looked_at import FILE, MACHINES, Placed, pictures, placed_campaigns
+from tests.present.drawn_words import boxes_of, held_inside
+from tests.present.pictured import MACHINES, Placed, placed_campaigns
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -130,16 +127,6 @@ def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[Place
                 assert min(np.linalg.norm(there - dot) for dot in dots) < 1e-9
 
 
-def _heads(drawing: ElementTree.Element) -> list[Box]:
-    """Return what the heads of the arrows of linear axes cover."""
-    found = []
-    for path in drawing.iter(f"{SVG}path"):
-        numbers = [float(each) for each in re.findall(r"-?[\d.]+", path.get("d", ""))]
-        if path.get("fill") == "var(--ink)" and len(numbers) == 6:
-            found.append(Box(min(numbers[::2]), min(numbers[1::2]), max(numbers[::2]), max(numbers[1::2])))
-    return found
-
-
 Drawn = tuple[float, list[tuple[str, ElementTree.Element]]]
 
 
@@ -151,14 +138,6 @@ def drawn(request: pytest.FixtureRequest, campaigns: list[Placed]) -> Drawn:
     return width, [(name, ElementTree.fromstring(picture)) for name, picture in made]
 
 
-def test_heads_of_arrows_lie_apart_and_no_word_over_them(drawn: Drawn) -> None:
-    for name, root in drawn[1]:
-        heads = _heads(root)
-        assert heads
-        assert [name for one, other in itertools.combinations(heads, 2) if one.over(other)] == []
-        assert [(name, words) for words, box in boxes_of(root) for head in heads if box.over(head)] == []
-
-
 def test_words_are_inside_of_the_picture_and_none_lies_over_another(drawn: Drawn) -> None:
     width, pictures = drawn
     for _, root in pictures:
@@ -166,35 +145,6 @@ def test_words_are_inside_of_the_picture_and_none_lies_over_another(drawn: Drawn
         _, _, wide, high = map(float, drawing.get("viewBox", "").split())
         assert wide == width
         held_inside(boxes_of(drawing), width, high)
-
-
-def test_a_file_shows_one_drawing_at_each_width(campaigns: list[Placed]) -> None:
-    root = ElementTree.fromstring(plan_picture(*campaigns[0]))
-    style = root.findtext(f"{SVG}style") or ""
-    assert [each.get("class") for each in root.findall(f"{SVG}svg")] == ["w1400", "w768", "w390"]
-    for width, shown in ((2000, "w1400"), (1400, "w1400"), (1399, "w768"), (768, "w768"), (767, "w390"), (200, "w390")):
-        assert _shown_at(style, width) == {shown}
-
-
-def _shown_at(style: str, width: int) -> set[str]:
-    """Return the classes that a sheet shows at a width: rules are taken in order, and the last one counts."""
-    always, *narrower = style.split("@media(max-width:")
-    sheets = [always, *(sheet for sheet in narrower if width <= int(sheet.partition("px")[0]))]
-    shown = dict.fromkeys(("w1400", "w768", "w390"), "inline")
-    for sheet in sheets:
-        shown |= dict(re.findall(r"\.(w\d+)\{display:(\w+)\}", sheet))
-    return {name for name, how in shown.items() if how != "none"}
-
-
-def test_pictures_are_those_that_somebody_has_looked_at(campaigns: list[Placed]) -> None:
-    """Half a pixel in the sum of all coordinates of a kind, since processors differ in a last digit."""
-    kept, found = json.loads(FILE.read_text(encoding="utf-8")), pictures(campaigns)
-    assert found.keys() == kept.keys()
-    for name, kinds in found.items():
-        assert kinds.keys() == kept[name].keys(), name
-        for kind, own in kinds.items():
-            for figure, known, slack in zip(own, kept[name][kind], (0.0, 0.5, 5.0), strict=True):
-                assert figure == pytest.approx(known, abs=slack), (name, kind)
 
 
 def test_a_name_stays_a_name(campaigns: list[Placed]) -> None:

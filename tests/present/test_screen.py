@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -13,15 +12,12 @@ from axiscal.answers.answer import NextStep, ResultAnswer, TablesChecked, Verdic
 from axiscal.answers.answer_words import LINES, WIDTH, screen
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.target import rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
-from axiscal.measurement.reading import Reading
-from axiscal.present.guide.progress import contradictions
 from tests.commands import Command
 from tests.generators.answers import aim, answer, answer_row
-from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, plus, read
+from tests.generators.laser_axis import CASE, machine, read
 
 WORDS = 60
 """Beside the rows."""
@@ -40,16 +36,6 @@ CHECKED = TablesChecked(places=12, found=27.1, left=4.93, expected=4.42, farthes
 def _screen(found: ResultAnswer) -> str:
     agreement = CONTRADICTING if found.verdict == "contradict" else UNUSED
     return screen(found.model_copy(update={"steps": STEPS}), agreement, "mill.axiscal", "demo-out", "demo-out/r.pdf")
-
-
-@pytest.mark.parametrize("advised", ["klipper", "marlin", "reprapfirmware"])
-def test_the_control_whose_tables_are_to_be_loaded_has_a_column(advised: str) -> None:
-    built = load_machine("printer-gantry")
-    rows = [answer_row(row, built, True, ("klipper", "marlin", "reprapfirmware")) for row in rows_of(built)]
-    steps = [NextStep(code="load", control=advised), NextStep(code="verify", control=advised)]
-    heading = screen(answer(rows=rows).model_copy(update={"steps": steps}), "", "bed.axiscal", "out").splitlines()[1]
-    assert advised in heading.split() or heading.split()[-1] == "left"  # the next command names it
-    assert f"verify bed.axiscal --to {advised}" in screen(answer(rows=rows, steps=steps), "", "bed.axiscal", "out")
 
 
 @pytest.mark.parametrize("language", sorted(LANGUAGES))
@@ -81,12 +67,6 @@ def _within_budgets(text: str) -> None:
         assert not re.search(r"[1-9][0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*[1-9]", row), row
 
 
-def test_no_figure_stands_where_uncertainty_is_withheld() -> None:
-    text = _screen(answer(verdict="contradict", withheld=True))
-    assert "±" not in text
-    assert "The readings contradict each other" in text
-
-
 def _record(folder: Path) -> Path:
     path = folder / "axis.axiscal"
     with Campaign.create(path, CASE.description) as campaign:
@@ -114,23 +94,3 @@ def _says(text: str, folder: str) -> str:
     short = text.replace(f"{folder}/", "") if folder else re.sub(r"\S*/", "", text)
     _within_budgets(short)
     return short
-
-
-NARROW = campaign_from_texts(f'usual = "off"\nsure = "exactly"\n{CAMPAIGN}', "c.toml", MACHINE, "m")
-JUMPED = [0.0] * 7 + [20e-6] * 17
-"""m: before reading 8."""
-
-
-def _said(path: Path, readings: Sequence[Reading]) -> list[str]:
-    with Campaign.create(path, NARROW) as campaign:
-        campaign.adopt(tuple(readings))
-        return contradictions(campaign)
-
-
-def test_a_zero_that_jumped_is_said_while_measuring(tmp_path: Path) -> None:
-    still = read(machine(2), 24)
-    assert _said(tmp_path / "still.axiscal", still) == []
-    (said,) = _said(tmp_path / "jumped.axiscal", plus(still, JUMPED))
-    assert said.startswith("The readings contradict each other (p = ")
-    number = said.partition('the zero of "laser" jumped before reading ')[2].partition(" ")[0]
-    assert 8 <= int(number) <= 10  # the first after it may be taken for bad readings

@@ -11,14 +11,10 @@ from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.first_campaign import Purpose
-from axiscal.description.first_files import SIZES, first_described, of_builtin, with_carriers, with_errors_times
-from axiscal.description.target import rows_of
+from axiscal.description.first_files import first_described, of_builtin
 from axiscal.exceptions import ReadingError
-from axiscal.machine import machine_from_text
-from axiscal.planning.helping import rows_shown
 from axiscal.present.guide import slips
-from axiscal.present.guide.progress import last_step
-from axiscal.present.guide.question import ExpectedNumber, Question, mount_sentence, mount_steps
+from axiscal.present.guide.question import ExpectedNumber, Question
 from axiscal.present.guide.slips import CAUSES, Cause, Meant, causes, jog, keep_as, surprise_text, try_jog
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS
@@ -78,15 +74,6 @@ def test_a_display_that_follows_is_tested_once_a_mounting(campaign: Campaign) ->
         try_jog(campaign, "100")
 
 
-def test_undo_says_which_reading_it_would_take_back(campaign: Campaign) -> None:
-    for number in (1, 2):
-        campaign.record(number * 1e-6)
-        campaign.next()
-        said, taken = last_step(campaign)
-        assert said.startswith(f'reading {number} in "laser" at X = ')
-        assert taken == campaign.state.readings[-1].number
-
-
 def asked(campaign: Campaign) -> Question:
     """Return what is asked behind a reading of 400 um."""
     campaign.record(400e-6)
@@ -127,45 +114,6 @@ def test_a_value_that_comes_again_is_asked_about_where_chance_seldom_does_that(c
     assert strange.value.causes == ("really", "keep")
 
 
-def test_a_cause_that_explains_nothing_is_refused(campaign: Campaign) -> None:
-    question, value = asked(campaign), np.array([-300e-6])
-    assert causes(question, value) == ["anew", "bumped", "really", "keep"]
-    with pytest.raises(ReadingError, match="a surprise all the same"):
-        keep_as(campaign, question, value, "sign")
-
-
-@pytest.mark.parametrize(
-    ("instrument", "shown", "hidden"),
-    [("interferometer", "backlash X", "squareness XY"), ("ballbar", "squareness XY", "positioning X")],
-)
-def test_an_instrument_shows_the_rows_that_endless_readings_would_measure(
-    instrument: str, shown: str, hidden: str
-) -> None:
-    described = first_described(of_builtin("router"), [instrument], Purpose())
-    rows = {row.name for row in rows_shown(described, rows_of(described.machine))}
-    assert {shown, "volume"} <= rows
-    assert hidden not in rows
-
-
-def test_a_switched_axis_moves_next_to_the_bed_and_sizes_follow() -> None:
-    mill = of_builtin("three-axis-mill")
-    assert [axis.name + "'" * axis.workpiece_side for axis in machine_from_text(mill.text).axes] == ["X'", "Y'", "Z"]
-    other = machine_from_text(with_errors_times(with_carriers(mill, ["X", "Z"]), SIZES["home-made"]).text)
-    assert [axis.name + "'" * axis.workpiece_side for axis in other.axes] == ["Y'", "Z'", "X"]
-    sizes = {entry.name: entry.std for entry in other.stated}
-    assert sizes["EXX"] == pytest.approx(30e-6)
-    assert sizes["C0Y"] == pytest.approx(3 * of_squareness())
-
-
-def test_what_is_mounted_is_named_as_the_picture_names_it_and_only_a_display_is_zeroed() -> None:
-    described = first_described(of_builtin("router"), ["square", "dial", "probe"], Purpose())
-    mounted = {setup.name: (mount_sentence(setup, ()), dict(mount_steps(setup, (), ""))) for setup in described.setups}
-    sentence, steps = mounted["dial on the leg of square XY along Y"]
-    assert (sentence, steps) == ("mount: square XY; it reads along x", {"then": "zero its display, roughly"})
-    then = {"then": "touch; type minus the coordinate there: 0.042 mm is -0.042 mm"}
-    assert mounted["probe"] == ("mount: probe; it reads along z", then)
-
-
 def test_a_height_in_mm_is_asked_about_where_no_jog_has_shown_the_unit(tmp_path: Path) -> None:
     described = first_described(of_builtin("printer-gantry"), ["probe"], Purpose())
     with Campaign.create(tmp_path / "printer.axiscal", described) as campaign:
@@ -177,9 +125,3 @@ def test_a_height_in_mm_is_asked_about_where_no_jog_has_shown_the_unit(tmp_path:
         }  # fmt: skip
         assert {"mm", "really"} <= set(asked["-0.042"].causes)
         assert keep_as(campaign, question, np.array([-0.042e-6]), "mm")[0].value == pytest.approx(-42e-6, rel=1e-9)
-
-
-def of_squareness() -> float:
-    """Return the size of C0Y of the mill as it is built in."""
-    entries = machine_from_text(of_builtin("three-axis-mill").text).stated
-    return next(entry.std for entry in entries if entry.name == "C0Y")

@@ -142,10 +142,7 @@ def judged(seed: int, careless: bool = False) -> str:
     return "near" if near < CLEAR else "far"
 
 
-PARTS = [range(begin, begin + 124) for begin in range(5, 377, 124)]
-
-
-@pytest.mark.parametrize("seeds", [range(5), *(pytest.param(part, marks=pytest.mark.long) for part in PARTS)])
+@pytest.mark.parametrize("seeds", [range(5), pytest.param(range(5, 25), marks=pytest.mark.long)])
 def test_nothing_comes_nearer_to_a_post_than_the_clearance(seeds: range) -> None:
     found = Counter(judged(seed) for seed in seeds)
     assert found["far"] >= len(seeds) / 3

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
+from benchmarks.zoo.animals import Job
+from benchmarks.zoo.mills import LATHE
+from benchmarks.zoo.running import described, given
 from tests.programs.readers import canonical_calls
-from tests.zoo.animals import Job
-from tests.zoo.mills import LATHE
-from tests.zoo.running import described, given
 
 SHIFTS = {"SET_G5X_OFFSET": 1, "SET_G92_OFFSET": 0, "USE_TOOL_LENGTH_OFFSET": 0}
 """Calls that shift what is meant, and the numbers before X Y Z."""

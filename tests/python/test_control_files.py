@@ -54,16 +54,6 @@ def test_the_figures_of_a_readme_are_those_of_the_core(tmp_path: Path) -> None:
     assert f"U of the estimate is {1e6 * known.U:.2g} um" in text
 
 
-def test_a_table_is_constant_beyond_what_was_read(tmp_path: Path) -> None:
-    case = slide()
-    places = ac.Places("x", [[x, 0.2] for x in np.linspace(0.0, 0.3, 12)])
-    known = case.estimate(ac.Readings(places, [1e-4 * x for x in places.poses[:, 0]]))
-    ac.export(known, "csv", tmp_path)
-    at, found = (np.array(each) for each in read(tmp_path / "X.csv"))
-    assert np.ptp(found[at >= 350]) < 0.02
-    assert np.ptp(found[at <= 300]) == pytest.approx(30, abs=1)
-
-
 def test_what_no_table_holds_is_refused(tmp_path: Path) -> None:
     tracker = ac.Tracker("tracker", ["J1"], ("1 m", "0 m", "0 m"))
     joint = ac.Machine([ac.Axis.turning("J1", "z", ("-90 deg", "90 deg"))], [ac.Error("ECJ1", "50 urad")], tool="0.1 m")

@@ -60,15 +60,6 @@ def test_what_is_known_to_the_last_digit_is_right_and_a_next_place_is_found(nois
         assert pytest.approx(float(total), rel=1e-12) == curve.J
 
 
-def test_a_curve_is_not_changed_by_reading() -> None:
-    curve = ac.Curve(["0 mm", "600 mm"], std="10 um", length="150 mm")
-    before = curve.rms
-    read = curve.read("100 mm", "4 um", "0.3 um")
-    assert curve.rms == before
-    assert read([0.1]).mean[0] == pytest.approx(4e-6, rel=1e-2)
-    assert read([0.1]).std[0] < 0.3e-6
-
-
 def test_a_curve_says_what_it_is() -> None:
     assert repr(ac.Curve(["0 mm", "600 mm"], std="10 um")).startswith("<Curve from 0 to 0.6, 7 control values, known")
     with pytest.raises(ac.InputError, match="'600 s' is no length"):

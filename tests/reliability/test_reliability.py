@@ -17,7 +17,6 @@ from benchmarks.reliability import (
     damages,
     forged,
     fuzz,
-    power_loss,
     record_faults,
     set_faults,
     writers,
@@ -37,11 +36,8 @@ TRIALS: dict[str, tuple[Callable[[], Trial], int]] = {
 }
 LONG: dict[str, tuple[Callable[[], Trial], int]] = {
     "a record is written": (record_faults.written, 40),
-    "first results": (lambda: set_faults.alone(True), 40),
     "results over earlier ones": (lambda: set_faults.alone(False), 40),
-    "results among other files": (set_faults.with_others, 40),
     "start": (lambda: command_faults.tried("start", 5), 4),
-    "lost power": (lambda: power_loss.lost(150), 149),
 }
 """In small, and more than how many have to be tried."""
 

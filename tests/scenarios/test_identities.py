@@ -30,7 +30,7 @@ ROUNDED = 1e-4
 """Of figures that are written with six digits, some of which follow from others."""
 SPREAD = 1.03
 """By how much the spread of estimates over drawn sizes widens what readings leave: by 2.4 % at most, of 200 seeds."""
-QUICK, SEEDS = 2, 14
+QUICK, SEEDS = 2, 6
 """Campaigns that every test run draws, and with those of a longer run."""
 
 

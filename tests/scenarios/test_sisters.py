@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
-from examples.sisters import learnt, main, read, slide
+from examples.sisters import main
 from tests.generators.recorded import write_record
 
 SIZE, SHARE, COUNT = 0.5, 0.7, 12
@@ -76,11 +76,3 @@ def test_what_is_left_before_the_first_reading_is_what_sisters_differ_by(
     assert left / stated == pytest.approx(SIZE * np.sqrt(1 - SHARE), rel=0.2)
     assert sooner < planned < stated
     assert sooner < left
-
-
-def test_the_next_machines_lie_where_the_prior_says(records: list[Path]) -> None:
-    case = slide()
-    found = learnt(case, [read(case, file) for file in records])
-    away = np.array(drawn(COUNT + 400)[COUNT:]) - found.mean
-    squares = np.einsum("ka,ab,kb->k", away, np.linalg.inv(found.covariance), away)
-    assert squares.mean() / 8 == pytest.approx(1.0, rel=0.25)

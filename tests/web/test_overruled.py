@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.zoo.running import given
 from tests.generators.texts import FOUR_READINGS
 from tests.web.served import served, started
-from tests.zoo.running import given
 
 WORDS = 'Taken all the same: the test at mounting "laser" failed.'
 SHOWN = ["0.014", "-0.009", "0.021", "0.003", "-0.017", "0.011", "-0.006", "0.018"]

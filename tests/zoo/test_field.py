@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import csv
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.zoo.answers import Answer
+from benchmarks.zoo.running import given
 from tests.generators.field import FIELD
-from tests.zoo.answers import Answer
-from tests.zoo.running import given
 
 FOLDER = FIELD / "01-lead-error-eaten"
 BESIDE = pytest.mark.skipif(not FIELD.is_dir(), reason="needs the files of the field beside the checkout")
@@ -43,24 +42,6 @@ def estimated(campaign: Path, readings: str, out: Path) -> tuple[Answer, list[di
     assert outcome.status == 0, outcome
     with (out / "data" / "readings.csv").open(encoding="utf-8", newline="") as file:
         return Answer(out, outcome), list(csv.DictReader(file))
-
-
-@BESIDE
-@pytest.mark.long
-def test_inches_are_the_same_numbers(tmp_path: Path) -> None:
-    folder, found = FIELD / "16-inch-readings", []
-    unnamed = (folder / "r_in.csv").read_text().replace("_in", "")
-    (tmp_path / "unnamed.csv").write_text(unnamed)
-    for name in (folder / "r_in.csv", folder / "r_mm.csv"):
-        answer, rows = estimated(folder / "campaign.toml", str(name), tmp_path / name.stem)
-        assert "a table of readings, 42 readings" in answer.text
-        found.append((answer.result["U_um"], [(float(row["X_mm"]), float(row["value_um"])) for row in rows]))
-    assert found[0][0] == pytest.approx(found[1][0], rel=1e-6)
-    assert np.array(found[0][1]) == pytest.approx(np.array(found[1][1]), abs=1e-4)
-    command = ("data", "estimate", folder / "campaign.toml", tmp_path / "unnamed.csv", "--out", tmp_path / "unit")
-    given(*command).refused("column 'X' has no unit")
-    assert given(*command, "--unit", "inch").status == 0
-    assert json.loads((tmp_path / "unit" / "result.json").read_text())["U_um"] == pytest.approx(found[0][0], rel=1e-9)
 
 
 @BESIDE

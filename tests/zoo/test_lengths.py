@@ -6,11 +6,8 @@ import math
 import re
 from pathlib import Path
 
-import numpy as np
-import pytest
-
-from tests.zoo.answers import Answer
-from tests.zoo.running import given
+from benchmarks.zoo.answers import Answer
+from benchmarks.zoo.running import given
 
 SQUARE = """machine = "printer-gantry"
 controls = ["marlin"]
@@ -63,19 +60,3 @@ def test_two_diagonals_without_any_unknown_say_the_angle(tmp_path: Path) -> None
     leans = (lengths["AC"] ** 2 - lengths["BD"] ** 2) / (4 * 240**2)
     assert abs(found["value"] + 1e6 * leans) < 100
     assert answer.result["readings"] == 2
-
-
-@pytest.mark.long
-def test_a_ruler_shows_how_much_a_scale_is_longer(tmp_path: Path) -> None:
-    marks = range(100, 1001, 100)
-    ends = ", ".join(f'm{x} = [["0 mm", "0 mm", "0 mm"], ["{x} mm", "0 mm", "0 mm"]]' for x in marks)
-    text = 'machine = "one-axis"\ncompensation_active = false\n[target]\nU = "20 um"\n[[setups]]\nname = "ruler"\n'
-    text += f'instrument = "gauge"\nnoise = "2 um"\ntype_b = {{ scale = "1 um/m" }}\nlengths = {{ {ends} }}\n'
-    (tmp_path / "ruler.toml").write_text(text)
-    rows = [f"ruler m{x},{x * (1 + 20e-6):.4f}" for x in marks]
-    (tmp_path / "lengths.csv").write_text("\n".join(["setup,length_mm", *rows]))
-    command = ("data", "estimate", tmp_path / "ruler.toml", tmp_path / "lengths.csv", "--out", tmp_path / "out")
-    answer = Answer(tmp_path / "out", given(*command))
-    where, values = answer.axis_table("X")
-    slope = np.polyfit(where, values.mean(axis=0), 1)[0]
-    assert slope == pytest.approx(0.02, abs=0.003)  # um/mm

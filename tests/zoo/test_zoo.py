@@ -6,11 +6,11 @@ from functools import cache
 
 import pytest
 
-from tests.zoo.animals import Animal, Judged
-from tests.zoo.curves import AGAIN, NOTHING_WRONG, ONCE
-from tests.zoo.every import EVERY
-from tests.zoo.mills import IN_STEP, LAGGING, ONE_WAY
-from tests.zoo.running import judged
+from benchmarks.zoo.animals import Animal, Judged
+from benchmarks.zoo.curves import AGAIN, NOTHING_WRONG, ONCE
+from benchmarks.zoo.every import EVERY
+from benchmarks.zoo.mills import IN_STEP, LAGGING, ONE_WAY
+from benchmarks.zoo.running import judged
 
 NAMED = {animal.name: animal for animal in EVERY}
 QUICK = (
@@ -31,21 +31,7 @@ QUICK = (
     "servo that lags: circles one way round",
     NOTHING_WRONG.name,
 )
-LATER = (
-    "thermal front: even",
-    "frame of a tracker: x and y",
-    "slip: sides from a run on",
-    "servo that lags: backlash by circles",
-    "zero that jumps at a row: of a flat bed",
-    "lead error: 100 um/m by laser",
-    "pitch: even",
-    "circles of a ball bar: backlash",
-    "reversal of X that comes late: circles",
-    "parked elsewhere: Y 0, only EXX described",
-    "slip: sign of one reading",
-    "slip: one reading missed",
-)
-"""One of each kind; other tests hold the beds, and what is stuck, rounded or set anew."""
+"""Other tests hold the beds, and what is stuck, rounded or set anew."""
 
 
 @cache
@@ -54,7 +40,7 @@ def found(animal: Animal) -> Judged:
     return judged(animal)
 
 
-@pytest.mark.parametrize("name", [*QUICK, *(pytest.param(name, marks=pytest.mark.long) for name in LATER)])
+@pytest.mark.parametrize("name", QUICK)
 def test_answers_an_animal_rightly_or_names_its_cause(name: str) -> None:
     assert found(NAMED[name]).holds, found(NAMED[name])
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.zoo.animals import Animal, Met
-from tests.zoo.axes import LASER, SCALE, AxisTruth, Meet, Rule, Visits, even, written
+from benchmarks.zoo.animals import Animal, Met
+from benchmarks.zoo.axes import LASER, SCALE, AxisTruth, Meet, Rule, Visits, even, written
 
 Slip = Callable[[Array], Array]
 """From the values that should stand in the file to those that stand there."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.zoo.animals import Job, Met, Slope, Truth
-from tests.zoo.answers import Answer
-from tests.zoo.running import planned, rows_of
+from benchmarks.zoo.animals import Job, Met, Slope, Truth
+from benchmarks.zoo.answers import Answer
+from benchmarks.zoo.running import planned, rows_of
 
 LENGTH, OVERRUN = 1000.0, 1.0
 EXPANSION = 11.7e-3

@@ -16,9 +16,9 @@ import numpy as np
 
 from axiscal.cli.app import run
 from axiscal.numerics import Array
+from benchmarks.zoo.animals import Animal, Interval, Job, Judged, Met
+from benchmarks.zoo.answers import Answer
 from tests.commands import Outcome
-from tests.zoo.animals import Animal, Interval, Job, Judged, Met
-from tests.zoo.answers import Answer
 
 _ERROR = re.compile(r"[A-Z0-9]{3}(_reversal)? = \{")
 

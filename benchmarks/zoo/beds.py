@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.zoo.animals import Animal, Job, Met, Truth
-from tests.zoo.answers import Answer
-from tests.zoo.running import planned, rows_of
+from benchmarks.zoo.animals import Animal, Job, Met, Truth
+from benchmarks.zoo.answers import Answer
+from benchmarks.zoo.running import planned, rows_of
 
 JOB = Job("printer-gantry", ("probe",), "50 um")
 NOISE = 3.0

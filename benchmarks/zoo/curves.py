@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.zoo.animals import Animal
-from tests.zoo.axes import (
+from benchmarks.zoo.animals import Animal
+from benchmarks.zoo.axes import (
     EXPANSION,
     LASER,
     LENGTH,

@@ -9,10 +9,10 @@ from itertools import product
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.zoo.animals import Animal, Job, Met, Truth
-from tests.zoo.answers import Answer
-from tests.zoo.axes import LASER, AxisTruth, Visits, even, line, written
-from tests.zoo.running import predicted, rows_of
+from benchmarks.zoo.animals import Animal, Job, Met, Truth
+from benchmarks.zoo.answers import Answer
+from benchmarks.zoo.axes import LASER, AxisTruth, Visits, even, line, written
+from benchmarks.zoo.running import predicted, rows_of
 
 YAW = 40e-6
 """Of X over 600 mm, rad."""

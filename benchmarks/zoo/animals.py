@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.numerics import Array
-from tests.zoo.answers import Answer
+from benchmarks.zoo.answers import Answer
 
 KEPT, INSIDE = 0.95, 0.85
 """Least share of a slope that a table keeps, and of the truth that lies inside U, of one kind of animal."""
