@@ -26,7 +26,6 @@ GIVEN: dict[str, dict[str, object]] = {
     "--name": {"name": "bed"},
     "--mesh": {"mesh": 4},
     "--flip": {"flip": True},
-    "--pivots": {"pivots": True},
     "--measuring-system": {"encoder": 2},
     "--on-top-of": {"old_files": (OldFile("X.csv", ""),)},
 }
@@ -68,7 +67,7 @@ def test_an_option_that_a_format_does_not_take_is_refused_with_those_that_do(con
         (controller, option)
         for controller in controllers()
         for option in sorted(exporter(controller).takes)
-        if option in GIVEN.keys() - {"--template", "--pivots", "--on-top-of"}
+        if option in GIVEN.keys() - {"--template", "--on-top-of"}
     ],
 )
 def test_an_option_that_a_format_takes_changes_its_files(controller: str, option: str) -> None:

@@ -69,9 +69,6 @@ def export(
     probe_sign: Annotated[
         bool, typer.Option("--probe-sign", help="Only a bump of 10 um, which tells the sign of the tables.")
     ] = False,
-    pivots: Annotated[
-        bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
-    ] = False,
     measuring_system: Annotated[int, typer.Option(metavar="1|2", help="sinumerik: of encoder compensation.")] = 1,
     on_top_of: Annotated[
         list[str] | None,
@@ -133,7 +130,6 @@ def export(
         mesh=mesh,
         zero=None if zero is None else zero_by(zero),
         flip=flip,
-        pivots=pivots,
         encoder=measuring_system,
         old_files=read_old(on_top_of or ()),
     )

@@ -137,7 +137,7 @@ _HASH = re.compile(r"[0-9a-f]{0,128}")
 _LARGEST_MESH = 50
 """Points a side; more is a slip, for no probe of a printer takes them."""
 _USUAL = "XYZABCUVWPQR"
-_ALIKE = ("spacing", "unit", "template", "name", "mesh", "zero", "flip", "pivots")
+_ALIKE = ("spacing", "unit", "template", "name", "mesh", "zero", "flip")
 _OPTIONS = {name: f"--{name}" for name in _ALIKE} | {
     "numbers": "--number",
     "encoder": "--measuring-system",
@@ -156,7 +156,6 @@ class ExportOptions:
     template : text of a file that the control saved, template_name : how it is called
     name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
     curves have where nobody says; zero : X and Y at which it adds nothing, m, None for the middle
-    pivots : put location errors of rotary axes into the kinematics (linuxcnc) instead of the tables
     encoder : measuring system, 1 or 2
     flip : the control takes the values with the other sign; sign_day : when a bump has shown which one, "" if none has
     old_files : of the compensation that was active while measuring; old : what they say, once they are read
@@ -174,7 +173,6 @@ class ExportOptions:
     zero: tuple[float, float] | None = None
     flip: bool = False
     sign_day: str = ""
-    pivots: bool = False
     encoder: int = 1
     old_files: tuple[OldFile, ...] = ()
     old: Loaded = field(default_factory=Loaded)

@@ -43,7 +43,6 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
     takes = frozenset({"--unit", "--number", "--coordinates", "--ini"})
     step = 1e-9  # by twelve digits
     instead: ClassVar = {
-        "--pivots": later("leave it out: this file holds location errors; the kinematics keep machine.toml's origins"),
         "--on-top-of": later(
             "a whole correction goes on top of none: measure with axiscal-vcomp.active false, without COMP_FILE and "
             "BACKLASH"

@@ -17,17 +17,15 @@ from axiscal.document.file import number_or_none
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import said
-from axiscal.ports.linuxcnc.tables import cross, pivots
+from axiscal.ports.linuxcnc.tables import cross
 from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
-from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, summed
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
-from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
-from axiscal_core.normal import Normal
 
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
@@ -39,11 +37,6 @@ MOST_TURNS = 5
 """256 rows hold five turns of 51 points."""
 
 _HAL_FILE = "axiscal-cross.hal"
-_PIVOT_FILE = "axiscal-pivots.hal"
-_PIVOT_NOTE = (
-    "axiscal-pivots.hal sets where the rotary axes lie for {}: {} are in it and not in the tables. The values count "
-    "from the machine's zero, with the spindle nose at its origin; shift them if your configuration counts otherwise."
-)
 
 
 class Linuxcnc(TableFormat):
@@ -55,24 +48,7 @@ class Linuxcnc(TableFormat):
         "tool, and the reversal of straightness."
     )
     tried = True
-    takes = frozenset({"--spacing", "--unit", "--number", "--coordinates", "--pivots", "--on-top-of"})
-
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
-        """Return the files, with the places of rotary axes in another file if the options say so; raises TableError."""
-        if not options.pivots:
-            return super().make(estimate, options)
-        machine = estimate.machine
-        lies, names, nominal = _pivots(estimate), pivots.names(machine), pivots.pivots(machine, {})
-        unit = options.unit_of(machine)
-        draft, text = super().make(_without(estimate, names), options), pivots.write(lies, unit)
-        wanted, held = (
-            sum_of(control, pivots.joint_shift(machine, nominal, found))
-            for control, found in ((draft.wanted, lies), (draft.control, pivots.read(text, unit)))
-        )
-        steps = summed([*draft.steps.items(), *((name, float(from_unit(4e-7, unit))) for name in "XYZ")])
-        notes = (*draft.notes, _PIVOT_NOTE.format(lies.kinematics, ", ".join(names)))
-        files = {**draft.files, _PIVOT_FILE: text}
-        return replace(draft, files=files, control=held, wanted=wanted, steps=steps, notes=notes)
+    takes = frozenset({"--spacing", "--unit", "--number", "--coordinates", "--on-top-of"})
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return tables of axes over as many turns as they make, and curves of axes over others."""
@@ -116,25 +92,6 @@ class Linuxcnc(TableFormat):
             else:
                 tables += _table(file, _axis(file, machine, joints), machine, unit, untaken)
         return Loaded(tuple(tables), untaken=tuple(untaken))
-
-
-def _pivots(estimate: Estimate) -> pivots.Pivots:
-    model = estimate.model
-    known = {
-        name: float(estimate.mean[model.by_name[name].columns][0])
-        for name in pivots.names(estimate.machine)
-        if name in model.by_name
-    }
-    return pivots.pivots(estimate.machine, known)
-
-
-def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
-    """Return the estimate of a machine that has not these errors."""
-    mean = estimate.belief.mean.copy()
-    for name in names:
-        if name in estimate.model.by_name:
-            mean[estimate.model.by_name[name].columns] = 0.0
-    return replace(estimate, belief=Normal.of_factor(mean, estimate.belief.factor, estimate.belief.degrees))
 
 
 def _resolution(own: Sequence[CompensationTable], over: Sequence[CompensationTable], linear: str) -> dict[str, float]:
