@@ -22,12 +22,10 @@ GIVEN: dict[str, dict[str, object]] = {
     "--unit": {"unit": "in"},
     "--number": {"numbers": {"X": (2,), "Y": (1,), "Z": (0,)}},
     "--template": {"template": COM},
-    "--name": {"name": "bed"},
     "--mesh": {"mesh": 4},
-    "--flip": {"flip": True},
     "--measuring-system": {"encoder": 2},
 }
-ELSEWHERE = ("--coordinates", "--ini")
+ELSEWHERE = ("--ini",)
 """Options that stand in no field of the choices."""
 TEMPLATES = {"fanuc": FANUC, "heidenhain": COM}
 

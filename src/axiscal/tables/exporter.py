@@ -44,20 +44,10 @@ def informed(options: ExportOptions, description: CampaignDescription, controlle
     """Return options that know what the campaign says of the control's sign, and of a compensation that was active.
 
     Where the printer has its zero the campaign says, unless the options do.
-    Raises TableError for `flip` where the control takes its values as supposed.
     """
-    options = _with_sign(options, description, controller)
+    if (bump := description.bump_of(controller)) is not None:
+        options = replace(options, flip=bump.moved > 0, sign_day=bump.day)
     return replace(options, zero=options.zero or description.zero_at, active=description.compensation_active)
-
-
-def _with_sign(options: ExportOptions, description: CampaignDescription, controller: str) -> ExportOptions:
-    """Return options with the sign that the latest bump of a control has shown; raises TableError for another one."""
-    if (bump := description.bump_of(controller)) is None:
-        return options
-    if options.flip and bump.moved < 0:
-        what = "--flip turns the sign, and the bump of {day} showed that {controller} takes it as supposed"
-        raise TableError(what, "Leave it out, or read the bump again", day=bump.day, controller=controller)
-    return replace(options, flip=bump.moved > 0, sign_day=bump.day)
 
 
 def sign_said(options: ExportOptions, text: str) -> tuple[str]:
@@ -104,14 +94,13 @@ def asked_about(controller: str, draft: Draft, options: ExportOptions) -> Draft:
     return replace(draft, notes=(note, *draft.notes))
 
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
 _HASH = re.compile(r"[0-9a-f]{0,128}")
 _TOO_LONG = re.compile(r"\d{61,}")
 """Digits in a row: a double has 17, and the zeros of a small one written out are fewer than the others."""
 _LARGEST_MESH = 50
 """Points a side; more is a slip, for no probe of a printer takes them."""
 _USUAL = "XYZABCUVWPQR"
-_ALIKE = ("spacing", "unit", "template", "name", "mesh", "zero", "flip")
+_ALIKE = ("spacing", "unit", "template", "mesh", "zero")
 _OPTIONS = {name: f"--{name}" for name in _ALIKE} | {"numbers": "--number", "encoder": "--measuring-system"}
 """Field of the choices -> option of the command line, as `Exporter.takes` names it."""
 
@@ -124,13 +113,13 @@ class ExportOptions:
     unit : of the control, mm or in; "" for that of the travels in machine.toml
     numbers : of the joints or of the machine axis of each axis, where the order of the letters is not theirs
     template : text of a file that the control saved, template_name : how it is called
-    name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
+    mesh : points of a height map along each side, as many as the map that was read or the
     curves have where nobody says; zero : X and Y at which it adds nothing, m, None for the middle
     encoder : measuring system, 1 or 2
-    flip : the control takes the values with the other sign; sign_day : when a bump has shown which one, "" if none has
+    flip : the control takes the values with the other sign, which a bump has shown on sign_day; "" if none has
     active : whether a compensation was while measuring, None where nobody said
     origin : hash of the record, "" where there is none
-    Raises TableError for a name that is more than letters, digits, _ and -.
+    Raises TableError for what no control could mean.
     """
 
     spacing: float | Mapping[str, float] | None = None
@@ -138,7 +127,6 @@ class ExportOptions:
     numbers: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     template: str | None = None
     template_name: str = "the template"
-    name: str = "axiscal"
     mesh: int | None = None
     zero: tuple[float, float] | None = None
     flip: bool = False
@@ -205,9 +193,6 @@ class ExportOptions:
         return found
 
     def __post_init__(self) -> None:
-        if not _NAME.fullmatch(self.name):
-            remedy = "Take letters, digits, _ and -, 31 at most"
-            raise TableError("{name} is not a name for a table", remedy, name=shown(self.name))
         if not _HASH.fullmatch(self.origin):
             raise TableError("{origin} is not the hash of a record", "Leave it out", origin=shown(self.origin))
         if self.unit not in ("", "mm", "in"):

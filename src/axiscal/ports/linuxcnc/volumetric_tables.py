@@ -38,7 +38,7 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
         "the orientation of the tool beyond what rotary axes turn too far about themselves, what no spline follows, "
         "and errors that one tool length cannot show."
     )
-    takes = frozenset({"--unit", "--number", "--coordinates", "--ini"})
+    takes = frozenset({"--unit", "--number", "--ini"})
     step = 1e-9  # by twelve digits
 
     def seconds(self, estimate: Estimate) -> list[float]:

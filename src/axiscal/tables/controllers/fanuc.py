@@ -235,7 +235,7 @@ _WITHOUT = "{} (3624 is 0, no parameters 3620 to 3624 in the file, or a whole tu
 class Fanuc(TableFormat):
     """Pitch data in the place of those of a punched file."""
 
-    takes = frozenset({"--template", "--number", "--flip"})
+    takes = frozenset({"--template", "--number"})
     unstated = "own"
     instead: ClassVar = {"--spacing": later("leave it out: parameters 3620 to 3624 say where the points are")}
 

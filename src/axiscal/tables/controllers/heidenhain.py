@@ -75,7 +75,7 @@ class Heidenhain(TableFormat):
     holds = "for each axis its positioning error and reversal, and over linear axes the straightness and squareness."
     left_out = "errors that depend on two axes at once, the reversal of straightness, and axes that have no column."
     points = 256  # by HEIDENHAIN's manual: lines of a table
-    takes = frozenset({"--template", "--spacing", "--flip"})
+    takes = frozenset({"--template", "--spacing"})
     unstated = "own"
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:

@@ -179,7 +179,7 @@ _MULTIPLE = (1e-6, float(np.radians(1e-4)))
 class Isg(Exporter):
     """ISG_CSV, the list file, and leadscrew tables of axes with a reversal."""
 
-    takes = frozenset({"--spacing", "--number", "--flip"})
+    takes = frozenset({"--spacing", "--number"})
     unstated = "own"
     left_out = "the reversal of straightness and of angles, and the orientation of the tool."
 

@@ -166,7 +166,7 @@ class Sinumerik(TableFormat):
         "apart, for straightness, sag and squareness."
     )
     left_out = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
-    takes = TableFormat.takes | {"--number", "--flip", "--measuring-system"}
+    takes = TableFormat.takes | {"--number", "--measuring-system"}
     unstated = "across"
     instead: ClassVar = {"--unit": later("leave it out: the tables are in mm and deg, load them in metric")}
     points = 200  # what an 828D holds for an axis
@@ -177,9 +177,6 @@ class Sinumerik(TableFormat):
         names, encoder = _names(machine, options), options.encoder - 1
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
         blocks = blocks_of(own, over)
-        if options.flip and not (blocks or options.sign_day):
-            what = "--flip turns CEC tables, and these files hold none"
-            raise TableError(what, "leave it out: ENC_COMP has the sign that Siemens states")
         files = write(own, blocks, names, options.sign, encoder)
         steps = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
         first = sign_said(options, _SIGN) if blocks else ()

@@ -42,7 +42,7 @@ class Linuxcnc(TableFormat):
         "tool, and the reversal of straightness."
     )
     tried = True
-    takes = frozenset({"--spacing", "--unit", "--number", "--coordinates"})
+    takes = frozenset({"--spacing", "--unit", "--number"})
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return tables of axes over as many turns as they make, and curves of axes over others."""
