@@ -158,8 +158,6 @@ LONGEST_NAME = 80
 """Characters of a name that still fits on a line of a program."""
 _LONGEST = 500
 """Characters of a text in a report: a paragraph; a matter of taste."""
-_SLOWEST = 1e-3 / 60 * (1 - 1e-9)
-"""1 mm/min, and rounding: programs write whole numbers."""
 
 
 def _name(text: str) -> str:
@@ -202,7 +200,6 @@ Placed = Annotated[float, QuantityOf("length", FINEST, 1.0)]
 Turned = Annotated[float, QuantityOf("angle", FINEST, 1.0)]
 Turn = Annotated[float, QuantityOf("angle", -math.tau, math.tau)]
 Duration = Annotated[float, QuantityOf("time", 0.0)]
-Feed = Annotated[float, QuantityOf("speed", _SLOWEST)]
 Warmth = Annotated[float, QuantityOf("temperature_difference", 0.0)]
 Growth = Annotated[float, QuantityOf("expansion", 0.0)]
 Warm = Annotated[float, QuantityOf("temperature", *WARM)]
