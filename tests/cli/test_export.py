@@ -72,7 +72,6 @@ def test_files_that_leave_no_less_are_not_to_be_loaded(
 @pytest.mark.parametrize(
     ("first", "exported", "verified"),
     [
-        ('["linuxcnc-volumetric", "sinumerik"]\ncompensation_active = true', "sinumerik --on-top-of OLD", "sinumerik"),
         ('["fanuc"]', "fanuc --template FILE", "fanuc --template FILE"),
     ],
 )
@@ -111,34 +110,27 @@ def test_a_bump_is_exported_and_the_sign_that_it_shows_is_kept(record: Path, tmp
         printed = command("export", record, "--to", "ISG", "--out", tmp_path / "isg", *options).printed
         return {file.name: file.read_text() for file in (tmp_path / "isg").iterdir()} | {"": printed}
 
-    assumed, flipped, bump = exported(), exported("--flip"), exported("--probe-sign")
+    assumed, bump = exported(), exported("--probe-sign")
     assert "WHICH WAY DOES THE CONTROL TAKE THESE VALUES?" in assumed["README.txt"].splitlines()[1]
     assert bump["README.txt"].startswith("TWO READINGS TELL THE SIGN. Let X come from below")
     assert "TWO READINGS TELL THE SIGN" in bump[""]
     told = command("verify", record, "--to", "isg", "--bump", "10.3 um").printed
     assert "The control takes its tables the other way round. The record keeps it" in told
-    assert "--flip" not in told
     other = exported()
-    assert other["volcomp.lis"] == flipped["volcomp.lis"] != assumed["volcomp.lis"]
+    assert other["volcomp.lis"].replace("negate XYZ\n", "") == assumed["volcomp.lis"] != other["volcomp.lis"]
     assert re.match(r"SIGN MEASURED ON \d{4}-\d\d-\d\d: .* the other way", other["README.txt"].splitlines()[1])
     assert exported("--probe-sign")["volcomp.lis"] == bump["volcomp.lis"]
     assert command("verify", record, "--to", "isg", "--bump", "-9.6 um", "--json").document["sign"] == "as assumed"
     assert exported()["volcomp.lis"] == assumed["volcomp.lis"]
-    assert "takes it as supposed" in command("export", record, "--to", "isg", "--flip").refusal
     assert "--to fanuc --template FILE" in command("verify", record, "--to", "FANUC", "--bump", "10 um").printed
     assert "by 1 um" in command("verify", record, "--to", "isg", "--bump", "1 um").refusal
     assert "linuxcnc states which way" in command("verify", record, "--to", "linuxcnc", "--bump", "10 um").refusal
 
 
-def test_joints_of_a_gantry_are_named_as_in_its_ini_file_and_each_axis_may_have_its_spacing(
-    record: Path, tmp_path: Path
-) -> None:
-    """XYYZ: the same files as with the numbers of each joint."""
+def test_an_axis_may_have_two_joints_and_a_spacing_of_its_own(record: Path, tmp_path: Path) -> None:
     export = ["export", str(record), "--to", "linuxcnc", "--spacing", "X=25 mm", "--spacing", "Y=50 mm", "--out"]
-    assert run([*export, str(tmp_path / "a"), "--coordinates", "XYYZ"]) == 0
-    assert run([*export, str(tmp_path / "b"), "--number", "Y=1", "--number", "Y=2"]) == 0
-    first, second = ({file.name: file.read_text() for file in (tmp_path / name).iterdir()} for name in "ab")
-    assert first == second
-    assert "[JOINT_2]" in first["README.txt"]
-    rows = {axis: [float(row.split()[0]) for row in first[f"{axis}.comp"].splitlines()] for axis in "XY"}
+    assert run([*export, str(tmp_path / "a"), "--number", "Y=1", "--number", "Y=2"]) == 0
+    made = {file.name: file.read_text() for file in (tmp_path / "a").iterdir()}
+    assert "[JOINT_2]" in made["README.txt"]
+    rows = {axis: [float(row.split()[0]) for row in made[f"{axis}.comp"].splitlines()] for axis in "XY"}
     assert rows == {"X": [25.0 * i for i in range(13)], "Y": [50.0 * i for i in range(5)]}

@@ -16,7 +16,6 @@ from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.readers.text_file import MOST_LINES
-from axiscal.ports.linuxcnc.tables import pivots
 from axiscal_core.machine import Machine
 from tests.linuxcnc.lab import Joint, Settings, files
 from tests.refusals.reading import refusals
@@ -60,7 +59,7 @@ def test_an_axis_of_two_joints_is_a_bridge_that_carries_the_others(tmp_path: Pat
 
 
 @pytest.mark.parametrize(("swivel", "way", "unit"), [("A", "y", "mm"), ("B", "x", "in")])
-def test_pivots_are_those_that_our_own_export_would_set(tmp_path: Path, swivel: str, way: str, unit: str) -> None:
+def test_pivots_are_where_the_rotary_axes_lie(tmp_path: Path, swivel: str, way: str, unit: str) -> None:
     name, scale = f"xyz{swivel.lower()}c-trt-kins", {"mm": 1e-3, "in": 0.0254}[unit]
     pins = {"x-rot-point": 1.0, "y-rot-point": -2.0, "z-rot-point": 3.0, f"{way}-offset": 4.0}
     hal = "\n".join(f"setp {name}.{pin} {value}" for pin, value in pins.items())
@@ -69,9 +68,10 @@ def test_pivots_are_those_that_our_own_export_would_set(tmp_path: Path, swivel: 
     machine = built(of_lab(tmp_path, joints, Settings(hal, name, unit)))
     assert machine.chain == f"w-C'-{swivel}'-X'-Y'-b-Z-t"
     assert [axis.name for axis in machine.axes if axis.reversed] == ["C", swivel]
-    nominal = pivots.pivots(machine, {})
-    np.testing.assert_allclose(np.array(nominal.point) / scale, [1.0, -2.0, 3.5], atol=1e-9)
-    assert nominal.offset / scale == pytest.approx(4.0)
+    places = {axis.name: np.array(axis.origin) / scale for axis in machine.axes if axis.rotary}
+    np.testing.assert_allclose(places["C"][:2], [1.0, -2.0], atol=1e-9)
+    across = "xy".index(way)
+    np.testing.assert_allclose(places[swivel][[across, 2]], [(1.0, -2.0)[across] + 4.0, 3.5], atol=1e-9)
 
 
 @pytest.mark.parametrize(

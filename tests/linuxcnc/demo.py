@@ -14,7 +14,7 @@ import sys
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -40,7 +40,7 @@ from axiscal_core.threads import one_thread
 from tests.linuxcnc.lab import can_load
 from tests.linuxcnc.virtual import Build, LinuxcncMachine
 
-_TABLE = Build(tcp=True), ExportOptions(pivots=True)
+_TABLE = Build(tcp=True), ExportOptions()
 EXAMPLES: dict[str, tuple[str, Build, ExportOptions]] = {
     "three-axis": ("three-axis", Build(), ExportOptions()),
     "gantry": ("gantry", Build(pairs="Y"), ExportOptions(numbers={"Y": (1, 2)})),
@@ -121,7 +121,7 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
         estimation, readings = campaign.estimate(ended=True), len(campaign.state.readings)
     offers = [export(estimation.estimate(), "linuxcnc", options)]
     if can_load("axiscal_vcomp"):
-        offers.append(export(estimation.estimate(), "linuxcnc-volumetric", replace(options, pivots=False)))
+        offers.append(export(estimation.estimate(), "linuxcnc-volumetric", options))
     for offered in offers:
         write_files(offered, out / offered.controller / name)
     return _verified(estimation, offers, truth, build, readings)

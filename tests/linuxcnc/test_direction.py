@@ -44,7 +44,7 @@ TOOL, TABLE, ACROSS, HEIGHT = 80.0, np.array([4.0, -3.0]), 7.0, -120.0
 def tip(drives: Array, sides: Array | None = None) -> Array:
     """Return where the tool is on the workpiece, (3,); a machine without errors where no sides are given."""
     x, y, z, swing, turn = drives.tolist()
-    line, centre = np.array([ACROSS, HEIGHT]), TABLE
+    line = np.array([ACROSS, HEIGHT])
     if sides is not None:
         turn += np.degrees(9e-5 * sin(radians(turn)) + 4e-5 * cos(radians(2 * turn)))
         swing += np.degrees(1.1e-4 * sin(radians(2.2 * swing)) + 7e-5 * radians(swing) + 1.2e-5 * sides[3])
@@ -53,10 +53,9 @@ def tip(drives: Array, sides: Array | None = None) -> Array:
             y - 0.011 * sin(y / 60) - 0.9e-4 * y + 0.0025 * sides[1] - 2e-5 * z,
             z + 0.009 * cos(z / 80) + 1.1e-4 * z,
         )
-        centre, line = TABLE + np.array([0.021, -0.013]), line + np.array([-0.017, 0.012])
     pivot = np.array([0.0, *line])
     at = pivot + turned("A", -radians(swing))[:3, :3] @ (np.array([x, y, z - TOOL]) - pivot)
-    middle = np.array([*centre, 0.0])
+    middle = np.array([*TABLE, 0.0])
     found: Array = middle + turned("C", -radians(turn))[:3, :3] @ (at - middle)
     return found
 
@@ -100,7 +99,7 @@ def off(files: Mapping[str, str]) -> float:
     kins = "xyzac-trt-kins"
     nominal = dict(zip(("x-rot-point", "y-rot-point"), TABLE, strict=True)) | {"z-rot-point": HEIGHT}
     nominal["y-offset"] = ACROSS - nominal["y-rot-point"]
-    hal = files.get("axiscal-pivots.hal") or "".join(f"setp {kins}.{pin} {at}\n" for pin, at in nominal.items())
+    hal = "".join(f"setp {kins}.{pin} {at}\n" for pin, at in nominal.items())
     hal += files.get("axiscal-cross.hal", "") + f"net tool-length motion.tooloffset.z => {kins}.tool-offset\n"
     places, sides = drawn(40, 8, room=5.0)
     codes = list[str]()
@@ -119,7 +118,7 @@ def off(files: Mapping[str, str]) -> float:
 def test_tables_are_right_on_kinematics_that_count_the_other_way(tmp_path: Path, command: Command) -> None:
     record, _, status = read_everywhere(tmp_path, command)
     assert status == 0
-    done = command("export", record, "--to", "linuxcnc", "--pivots", "--out", tmp_path / "tables", "--json")
+    done = command("export", record, "--to", "linuxcnc", "--out", tmp_path / "tables", "--json")
     files = {path.name: path.read_text() for path in (tmp_path / "tables").iterdir()}
     before, after = off({}), off(files)
     assert before > 30

@@ -40,7 +40,7 @@ def test_motors_go_where_our_reader_says_and_the_error_is_gone(name: str) -> Non
     """Two joints for an axis, inches, trt-kins in TCP mode: 1e-6 mm, at most 1.1 times what was foretold is left."""
     estimate, truth = known(name)
     _, build, options = EXAMPLES[name]
-    made = export(estimate, "linuxcnc-volumetric", replace(options, pivots=False))
+    made = export(estimate, "linuxcnc-volumetric", options)
     poses, approaches = (values[:PLACES] for values in spread(estimate))
     with LinuxcncMachine(truth, made.files, build) as machine:
         sent = machine.sent(poses, approaches)

@@ -15,7 +15,6 @@ import numpy as np
 
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.tables.surface import CommandedMachine
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
@@ -140,7 +139,11 @@ class LinuxcncMachine:
         plain = replace(Settings.loading(files), unit=self._build.unit)
         if not self._build.tcp:
             return plain
-        nominal, hal = pivots.pivots(self._machine, {}), plain.hal
-        hal += "" if nominal.kinematics in hal else pivots.write(nominal, self._build.unit)
-        hal += f"net tool-length motion.tooloffset.z => {nominal.kinematics}.tool-offset\n"
-        return replace(plain, hal=hal, kinematics=nominal.kinematics)
+        (swivel,) = (axis for axis in self._machine.axes if axis.name in ("A", "B"))
+        line, table = np.array(swivel.origin), np.array(self._machine.axis("C").origin)
+        kinematics, across = f"xyz{swivel.name.lower()}c-trt-kins", "yx"["AB".index(swivel.name)]
+        pins = {f"{way}-rot-point": at for way, at in zip("xyz", (*table[:2], line[2]), strict=True)}
+        pins[f"{across}-offset"] = (line - table)["xy".index(across)]
+        hal = "".join(f"setp {kinematics}.{pin} {to_unit(at, self._build.unit):.7f}\n" for pin, at in pins.items())
+        hal += f"{plain.hal}net tool-length motion.tooloffset.z => {kinematics}.tool-offset\n"
+        return replace(plain, hal=hal, kinematics=kinematics)

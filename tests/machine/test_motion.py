@@ -92,10 +92,7 @@ def test_the_owner_may_state_an_overrun() -> None:
 DRIVINGS = [
     Driving(),
     Driving(clearance=("X", 0.55)),
-    Driving(order=(("C",), ("X",), ("Y",))),
-    Driving(feed=0.005),
-    Driving(clearance=("X", 0.55), order=(("X",), ("Y",), ("C",)), feed=0.005),
-    Driving(clearance=("C", 3.0), feed=1e-3),
+    Driving(clearance=("C", 3.0)),
 ]
 
 

@@ -95,14 +95,9 @@ def _overrun(rng: np.random.Generator, length: float) -> float | None:
 
 
 def _driving(rng: np.random.Generator, axes: tuple[Axis, ...]) -> Driving:
-    families = [[a.name for a in axes if a.letter in letters] for letters in ("XYZ", "UVW", "ABC")]
-    order = [tuple(group) for group in families if group]
-    rng.shuffle(order)
     clear = axes[int(rng.integers(len(axes)))]
     return Driving(
         clearance=None if rng.random() < 0.5 else (clear.name, float(rng.uniform(*clear.travel))),
-        order=None if rng.random() < 0.5 else tuple(order),
-        feed=None if rng.random() < 0.5 else float(rng.uniform(20, 3000)) / 60000,
         dwell=bool(rng.random() < 0.5),
     )
 
@@ -141,8 +136,6 @@ class Judge:
     at: dict[str, float] = field(default_factory=dict)
     run: dict[str, float] = field(default_factory=dict)
     """How far each axis came without turning back, with its sign."""
-    trail: list[tuple[dict[str, float], dict[str, float], float]] = field(default_factory=list)
-    """Moves since the last reading: from where, to where, at which feed."""
 
     def follow(self, events: list[Event]) -> list[str]:
         """Return what is wrong with what a program does."""
@@ -153,31 +146,9 @@ class Judge:
         self._start(first[1])
         for (_, place), (_, piece) in zip(wanted, rest, strict=True):
             self._reading(place)
-            self._arrival()
             self._pause(piece)
             self._moves(piece)
         return self.faults
-
-    def _arrival(self) -> None:
-        """Look back along the moves that led here: slow for as long as all axes were within 2 mm, or 2 deg, of here."""
-        feed, trail, self.trail = self.setup.driving.feed or math.inf, self.trail, []
-        for begin, end, fed in reversed(trail):
-            if begin.keys() != end.keys():
-                return
-            for share in np.linspace(0, 1, 41):
-                if not all(
-                    self._near(axis, end[axis.name] + (begin[axis.name] - end[axis.name]) * share)
-                    for axis in self.plan.machine.axes
-                ):
-                    return
-                if begin != end and share and fed > feed * 60000 * (1 + 1e-9):
-                    self.faults.append(f"comes to {self.at} at {fed}")
-                    return
-
-    def _near(self, axis: Axis, value: float) -> bool:
-        return (
-            abs(value - self.at[axis.name]) <= max(2.0, _written(axis, self._overrun(axis))) - 3 * 10.0**-self.decimals
-        )
 
     def _start(self, events: list[Event]) -> None:
         names = {axis.name for axis in self.plan.machine.axes}
@@ -246,9 +217,7 @@ class Judge:
                 self.faults.append(f"{axis.name} turns by {ways[axis.name]} at once")
         for name, way in ways.items():
             self.run[name] = way + (self.run.get(name, 0.0) if self.run.get(name, 0.0) * way > 0 else 0.0)
-        begin = dict(self.at)
         self.at.update(move.to)
-        self.trail.append((begin, dict(self.at), move.feed))
 
 
 def _pieces(events: list[Event]) -> list[tuple[Mark | None, list[Event]]]:

@@ -15,7 +15,6 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.placed_readings import logged_readings
 from axiscal.exceptions import InputError, ProgramError, ReadingError
 from axiscal.machine.kinematics import drawn_back
-from axiscal.machine.motion import Driving
 from axiscal.measurement.readers.touch_log import read_touch_log
 from axiscal.measurement.reading import Place
 from axiscal.measurement.touched import TOUCHES
@@ -109,9 +108,6 @@ def test_linuxcnc_is_called_for_each_touch_between_the_lines_of_its_log() -> Non
 def test_touches_that_the_axes_cannot_make_are_refused() -> None:
     campaign = table.description()
     places, (setup,) = table.places(campaign, 3), campaign.setups
-    apart = replace(setup, driving=Driving(order=(("X",), ("Y",), ("Z",), ("A", "C"))))
-    with pytest.raises(ProgramError, match="are not one group of moves"):
-        programs(campaign.machine, [apart], places, dialect("linuxcnc"), log=True)
     poses = drawn_back(campaign.machine, np.array([place.pose for place in places]), setup.retract)
     near = campaign.machine.index("X")
     ends = (float(poses[:, near].min()) - 1e-3, float(poses[:, near].max()) + 1e-3)

@@ -91,7 +91,7 @@ def _move(move: Move, at: dict[str, float], machine: Machine) -> float:
 
 DRIVEN = {
     "as usual": "",
-    "over a clearance and slow near the place": 'clearance = "Z=390 mm"\nfeed = "300 mm/min"',
+    "over a clearance": 'clearance = "Z=390 mm"',
 }
 
 
@@ -100,8 +100,8 @@ DRIVEN = {
     ("machine", "approach", "driven"),
     [
         ("three-axis-mill", "+", "as usual"),
-        pytest.param("three-axis-mill", "both", "over a clearance and slow near the place", marks=pytest.mark.long),
-        pytest.param("dmu60", "+", "over a clearance and slow near the place", marks=pytest.mark.long),
+        pytest.param("three-axis-mill", "both", "over a clearance", marks=pytest.mark.long),
+        pytest.param("dmu60", "+", "over a clearance", marks=pytest.mark.long),
     ],
 )
 def test_a_program_takes_the_minutes_of_its_plan(machine: str, approach: str, controller: str, driven: str) -> None:

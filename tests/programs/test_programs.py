@@ -21,7 +21,7 @@ from axiscal.programs import dialect, programs, write_programs
 from axiscal.programs.scale import AxisScale
 from axiscal_core.machine import Machine
 from tests.programs.judge import Judge, Plan, judged
-from tests.programs.readers import READERS, Halt, Move
+from tests.programs.readers import READERS, Move
 
 TABLE = iso_axis("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
 SLIDE = iso_axis("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)
@@ -122,26 +122,6 @@ def test_a_feed_is_a_whole_number_without_the_noise_of_arithmetic(speed: float, 
     assert f"F{feed}\n" in text_of("linuxcnc", Place(SETUP.name, (0.1,), (0,)), machine=machine)
 
 
-@pytest.mark.parametrize(
-    ("order", "said"),
-    [
-        ((("X",),), "Name each of C X once"),
-        ((("X", "X"), ("C",)), "Name each of C X once"),
-        ((("X", "C"),), "X C are to move together"),
-    ],
-)
-def test_an_order_that_cannot_be_is_refused(order: tuple[tuple[str, ...], ...], said: str) -> None:
-    assert said in refusal(UP, driving=Driving(order=order))
-
-
-def test_the_order_of_moves_is_a_choice_and_is_said() -> None:
-    setup = replace(SETUP, driving=Driving(order=(("C",), ("X",))))
-    (program,) = programs(MACHINE, [setup], [UP], dialect("linuxcnc"))
-    assert "(ORDER OF MOVES C THEN X)" in program.text
-    assert program.text.index("C0.0000") < program.text.index("X99.0000")
-    assert any("C then X" in note for note in program.notes)
-
-
 def test_other_things_that_cannot_be() -> None:
     assert "no readings" in refusal()
     assert "does not fit the machine's 2 axes" in refusal(Place(SETUP.name, (0.1,), (0,)))
@@ -170,20 +150,6 @@ def test_nothing_is_written_where_one_reading_is_refused(tmp_path: Path) -> None
     with pytest.raises(ProgramError, match="laser 9"):
         write_programs(MACHINE, [SETUP], [Place("laser 9", UP.pose, UP.approach)], "linuxcnc", tmp_path / "out")
     assert not (tmp_path / "out").exists()
-
-
-def test_over_a_clearance_only_the_end_of_the_way_back_is_slow() -> None:
-    """X goes clear at 400 mm quickly, and comes down to its start at 99 mm slowly from 102 mm on."""
-    events = READERS["linuxcnc"](text_of("linuxcnc", UP, driving=Driving(feed=0.01, clearance=("X", 0.4))))
-    stops = [k for k, event in enumerate(events) if event == Halt()]
-    back = [(event.to, event.feed) for event in events[stops[1] : stops[2]] if isinstance(event, Move)]
-    assert back == [
-        ({"X": 400.0}, 6000),
-        ({"C": 0.0}, 5400),
-        ({"X": 102.0}, 6000),
-        ({"X": 99.0}, 600),
-        ({"X": 100.0}, 600),
-    ]
 
 
 SPOILT = {

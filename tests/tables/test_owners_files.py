@@ -75,7 +75,7 @@ def test_a_file_that_is_no_utf_8_is_refused_with_the_byte(tmp_path: Path) -> Non
 def test_joints_are_said_by_the_ini_file_alone(tmp_path: Path) -> None:
     found = configured(ini(tmp_path))
     assert options_of(found, ExportOptions()).numbers == {"X": (0,), "Y": (1,), "Z": (2,)}
-    with pytest.raises(InputError, match="Leave --unit, --number, --coordinates out"):
+    with pytest.raises(InputError, match="Leave --unit and --number out"):
         options_of(found, ExportOptions(numbers={"X": (0,)}))
 
 

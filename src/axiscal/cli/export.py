@@ -30,7 +30,6 @@ from axiscal.present.result_set import result_set, write_manifest
 from axiscal.tables import registry
 from axiscal.tables.bump import bumped
 from axiscal.tables.exporter import ExportOptions, informed
-from axiscal.tables.loaded import read_old
 from axiscal.tables.offer import Export, effect_sentence
 from axiscal.units import parse_quantity, to_unit
 
@@ -51,35 +50,19 @@ def export(
     ] = None,
     number: Annotated[
         list[str] | None,
-        typer.Option(metavar="AXIS=N", help="Number of an axis in the control, or of a joint; repeatable."),
-    ] = None,
-    coordinates: Annotated[
-        str | None,
-        typer.Option(metavar="LETTERS", help="linuxcnc: the axes of its joints, such as XYYZ."),
+        typer.Option(metavar="AXIS=N", help="Number of an axis in the control, or of each of its joints; repeatable."),
     ] = None,
     unit: Annotated[
         str | None, typer.Option(metavar="mm|in", help="Unit of the control; default: that of travels in machine.toml.")
     ] = None,
-    name: Annotated[str, typer.Option(metavar="NAME", help="Name of a mesh or profile.")] = "axiscal",
     mesh: Annotated[
         int | None, typer.Option(metavar="N", help="Points of a height map along each side; default: as the map read.")
     ] = None,
     zero: Zero = None,
-    flip: Annotated[bool, typer.Option("--flip", help="The control takes the values with the other sign.")] = False,
     probe_sign: Annotated[
         bool, typer.Option("--probe-sign", help="Only a bump of 10 um, which tells the sign of the tables.")
     ] = False,
-    pivots: Annotated[
-        bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
-    ] = False,
     measuring_system: Annotated[int, typer.Option(metavar="1|2", help="sinumerik: of encoder compensation.")] = 1,
-    on_top_of: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="OLD",
-            help="linuxcnc, sinumerik: what was active: a table, AXIS=FILE, a folder, an INI file; repeatable.",
-        ),
-    ] = None,
     ini: Annotated[
         Path | None,
         typer.Option(
@@ -110,35 +93,27 @@ def export(
     \b
     Examples:
       axiscal export mill.axiscal --to linuxcnc --out tables
-      axiscal export router.axiscal --to linuxcnc --coordinates XYYZ --out tables
+      axiscal export router.axiscal --to linuxcnc --number Y=1 --number Y=2 --out tables
       axiscal export mill.axiscal --to linuxcnc-volumetric --ini ~/linuxcnc/configs/mill/mill.ini --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
-      axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
       axiscal export router.axiscal --to program --program part.ngc --origin "120 mm, 80 mm, -60 mm" --out corrected
     """
 
     if to == "list":
         say("\n".join([*registry.controllers(), PROGRAM]))
         return
-    if flip and probe_sign:
-        raise typer.BadParameter(said("--probe-sign finds the sign that --flip states: give one of them"))
     to = registry.named(to)
     options = ExportOptions(
         spacing=_spacing(spacing or []),
         unit=unit or "",
-        numbers=_numbers(number or [], coordinates),
+        numbers=_numbers(number or []),
         template=None if template is None else exact_text(template),
         template_name=str(template or "the template"),
-        name=name,
         mesh=mesh,
         zero=None if zero is None else zero_by(zero),
-        flip=flip,
-        pivots=pivots,
         encoder=measuring_system,
-        old_files=read_old(on_top_of or ()),
     )
-    others = {"--coordinates": coordinates, "--ini": ini}
-    given = [*(name for name, value in others.items() if value is not None), *options.given]
+    given = [*([] if ini is None else ["--ini"]), *options.given]
     wanted = {"--program": program, "--origin": origin, "--chord": chord}
     if to == PROGRAM:
         Rewriting.asked(program, origin, chord, unit or "mm", given).write(record, out, anyway, json)
@@ -151,10 +126,6 @@ def export(
         if zero is not None:
             options = replace(options, zero=zero_by(zero, described.aside))
         options = informed(options, replace(described, bumps=()) if probe_sign else described, to)
-        missing = [axis.name for axis in described.machine.axes if axis.name not in options.numbers]
-        if coordinates is not None and missing:
-            what, remedy = "--coordinates names no joint of {axes}", "write the letters of all axes, as in the INI file"
-            raise TableError(what, remedy, axes=joined(missing))
         options = replace(options, origin=record_state(campaign).hash)
         into = None if ini is None else part("linuxcnc-configuration")
         estimate = estimation.estimate()
@@ -208,18 +179,13 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
     return found.get("", found or None)
 
 
-def _numbers(texts: list[str], coordinates: str | None) -> dict[str, tuple[int, ...]]:
+def _numbers(texts: list[str]) -> dict[str, tuple[int, ...]]:
     """Return the numbers of axes, one for each of their joints; raises TableError."""
     wrong = next((text for text in texts if not re.fullmatch(r"[^\W_]+=[0-9]{1,3}", text)), None)
     if wrong is not None:
         raise TableError('"{text}" is not AXIS=N', "Write --number X=1", text=wrong[:40])
-    pairs = [text.partition("=")[::2] for text in texts]
-    if coordinates is not None:
-        if texts:
-            raise TableError("both --number and --coordinates say which joints are whose", "Give one of them")
-        pairs = [(letter, str(joint)) for joint, letter in enumerate(coordinates.upper().replace(" ", ""))]
     found = dict[str, tuple[int, ...]]()
-    for axis, number in pairs:
+    for axis, number in (text.partition("=")[::2] for text in texts):
         found[axis] = (*found.get(axis, ()), int(number))
     return found
 

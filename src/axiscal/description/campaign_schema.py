@@ -19,7 +19,6 @@ from axiscal.description.fields import (
     Doubt,
     Duration,
     Ends,
-    Feed,
     Growth,
     Language,
     Name,
@@ -45,7 +44,6 @@ from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.machine_schema import MachineFile
-from axiscal.machine.motion import Driving, move_groups
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import MOST
@@ -271,22 +269,12 @@ def _clearance(text: str, known: Beside) -> tuple[str, float]:
     return name, coordinate(place, known.context.machine.axis(name))
 
 
-def _order(text: str, known: Beside) -> tuple[tuple[str, ...], ...]:
-    order = tuple(tuple(group.split()) for group in text.split(","))
-    move_groups(known.context.machine, Driving(order=order))
-    return order
-
-
 class ProgramsTable(Table):
     """[programs]: how programs for the control go to their readings."""
 
     clearance: Annotated[tuple[str, float], ReadAs(str, _clearance, by=True)] | None = Field(
         None, examples=['"Z=-5 mm"']
     )
-    order: Annotated[tuple[tuple[str, ...], ...], ReadAs(str, _order, by=True)] | None = Field(
-        None, examples=['"Z,X Y"']
-    )
-    feed: Feed | None = Field(None, examples=['"500 mm/min"'])
     dwell: bool = Field(False, examples=["true"])
 
 
@@ -298,7 +286,7 @@ class CampaignTable(Table):
     sure: Sure | None = Field(None, examples=['"well"'])
     scales: Literal["stated", "estimate"] | None = Field(None, examples=['"estimate"'])
     prior: str | None = Field(None, examples=['"last.axiscal"'])
-    compensation_active: Active | None = Field(None, examples=["false", '"old/X.comp"'])
+    compensation_active: Active | None = Field(None, examples=["false"])
     zero_at: Ground | None = Field(None, examples=['["150 mm", "150 mm"]'])
     controls: list[str] = Field(default=["linuxcnc"], examples=['["sinumerik"]'])
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])

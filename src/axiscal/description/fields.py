@@ -158,8 +158,6 @@ LONGEST_NAME = 80
 """Characters of a name that still fits on a line of a program."""
 _LONGEST = 500
 """Characters of a text in a report: a paragraph; a matter of taste."""
-_SLOWEST = 1e-3 / 60 * (1 - 1e-9)
-"""1 mm/min, and rounding: programs write whole numbers."""
 
 
 def _name(text: str) -> str:
@@ -183,21 +181,15 @@ def _language(text: str) -> str:
     return text
 
 
-def _active(given: bool | str | list[str]) -> bool | tuple[str, ...]:
-    """Return whether a compensation is active, or its files."""
-    if isinstance(given, bool):
-        return given
-    names = (given,) if isinstance(given, str) else tuple(given)
-    if not names or not all(name.strip() and name.isprintable() for name in names):
-        remedy = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
-        raise DescriptionError("compensation_active = {text} names no file", remedy, text=shown(given))
-    return names
+def _active(given: bool | str | list[str]) -> bool:
+    """Return whether a compensation is active; older files name what is."""
+    return given is not False
 
 
 Name = Annotated[str, ReadAs(str, _name)]
 Printable = Annotated[str, ReadAs(str, _printable)]
 Language = Annotated[str, ReadAs(Printable, _language)]
-Active = Annotated[bool | tuple[str, ...], ReadAs(bool | str | list[str], _active)]
+Active = Annotated[bool, ReadAs(bool | str | list[str], _active)]
 Wanted = Annotated[float, QuantityOf("length", FINEST)]
 Doubt = Annotated[float, QuantityOf("length", 0.0, 0.1)]
 Base = Annotated[float, QuantityOf("length", 0.0)]
@@ -208,7 +200,6 @@ Placed = Annotated[float, QuantityOf("length", FINEST, 1.0)]
 Turned = Annotated[float, QuantityOf("angle", FINEST, 1.0)]
 Turn = Annotated[float, QuantityOf("angle", -math.tau, math.tau)]
 Duration = Annotated[float, QuantityOf("time", 0.0)]
-Feed = Annotated[float, QuantityOf("speed", _SLOWEST)]
 Warmth = Annotated[float, QuantityOf("temperature_difference", 0.0)]
 Growth = Annotated[float, QuantityOf("expansion", 0.0)]
 Warm = Annotated[float, QuantityOf("temperature", *WARM)]

@@ -246,7 +246,6 @@ class _Writer:
             "retracted": self._setup.contact == "retracted",
             "order": self._axes.order,
             "clear": None if clearance is None else (scales[clearance[0]], clearance[1]),
-            "slow": self._slow(),
             "overruns": ", ".join(f"{each.normalize():f} {scale.unit} on {scale.axis.name}" for scale, each in far),
         }
         return (
@@ -254,11 +253,6 @@ class _Writer:
             *(self._dialect.logging().notes if self.touches else ()),
             *rendered("axiscal.programs", "notes.jinja", **values).splitlines(),
         )
-
-    def _slow(self) -> str:
-        slow = [f"{' '.join(group.names)} at F{group.near}" for group in self._axes.groups if group.near is not None]
-        near = " or ".join(dict.fromkeys(f"{each.nearness.normalize():f} {each.unit}" for each in self._axes.scales))
-        return "" if not slow else f" The last {near} to a place are slow, {', '.join(slow)} at most."
 
 
 _AT_BALL = ("AT A READING THE TOOL IS DRAWN BACK FROM ITS BALL", "RUN THE SPHERE CYCLE THEN PRESS START")

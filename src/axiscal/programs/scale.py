@@ -10,7 +10,6 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError, TravelError
 from axiscal.language.spoken import said
-from axiscal.machine.motion import near
 from axiscal.units import format_quantity, to_unit
 from axiscal_core.axes import Axis
 
@@ -62,11 +61,6 @@ class AxisScale:
     def travel(self) -> str:
         """The travel, for people."""
         return said("{low} to {high}", low=self.low, high=f"{self.high} {self.unit}")
-
-    @property
-    def nearness(self) -> Decimal:
-        """How near to a reading moves may be slow, mm or deg."""
-        return self.above(near(self.axis))
 
     @property
     def turn(self) -> Decimal | None:

@@ -20,7 +20,7 @@ from axiscal.units import to_unit
 from axiscal_core.machine import Machine
 
 _TRAVEL = 600
-"""mm/min beside a sphere, where no feed near the place is asked for: gentle on any probe."""
+"""mm/min beside a sphere: gentle on any probe."""
 
 
 class SphereCycle:
@@ -68,7 +68,7 @@ class SphereCycle:
 
         steps = [exact(to_unit(each, "mm")).quantize(s.step) for each, s in zip(touch.back, self._scales, strict=True)]
         fast, slow = (math.floor(to_unit(speed, "mm/min")) for speed in (self._cycle.fast, self._cycle.slow))
-        travel = min(_TRAVEL if group.near is None else group.near, group.feed(None))
+        travel = min(_TRAVEL, group.feed(None))
         way = to_unit(self._cycle.clear, "mm") / fast + to_unit(self._cycle.back, "mm") * (1 / fast + 1 / slow)
         seconds = 60 * (way + to_unit(self._cycle.clear, "mm") / travel)
         into = texts(self._written(touch.into, target))

@@ -13,7 +13,7 @@ from decimal import Decimal
 import numpy as np
 
 from axiscal.exceptions import ProgramError
-from axiscal.machine.motion import FAMILIES, Driving, move_groups, quick_share, turn_parts
+from axiscal.machine.motion import FAMILIES, move_groups, turn_parts
 from axiscal.measurement.setup import Setup
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget
 from axiscal.programs.standing import CLEAR, mounting
@@ -27,29 +27,23 @@ FASTEST = 99_999
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Some axes by index, in the order X Y Z, A B C; their speeds (mm/s, deg/s) and accelerations (mm/s², deg/s²).
-
-    near : mm/min or deg/min that are not exceeded near a reading; None where nothing is slow
-    """
+    """Some axes by index, in the order X Y Z, A B C; their speeds (mm/s, deg/s) and accelerations (mm/s², deg/s²)."""
 
     names: tuple[str, ...]
     axes: tuple[int, ...]
     speeds: tuple[float, ...]
     accelerations: tuple[float, ...]
-    near: int | None = None
 
-    def feed(self, ways: Sequence[float] | None, slow: bool = False) -> int:
+    def feed(self, ways: Sequence[float] | None) -> int:
         """Return the fastest feed (mm/min, deg/min) of a straight move at which no axis exceeds its speed.
 
-        ways : how far each axis goes, mm or deg; None where that is not known.  slow : the move is near a reading
-        Raises ProgramError below 1.
+        ways : how far each axis goes, mm or deg; None where that is not known.  Raises ProgramError below 1.
         """
         fastest = min(self.speeds) if ways is None else _along(self.speeds, ways)
-        most = self.near if slow and self.near is not None else FASTEST
-        feed = min(math.floor(fastest * 60 * (1 + 1e-12)), most)
+        feed = min(math.floor(fastest * 60 * (1 + 1e-12)), FASTEST)
         if feed < 1:
-            remedy = "Give these axes a higher speed, or programs a higher feed near the place"
-            raise ProgramError("{axes} would move at less than 1 mm/min or deg/min", remedy, axes=" ".join(self.names))
+            what, remedy = "{axes} would move at less than 1 mm/min or deg/min", "Give these axes a higher speed"
+            raise ProgramError(what, remedy, axes=" ".join(self.names))
         return feed
 
     def seconds(self, ways: Sequence[float], feed: int) -> float:
@@ -60,17 +54,16 @@ class Group:
         return 2 * math.sqrt(length / acceleration) if short else length / speed + speed / acceleration
 
 
-def groups(machine: Machine, driving: Driving) -> tuple[Group, ...]:
-    """Return the groups in the order they move; raises DescriptionError for an order that cannot be."""
-    return tuple(_group(machine, axes, driving.feed) for axes in move_groups(machine, driving))
+def groups(machine: Machine) -> tuple[Group, ...]:
+    """Return the groups in the order they move."""
+    return tuple(_group(machine, axes) for axes in move_groups(machine))
 
 
-def _group(machine: Machine, members: Sequence[int], near: float | None) -> Group:
+def _group(machine: Machine, members: Sequence[int]) -> Group:
     axes = tuple(sorted(members, key=lambda k: ("".join(FAMILIES).index(machine.axes[k].letter), machine.axes[k].name)))
     speeds = tuple(_written(machine.axes[k], machine.axes[k].speed) for k in axes)
     accelerations = tuple(_written(machine.axes[k], machine.axes[k].acceleration) for k in axes)
-    slow = None if near is None else math.floor(to_unit(near, "mm/min") * (1 + 1e-12))
-    return Group(tuple(machine.axes[k].name for k in axes), axes, speeds, accelerations, slow)
+    return Group(tuple(machine.axes[k].name for k in axes), axes, speeds, accelerations)
 
 
 def _written(axis: Axis, value: float) -> float:
@@ -177,9 +170,9 @@ class ProgramAxes:
 
     @classmethod
     def from_setup(cls, machine: Machine, setup: Setup, decimals: Sequence[int]) -> ProgramAxes:
-        """Return those of a set-up; decimals : of each axis.  Raises ProgramError, DescriptionError for an order."""
+        """Return those of a set-up; decimals : of each axis.  Raises ProgramError."""
         scales = tuple(AxisScale.of_axis(axis, each) for axis, each in zip(machine.axes, decimals, strict=True))
-        return cls(scales, groups(machine, setup.driving), clearance_of(machine, scales, setup))
+        return cls(scales, groups(machine), clearance_of(machine, scales, setup))
 
     @property
     def order(self) -> str:
@@ -204,7 +197,7 @@ class ProgramAxes:
         yield Halt(CLEAR)  # what is put down goes under a spindle that is clear
         yield from self.to_the_start(standing if setup.contact == "free" else self.cleared(standing))
         yield Halt(mounting(setup))
-        yield from self.to_the_start(standing, targets[0].position)
+        yield from self.to_the_start(standing)
         for target in targets:
             yield from self.way_to(target, standing, first=target is targets[0])
             standing = target.position
@@ -226,29 +219,22 @@ class ProgramAxes:
             turning = target.way_in(clear)
             stops = [clear, self.cleared(turning), turning, target.position]
         for stop in stops:
-            yield from self.moves(standing, stop, target.position)
+            yield from self.moves(standing, stop)
             standing = stop
 
-    def to_the_start(self, start: Decimals, place: Decimals | None = None) -> Iterator[Move]:
-        """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last.
-
-        place : of the first reading, where something is mounted, so that the way is slow; with a clearance only near it
-        """
-        slow = place is not None
+    def to_the_start(self, start: Decimals) -> Iterator[Move]:
+        """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last."""
         if self.clearance is None:
-            yield from (Move({k: start[k] for k in group.axes}, group.feed(None, slow), 0.0) for group in self.groups)
+            yield from (Move({k: start[k] for k in group.axes}, group.feed(None), 0.0) for group in self.groups)
             return
         apart, above = self.clearance
         (own,) = (group for group in self.groups if apart in group.axes)
         clear, there = {apart: above}, {apart: start[apart]}
-        low = place is not None and abs(above - place[apart]) <= self.scales[apart].nearness
-        yield from (Move(to, own.feed(None, low), 0.0) for to in [*self._places(there, clear)] or [clear])
+        yield from (Move(to, own.feed(None), 0.0) for to in [*self._places(there, clear)] or [clear])
         for group in self.groups:
             to = {k: start[k] for k in group.axes if k != apart}
-            yield from [Move(to, group.feed(None, low), 0.0)] if to else []
-        edge = there if place is None or own.near is None else self._edge(clear, there, place)
-        yield from (Move(to, own.feed(None), 0.0) for to in self._places(clear, edge))
-        yield from (Move(to, own.feed(None, slow), 0.0) for to in self._places(edge, there))
+            yield from [Move(to, group.feed(None), 0.0)] if to else []
+        yield from (Move(to, own.feed(None), 0.0) for to in self._places(clear, there))
 
     def cleared(self, place: Decimals) -> Decimals:
         """Return the place with the axis of the clearance where it is clear."""
@@ -257,28 +243,17 @@ class ProgramAxes:
         apart, above = self.clearance
         return (*place[:apart], above, *place[apart + 1 :])
 
-    def moves(self, start: Decimals, stop: Decimals, place: Decimals | None = None) -> Iterator[Move]:
-        """Yield the moves from one place to another, group after group; none where nothing is to move.
-
-        place : of the reading that is gone to, near which moves are slow
-        """
+    def moves(self, start: Decimals, stop: Decimals) -> Iterator[Move]:
+        """Yield the moves from one place to another, group after group; none where nothing is to move."""
         for group in self.groups:
             begin, end = ({k: where[k] for k in group.axes} for where in (start, stop))
-            edge = end if place is None or group.near is None else self._edge(begin, end, place)
-            yield from self._straight(begin, edge, group, slow=False)
-            yield from self._straight(edge, end, group, slow=True)
+            yield from self._straight(begin, end, group)
 
-    def _edge(self, begin: Places, end: Places, place: Decimals) -> Places:
-        """Return where a straight way comes near a reading with all its axes; its end if it never does."""
-        ways = (np.array([float(at[k]) for k in end]) for at in (begin, end, place))
-        share = Decimal(float(quick_share([float(self.scales[k].nearness) for k in end], *ways)))
-        return {k: (begin[k] + (end[k] - begin[k]) * share).quantize(self.scales[k].step) for k in end}
-
-    def _straight(self, begin: Places, end: Places, group: Group, slow: bool) -> Iterator[Move]:
+    def _straight(self, begin: Places, end: Places, group: Group) -> Iterator[Move]:
         """Yield a straight way as moves."""
         for stop in self._places(begin, end):
             ways = [float(abs(stop[k] - begin[k])) for k in group.axes]
-            feed = group.feed(ways, slow)
+            feed = group.feed(ways)
             yield Move({k: stop[k] for k in group.axes if stop[k] != begin[k]}, feed, group.seconds(ways, feed))
             begin = stop
 

@@ -102,7 +102,7 @@ def options_of(found: Configured, options: ExportOptions) -> ExportOptions:
         remedy = "set them to degree"
         raise TableError("ANGULAR_UNITS are radians, and the component counts degrees", remedy, found.ini.path)
     if {"--number", "--unit"} & set(options.given):
-        raise TableError("--ini says the unit and which joints are whose", "leave --unit, --number, --coordinates out")
+        raise TableError("--ini says the unit and which joints are whose", "leave --unit and --number out")
     return replace(options, unit=found.machine.build.unit, numbers={a.letter: a.joints for a in found.machine.axes})
 
 
