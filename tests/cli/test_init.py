@@ -1,4 +1,4 @@
-"""The first description: what is written can be used as it is, and the schemas say what the reader says."""
+"""The first description: what is written can be used as it is."""
 
 from __future__ import annotations
 
@@ -8,17 +8,14 @@ import re
 import shlex
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from jsonschema_rs import Draft202012Validator
 from scipy.spatial.transform import Rotation
 
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli import app
 from axiscal.description.campaign import campaign_from_texts, read_campaign
-from axiscal.description.campaign_schema import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED, Purpose
 from axiscal.description.first_files import (
     first_described,
@@ -42,11 +39,6 @@ from tests.zoo.running import described
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
-def fits(value: dict[str, Any], schema: dict[str, Any]) -> bool:
-    """Whether a document fits a JSON schema."""
-    return Draft202012Validator(schema).is_valid(value)
-
-
 def written(folder: Path, machine: str, *instruments: str) -> int:
     """Return the status of `axiscal init` for a machine and instruments."""
     named = [word for name in instruments for word in ("--instrument", name)]
@@ -60,11 +52,6 @@ def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str) -> None:
     campaign = read_campaign(tmp_path / "campaign.toml")
     assert campaign.machine == load_machine(machine) or campaign.machine.axes == load_machine(machine).axes
     assert [setup.lacks for setup in campaign.setups if setup.lacks] == []
-    for name in ("machine", "campaign"):
-        text = (tmp_path / f"{name}.toml").read_text()
-        assert text.startswith(f"#:schema ./{name}.schema.json\n")
-        schema = json.loads((tmp_path / f"{name}.schema.json").read_text())
-        assert fits(tomllib.loads(text), schema)
 
 
 @pytest.mark.parametrize("instrument", ["interferometer", "tracker"])
@@ -263,28 +250,11 @@ def test_limits_that_an_ini_file_leaves_open_are_asked_for_or_given(
     assert not (tmp_path / "none").exists()
 
 
-@pytest.mark.parametrize("name", ["machine", "campaign"])
-def test_the_schemas_are_printed_for_editors(name: str, command: Command) -> None:
-    printed = command("schema", name).document
-    assert printed == {"machine": machine_schema, "campaign": campaign_schema}[name]()
-    assert app.run(["schema", "report"]) == 2
-
-
 def test_nothing_is_written_over(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text("mine")
     assert written(tmp_path, "one-axis", "interferometer") == 1
     assert [each.name for each in tmp_path.iterdir()] == ["campaign.toml"]
     assert (tmp_path / "campaign.toml").read_text() == "mine"
-
-
-def test_the_schemas_fit_the_examples_of_the_documentation() -> None:
-    blocks = re.findall(r"```toml\n(.*?)```", (DOCS / "campaign.md").read_text(), flags=re.DOTALL)
-    whole = [data for data in map(tomllib.loads, blocks) if {"machine", "setups"} <= set(data)]
-    assert whole
-    schema = campaign_schema()
-    assert [data for data in whole if not fits(data, schema)] == []
-    machines = machine_schema()
-    assert all(fits(tomllib.loads(load_machine(name).text), machines) for name in builtin_names())
 
 
 def test_at_a_terminal_a_wrong_answer_is_asked_for_again(

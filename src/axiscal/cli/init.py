@@ -1,4 +1,4 @@
-"""`axiscal init`, and `axiscal data schema` of the files that it writes."""
+"""`axiscal init`."""
 
 from __future__ import annotations
 
@@ -16,9 +16,8 @@ import typer
 
 from axiscal.answers.answer_words import WIDTH, wrapped
 from axiscal.answers.row_words import row_name
-from axiscal.cli.printing import ask, complain, say, say_document
+from axiscal.cli.printing import ask, complain, say
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import (
     Beginning,
@@ -72,8 +71,8 @@ def init(
     """Write a first machine.toml and campaign.toml.
 
     Every line has a word of explanation; the command asks for what is not given. It begins with a built-in machine,
-    the INI file of a LinuxCNC or a printer.cfg, and marks with CHECK what such a file cannot say. JSON schemas beside
-    the files let editors complete and check them. Nothing is written over.
+    the INI file of a LinuxCNC or a printer.cfg, and marks with CHECK what such a file cannot say. Nothing is
+    written over.
 
     \b
     Examples:
@@ -229,17 +228,3 @@ def _limits(letter: str, numbers: str) -> tuple[str, tuple[float, float]]:
         text = f"{letter} {numbers}".strip()
         raise DescriptionError("{text!r} is not an axis and its two limits", remedy, text=text)
     return letter.upper(), (low, high)
-
-
-def schema(file: Annotated[str, typer.Argument(metavar="FILE", help=f"Which file: {' or '.join(SCHEMAS)}.")]) -> None:
-    """Print the JSON schema of machine.toml or campaign.toml.
-
-    Editors complete and check both files by it.
-
-    \b
-    Example:
-      axiscal data schema campaign > campaign.schema.json
-    """
-    if file not in SCHEMAS:
-        raise typer.BadParameter(said("there are schemas of {names}", names=joined(list(SCHEMAS))))
-    say_document(SCHEMAS[file]())

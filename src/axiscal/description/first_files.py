@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import json
 import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -14,7 +13,6 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, Purpose, first_campaign
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
@@ -310,7 +308,7 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
         )
     if purpose.target:
         parse_quantity(purpose.target, "length")
-    machine = f"#:schema ./machine.schema.json\n{_with_sizes(begun.text, instruments).rstrip()}\n"
+    machine = f"{_with_sizes(begun.text, instruments).rstrip()}\n"
     text = first_campaign(machine_from_text(machine), instruments, purpose, begun.active)
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
@@ -333,12 +331,7 @@ _REACHED = re.compile(r"reach = \{.*\}(?=   # CHECK: where the probe reaches)")
 def first_files(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> FirstFiles:
     """Return the files of a new calibration; arguments as of `first_described`."""
     described = first_described(begun, instruments, purpose)
-    texts = {
-        "machine.toml": described.machine.text,
-        "campaign.toml": described.text,
-        **{f"{name}.schema.json": json.dumps(schema(), indent=1) + "\n" for name, schema in SCHEMAS.items()},
-    }
-    return FirstFiles(texts, described)
+    return FirstFiles({"machine.toml": described.machine.text, "campaign.toml": described.text}, described)
 
 
 _HEAD = 'head = ["130 mm", "130 mm"]    # CHECK: diameter and height of the spindle nose with what carries it'
