@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from axiscal.document import Document, shown
 from axiscal.document.validation import Stated
-from axiscal.exceptions import DescriptionError, Faults, InputError
+from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.axis import letter_direction, travel_text
 from axiscal.machine.error_names import ErrorName, parse_any_name, side_name
@@ -124,14 +124,10 @@ def _check_location(name: ErrorName, axis: Axis) -> None:
     if name.angular and name.component != along:
         return
     possible = joined([f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along])
-    remedy = "The location errors of the linear axis {axis} are {possible}"
-    if name.component == along:
-        what = "a turn about {axis}'s own direction does not change its direction of travel"
-        remedy = "The location errors of the linear axis {axis} are {possible}; a constant roll is part of {error}"
-        error = f"E{COMPONENTS[along]}{axis.name}"
-        raise DescriptionError(what, remedy, axis=axis.name, possible=possible, error=error)
-    what = "a linear axis has no location error {name}: shifting it shifts only its zero"
-    raise DescriptionError(what, remedy, name=name.canonical, axis=axis.name, possible=possible)
+    what = "a linear axis has no location error {name}: only two turns of its direction show"
+    remedy = "The location errors of the linear axis {axis} are {possible}; a constant roll is part of {roll}"
+    roll = f"E{COMPONENTS[along]}{axis.name}"
+    raise DescriptionError(what, remedy, name=name.canonical, axis=axis.name, possible=possible, roll=roll)
 
 
 _ALL = frozenset(ErrorTable.model_fields)
@@ -259,9 +255,6 @@ def _knot_count(
     if not fewest <= count <= MOST_KNOTS:
         what = "{error}: {count:.0f} knots are too few"
         what = what if count < fewest else "{error}: {count:.0f} knots are too many"
-        if axis.cyclic:
-            what = "{error}: {count:.0f} knots over a full turn are too many"
-            what = "{error}: {count:.0f} knots over a full turn are too few" if count < fewest else what
         remedy = "Between {least} and {most} knots are possible; give knots, spacing or length accordingly"
         raise DescriptionError(what, remedy, error=name.canonical, count=count, least=fewest, most=MOST_KNOTS)
     return int(count)
@@ -282,11 +275,7 @@ def _rest(stated: Stated[ErrorTable], dimension: Dimension) -> float | None:
     """Return the standard deviation of the rest, m or rad; None when there is none or it is to be estimated."""
     if (stated.table.rest or "").strip() == AVERAGED:
         return None
-    try:
-        return stated.within("rest", dimension, SMALLEST_ERROR, LARGEST_ERROR)
-    except InputError as fault:
-        remedy = said('{remedy}; or "estimate" to learn it from the readings', remedy=fault.remedy)
-        raise type(fault)(fault.what, remedy, fault.file, fault.line) from None
+    return stated.within("rest", dimension, SMALLEST_ERROR, LARGEST_ERROR)
 
 
 def _smoothness(table: ErrorTable, averaged: bool) -> float:
