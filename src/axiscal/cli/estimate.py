@@ -82,7 +82,7 @@ def estimate(
     Examples:
       axiscal data estimate campaign.toml readings.csv --out results
       axiscal data estimate campaign.toml printer.cfg#hot --out results
-      axiscal data estimate campaign.toml heightmap.csv --zero homez.g --out results
+      axiscal data estimate campaign.toml heightmap.csv --zero "150 mm, 150 mm" --out results
       axiscal data estimate campaign.toml laser.rtl --axis Y --out results
       axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """

@@ -21,7 +21,7 @@ from axiscal.document.ports import part
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
-from axiscal.measurement.readers.homing import zero_by
+from axiscal.measurement.readers.probe_offset import place_of
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.present.delivery import introduced, write_files
 from axiscal.present.findings import findings
@@ -131,7 +131,7 @@ def export(
         template_name=str(template or "the template"),
         name=name,
         mesh=mesh,
-        zero=None if zero is None else zero_by(zero),
+        zero=None if zero is None else place_of(zero),
         flip=flip,
         pivots=pivots,
         encoder=measuring_system,
@@ -148,8 +148,6 @@ def export(
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
         described = estimation.case.description
-        if zero is not None:
-            options = replace(options, zero=zero_by(zero, described.aside))
         options = informed(options, replace(described, bumps=()) if probe_sign else described, to)
         missing = [axis.name for axis in described.machine.axes if axis.name not in options.numbers]
         if coordinates is not None and missing:
