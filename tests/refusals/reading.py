@@ -27,7 +27,7 @@ from axiscal.evaluation.standards import positioning_test
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
-from axiscal.machine.error_names import parse_error_name
+from axiscal.machine.error_names import error_named
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any, recognised
@@ -258,7 +258,7 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "chain": lambda _, text: parse_chain(text),
     "files": _file,
     "gone": _gone,
-    "error_name": lambda _, text: parse_error_name(text),
+    "error_name": lambda _, text: error_named(text),
     "ini": _of_file("machine.ini", lambda path: machine_of(read_ini(path))),
     "machine": lambda _, text: machine_from_text(text, "mill.toml"),
     "old_table": _old_table,

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.exceptions import ReadingError
-from axiscal.machine.error_names import parse_error_name
+from axiscal.machine.error_names import error_named
 from axiscal.machine.kinematics import Deviation, actual_deviation, composed
 from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.observation import Owned
@@ -197,7 +197,7 @@ class Simulator:
         names, where = {axis.name for axis in self.machine.axes}, "Simulator.with_curves"
         whole(where, "seed", seed, 0)
         for name in one(where, "curves", curves, Mapping, '{"EXX": TruthCurve(…)}'):
-            axis = parse_error_name(name).axis
+            axis = error_named(name).axis
             if axis not in names:
                 what = '"{name}" is an error of axis {axis}, which "{machine}" does not have'
                 remedy, known = "Take the curve out; the axes are {known}", ", ".join(sorted(names))
