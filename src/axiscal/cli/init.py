@@ -22,7 +22,6 @@ from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import (
     Beginning,
     first_described,
-    first_files,
     instruments_of,
     linear_travels,
     of_builtin,
@@ -93,8 +92,8 @@ def init(
         if "probe" in names and not given and begun.beside is None:
             begun = _with_probe(begun)
         wanted = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
-        made = partial(first_files, begun, names)
-        files = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
+        made = partial(first_described, begun, names)
+        described = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
     except EOFError:
         asked = {
             said("--machine or --from"): machine is None and ini is None,
@@ -103,7 +102,7 @@ def init(
         }
         lacking = joined([option for option, lacks in asked.items() if lacks])
         raise DescriptionError("Nobody answered", "Give {options}", options=lacking) from None
-    write_files(folder, files.texts)
+    write_files(folder, described)
     written, campaign = folder / "machine.toml", folder / "campaign.toml"
     say(said("{file}: change it to what your machine is", file=written))
     if begun.look:
@@ -112,8 +111,8 @@ def init(
         say(said("{file} names {instrument} where it is: leave that file there.", file=campaign, instrument=own))
     one = "{file}: {count} set-up offered"
     many = "{file}: {count} set-ups offered; a plan takes what is worth mounting"
-    say(counted(one, many, len(files.described.setups), file=campaign))
-    if hidden := _hidden(files.described):
+    say(counted(one, many, len(described.setups), file=campaign))
+    if hidden := _hidden(described):
         text = "These set-ups do not show {rows}, however often they are read."
         say("\n".join(wrapped(said(text, rows=hidden))))
     say("\n".join(ending({said("Next"): [f"axiscal plan {shlex.quote(str(campaign))}"]})))
