@@ -21,8 +21,7 @@ from axiscal.description.ini_machine import machine_of
 from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import AxiscalError
 from axiscal.machine.description import load_machine, machine_from_text
-from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.csv_table import read_poses
+from axiscal.measurement.readers.csv_readings import Around, read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Created, Event, Recorded

@@ -14,7 +14,7 @@ import pytest
 from axiscal.description.ini_file import read_ini
 from axiscal.description.printer_file import is_printer_file, read_printer
 from axiscal.exceptions import InputError
-from axiscal.measurement.readers.csv_table import read_poses
+from axiscal.measurement.readers.csv_readings import read_poses
 from axiscal.measurement.readers.files import FORMATS, Format, recognised
 from axiscal.measurement.readers.probe_offset import offset_in, sections_in, zero_of
 from axiscal.measurement.readers.text_file import read_text

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
-from axiscal.measurement.readers.csv_table import RawPose, csv_text, read_poses, table_of, unshielded
+from axiscal.measurement.readers.csv_readings import read_poses
+from axiscal.measurement.readers.csv_table import csv_text, table_of, unshielded
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.text_file import TextFile, lines_of
 
@@ -26,7 +27,8 @@ def written(tmp_path: Path, text: str) -> Path:
 
 def test_poses(tmp_path: Path) -> None:
     poses = read_poses(written(tmp_path, "C_deg,X_mm,approach\n180,10,X-\n0,20,\n"))
-    assert poses == (RawPose({"C": pi, "X": 0.01}, {"X": -1}, 2), RawPose({"C": 0.0, "X": 0.02}, {}, 3))
+    found = [(each.position, each.approach, each.line) for each in poses]
+    assert found == [({"C": pi, "X": 0.01}, {"X": -1}, 2), ({"C": 0.0, "X": 0.02}, {}, 3)]
 
 
 def test_a_file_without_a_header_is_shown_that_of_the_machine(tmp_path: Path) -> None:

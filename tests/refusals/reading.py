@@ -28,8 +28,7 @@ from axiscal.exceptions import InputError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
 from axiscal.machine.error_names import error_named
-from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.csv_table import read_poses
+from axiscal.measurement.readers.csv_readings import Around, read_poses
 from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.ports.linuxcnc.configuring import export_into
