@@ -15,7 +15,7 @@ from axiscal.errors.volume import deviation_of
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError
 from axiscal.machine import machine_from_text
-from axiscal.measurement.readers.csv_table import RawPose
+from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from tests.generators.texts import machine_text
@@ -77,9 +77,9 @@ def test_the_band_is_the_scatter_of_machines_that_come_from_that_side_or_from_an
     assert np.array_equal(mean, exact)
 
 
-def raw(position: dict[str, float], approach: dict[str, int] | None = None, line: int = 2) -> RawPose:
+def raw(position: dict[str, float], approach: dict[str, int] | None = None, line: int = 2) -> RawReading:
     """Return a pose of a file."""
-    return RawPose(position, approach or {}, line)
+    return RawReading("", position, approach or {}, 0.0, None, "length", line)
 
 
 def test_what_a_pose_leaves_out_is_the_middle_of_the_travel_from_any_side() -> None:

@@ -18,7 +18,7 @@ from tests.docs.cli import PAGE, reference
 TEN = ["init", "plan", "measure", "serve", "finish", "export", "verify", "status", "report", "demo"]
 GROUPED = {
     "step": ["start", "next", "record", "undo", "accept", "note", "status", "run"],
-    "data": ["estimate", "iso230", "predict", "copy", "schema"],
+    "data": ["estimate", "iso230", "predict", "copy"],
 }
 LONGEST = 60
 """Characters of a summary: a line of help fits 80 columns with the name before it."""

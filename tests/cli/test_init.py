@@ -1,20 +1,14 @@
-"""The first description: what is written can be used as it is, and the schemas say what the reader says."""
+"""The first description: what is written can be used as it is."""
 
 from __future__ import annotations
 
 import io
-import json
-import re
-import tomllib
 from pathlib import Path
-from typing import Any
 
 import pytest
-from jsonschema_rs import Draft202012Validator
 
 from axiscal.cli import app
 from axiscal.description.campaign import campaign_from_texts, read_campaign
-from axiscal.description.campaign_schema import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.first_files import (
     instruments_of,
@@ -26,11 +20,6 @@ from tests.commands import Command
 from tests.generators.machines import random_machine
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-
-
-def fits(value: dict[str, Any], schema: dict[str, Any]) -> bool:
-    """Whether a document fits a JSON schema."""
-    return Draft202012Validator(schema).is_valid(value)
 
 
 def written(folder: Path, machine: str, *instruments: str) -> int:
@@ -46,11 +35,6 @@ def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str) -> None:
     campaign = read_campaign(tmp_path / "campaign.toml")
     assert campaign.machine == load_machine(machine) or campaign.machine.axes == load_machine(machine).axes
     assert [setup.lacks for setup in campaign.setups if setup.lacks] == []
-    for name in ("machine", "campaign"):
-        text = (tmp_path / f"{name}.toml").read_text()
-        assert text.startswith(f"#:schema ./{name}.schema.json\n")
-        schema = json.loads((tmp_path / f"{name}.schema.json").read_text())
-        assert fits(tomllib.loads(text), schema)
 
 
 @pytest.mark.parametrize("instrument", ["interferometer", "tracker"])
@@ -136,16 +120,6 @@ def test_nothing_is_written_over(tmp_path: Path) -> None:
     assert written(tmp_path, "one-axis", "interferometer") == 1
     assert [each.name for each in tmp_path.iterdir()] == ["campaign.toml"]
     assert (tmp_path / "campaign.toml").read_text() == "mine"
-
-
-def test_the_schemas_fit_the_examples_of_the_documentation() -> None:
-    blocks = re.findall(r"```toml\n(.*?)```", (DOCS / "campaign.md").read_text(), flags=re.DOTALL)
-    whole = [data for data in map(tomllib.loads, blocks) if {"machine", "setups"} <= set(data)]
-    assert whole
-    schema = campaign_schema()
-    assert [data for data in whole if not fits(data, schema)] == []
-    machines = machine_schema()
-    assert all(fits(tomllib.loads(load_machine(name).text), machines) for name in builtin_names())
 
 
 def test_at_a_terminal_a_wrong_answer_is_asked_for_again(

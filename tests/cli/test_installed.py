@@ -77,7 +77,7 @@ def test_the_wheel_brings_the_program_its_page_and_its_languages(program: Path, 
     assert str(program.parents[1]) in found.stdout.decode()
     assert "lathe" in said("machine", "list")
     said("init", "mill", "--machine", "one-axis", "--instrument", "laser", "--target", "20 um")
-    assert (tmp_path / "mill" / "campaign.schema.json").is_file()
+    assert (tmp_path / "mill" / "campaign.toml").is_file()
     assert "MESSUNGEN" in said("plan", "mill/campaign.toml")
     serve = [str(program), "serve", "--start"]
     with subprocess.Popen(

@@ -24,11 +24,9 @@ MASKED = (
 LEFT_AWAY = (
     *("*.axiscal", "*.axiscal-*", "*.answers", "*.sqlite"),
     *("*.pdf", "*.svg", "data/*", "tables/*/README.txt"),
-    *("axiscal_vcomp.comp", "axiscal_vcomp_core.h", "job/*.schema.json"),
+    *("axiscal_vcomp.comp", "axiscal_vcomp_core.h"),
 )
-"""Records and what is kept beside them; reports and pictures; the words beside tables; code that is copied; the
-schemas where they stand a second time.
-"""
+"""Records and what is kept beside them; reports and pictures; the words beside tables; code that is copied."""
 DIGITS = 12
 MOST = 8
 """Numbers of a list that is kept whole; of a longer one so many at most. Sentences are all kept."""

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from axiscal.exceptions import AxiscalError, ChainError, InputError
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
-from axiscal.machine.error_names import parse_error_name
+from axiscal.machine.error_names import error_named
 
 NAMES = [letter + digit for letter in "XYZUVWPQRABC" for digit in ("", "1", "9")]
 SOURCES = [load_machine(name).text for name in builtin_names()]
@@ -46,10 +46,10 @@ def test_any_text_is_a_chain_or_a_chain_error(text: str) -> None:
 @given(st.text(max_size=20) | st.text("EXYZABC0O()_reversal12", max_size=14))
 def test_any_text_is_an_error_name_or_an_input_error(text: str) -> None:
     try:
-        name = parse_error_name(text)
+        name = error_named(text)
     except InputError:
         return
-    assert parse_error_name(name.canonical).canonical == name.canonical
+    assert error_named(name.name).name == name.name
 
 
 @st.composite

@@ -6,7 +6,7 @@ import pytest
 
 from axiscal.machine import machine_from_text
 from axiscal.machine.description import parse_chain
-from axiscal.machine.error_names import ErrorName, parse_error_name
+from axiscal.machine.error_names import error_named, reference_in
 from axiscal_core.errors import Kind
 
 NAMES: list[tuple[str, str, str, Kind, int]] = [
@@ -32,9 +32,10 @@ NAMES: list[tuple[str, str, str, Kind, int]] = [
 
 @pytest.mark.parametrize(("text", "canonical", "axis", "kind", "component"), NAMES)
 def test_a_name_is_taken_apart(text: str, canonical: str, axis: str, kind: Kind, component: int) -> None:
-    reference = "X" if "(" in text else None
-    assert parse_error_name(text) == ErrorName(canonical, axis, kind, component, reference)
-    assert parse_error_name(canonical).canonical == canonical
+    found = error_named(text)
+    assert (found.name, found.axis, found.kind, found.component) == (canonical, axis, kind, component)
+    assert reference_in(text) == ("X" if "(" in text else None)
+    assert error_named(canonical).name == canonical
 
 
 CHAINS: list[tuple[str, list[str]]] = [

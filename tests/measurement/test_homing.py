@@ -1,4 +1,4 @@
-"""A mesh is zero where the printer homes Z: by its own files, as stated, or in the middle."""
+"""A mesh is zero where the printer homes Z: by its own file, as stated, or in the middle."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
-from axiscal.measurement.readers.homing import zero_in
+from axiscal.measurement.readers.probe_offset import sections_in, zero_of
 from axiscal.numerics import Array
 from axiscal.present.delivery import read_in
 from tests.controls.fetched import MissingError
@@ -29,14 +28,6 @@ from tests.tables.test_bed_round_trips import (
 PROBE = "[bltouch]\nx_offset: -20\ny_offset: 5\nz_offset: 1\n"
 BY_PROBE = "[stepper_z]\nendstop_pin: probe:z_virtual_endstop\n"
 HOME = "[safe_z_home]\nhome_xy_position: 110, 90  # mm\n"
-OVERRIDE = (
-    "[homing_override]\naxes: xyz\ngcode:\n    G90\n    G28 X Y\n    G0 X100Y50 F6000\n    G1 Y60\n    G28 Z0\n"
-    "    G0 X1 Y1\n"
-)
-MACRO = "[gcode_macro START]\ngcode:\n  G1 X5 Y5\n  G28\n"
-DUET = "; homez.g\nG91\nG1 H2 Z5\nG90\nG1 X130 Y80 F6000 ; middle\nG30\n"
-AT_60 = "#define Z_SAFE_HOMING_X_POINT 60\n#define Z_SAFE_HOMING_Y_POINT 140\n"
-MARLIN = "#define Z_SAFE_HOMING\n#define Z_SAFE_HOMING_X_POINT {}  // X point\n#define Z_SAFE_HOMING_Y_POINT 70.5\n"
 
 
 @pytest.mark.parametrize(
@@ -47,32 +38,19 @@ MARLIN = "#define Z_SAFE_HOMING\n#define Z_SAFE_HOMING_X_POINT {}  // X point\n#
         (HOME + PROBE + BY_PROBE.replace("probe:z_virtual_endstop", "^PC2"), None),
         (HOME + BY_PROBE.replace(":z_v", ": z_v"), (110, 90)),
         (HOME + PROBE + BY_PROBE, (90, 95)),
-        (OVERRIDE + MACRO + BY_PROBE, (100, 60)),
-        (OVERRIDE + PROBE + BY_PROBE, (80, 65)),
-        (OVERRIDE.replace("G1 Y60", "G1 Y{params.Y}"), None),
-        (MACRO + BY_PROBE, None),
         (klipper_file(X, Y, bed(X, Y)), None),
-        (DUET, (130, 80)),
-        (f"G31 P500 X-25.5 Y10 Z2\n{DUET}", (104.5, 90)),
-        (DUET.replace("G30", "G1 H1 Z-300"), None),
-        (DUET.replace("G30", "G30 P0 X15 Y15 Z-99999"), None),
-        (DUET.replace("G90", ""), None),
-        (DUET.replace("X130", "X{global.middle}"), None),
-        (MARLIN.format("60"), (60, 70.5)),
-        (MARLIN.format("X_CENTER"), None),
         *((text, (150, 150)) for text in with_field({}, "04-bed-map-zero/bowl.cfg")),
         *((text, None) for text in with_field({}, "15-two-profiles/two.cfg")),
     ],
 )
 def test_files_of_a_printer_say_where_it_homes(text: str, place: tuple[float, float] | None) -> None:
-    found = zero_in(text)
+    found = zero_of(sections_in(text) or {})
     assert found == (None if place is None else pytest.approx((place[0] * 1e-3, place[1] * 1e-3)))
 
 
 WAYS = {
     "zero_reference_position": "[bed_mesh]\nzero_reference_position: {x}, {y}\n",
     "safe_z_home": f"{BY_PROBE}[probe]\nx_offset: 4\ny_offset: -7\n[safe_z_home]\nhome_xy_position: {{hx}}, {{hy}}\n",
-    "homing_override": f"{BY_PROBE}[homing_override]\ngcode:\n    G28 X Y\n    G1 X{{x}} Y{{y}}\n    G28 Z\n",
     "index": "[bed_mesh]\nmesh_min: 30, 20\nmesh_max: 270, 220\nprobe_count: 7, 6\nrelative_reference_index: {index}\n",
 }
 
@@ -81,7 +59,7 @@ WAYS = {
 @pytest.mark.parametrize("seed", range(20))
 def test_a_mesh_is_zero_where_its_own_file_says_by_the_mesh_of_klipper(seed: int, tmp_path: Path) -> None:
     """To 1 um; the stated place is drawn, and the way to state it."""
-    rng, (name, way) = np.random.default_rng(seed), [*WAYS.items()][seed % 4]
+    rng, (name, way) = np.random.default_rng(seed), [*WAYS.items()][seed % 3]
     x, y = (round(float(rng.uniform(*ends)), 2) for ends in ((35, 265), (25, 215)))
     index = int(rng.integers(42))
     try:
@@ -108,7 +86,7 @@ def test_the_nodes_of_a_mesh_are_counted_as_klipper_counts_them(radius: float | 
     said = f"mesh_radius: {radius}\nmesh_origin: 12, 5\nround_probe_count: 7\n"
     said = said if radius else "mesh_min: 15, 12\nmesh_max: 285, 230\nprobe_count: 5, 4\n"
     for index, node in enumerate([*nodes, None]):
-        found = zero_in(f"[bed_mesh]\n{said}relative_reference_index: {index}\n")
+        found = zero_of(sections_in(f"[bed_mesh]\n{said}relative_reference_index: {index}\n") or {})
         assert found == (None if node is None else pytest.approx((node[0] * 1e-3, node[1] * 1e-3)))
 
 
@@ -123,13 +101,8 @@ def test_the_nodes_of_a_mesh_are_counted_as_klipper_counts_them(radius: float | 
 def test_the_place_stands_on_the_screen_and_in_the_record(
     readings: str, name: str, controller: str, tmp_path: Path
 ) -> None:
-    """By the file itself, by the homez.g of a Duet or the Configuration.h of a Marlin beside it."""
-    others = {"reprapfirmware": ("homez.g", "G90\nG1 X60 Y140\nG30\n"), "marlin": ("Configuration.h", AT_60)}
-    zero = None
-    if controller in others:
-        file, text = others[controller]
-        (tmp_path / file).write_text(text)
-        zero = str(tmp_path / file)
+    """By the file itself, or as it is stated."""
+    zero = None if controller == "klipper" else "60 mm, 140 mm"
     record = estimated(tmp_path, readings, name, options=("--zero", zero) if zero else ())
     described = read_campaign(record.parents[1] / "campaign.toml", target_needed=False, asking=False)
     assert "zero at X60 Y140" in read_in(described, record.parents[1] / name, zero=zero).told
@@ -153,26 +126,14 @@ def height(x: Array, y: Array, mesh: Array, at: tuple[float, float]) -> float:
     [
         ("reprapfirmware", (), (150.0, 120.0)),
         ("marlin", ("--zero", "70 mm, 20 mm"), (70.0, 20.0)),
-        ("klipper", ("--zero", "home.cfg"), (90.0, 95.0)),
+        ("klipper", ("--zero", "90 mm, 95 mm"), (90.0, 95.0)),
     ],
 )
 def test_the_files_of_every_printer_are_zero_where_it_homes(
-    record: Path, controller: str, option: tuple[str, ...], place: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+    record: Path, controller: str, option: tuple[str, ...], place: tuple[float, float]
 ) -> None:
-    monkeypatch.chdir(record.parent)
-    Path("home.cfg").write_text(HOME + PROBE + BY_PROBE)
     files = exported(record, controller, *option)
     x, y, mesh = held_by(controller, files)
     assert np.ptp(mesh) > 0.1
     assert height(x, y, mesh, place) == pytest.approx(0.0, abs=2e-4 if controller == "marlin" else 1e-6)
     assert f"zero at X{place[0]:g} Y{place[1]:g}" in files["README.txt"]
-
-
-def test_a_file_that_does_not_say_is_refused_by_name(
-    record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "macros.cfg").write_text(MACRO)
-    words = ["export", str(record), "--to", "klipper", "--out", str(tmp_path / "k"), "--zero", "macros.cfg"]
-    monkeypatch.chdir(tmp_path)
-    assert run(words) != 0
-    assert "macros.cfg: this file states no place where Z is homed" in " ".join(capsys.readouterr().err.split())

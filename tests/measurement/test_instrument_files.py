@@ -82,18 +82,6 @@ def test_a_rtl_file_is_a_positioning_test(tmp_path: Path, encoding: str, ends: s
     assert pytest.approx(0.6e-6) == evaluate(test).figures["B"]
 
 
-@pytest.mark.parametrize(
-    ("kind", "test", "unit", "value"),
-    [("rta", "angular", "arcsec", 1.9e-3), ("RTS\nUnits: um", "straightness", "um", 1.9e-6)],
-)
-def test_files_of_the_same_form_are_other_tests(tmp_path: Path, kind: str, test: str, unit: str, value: float) -> None:
-    read = recognised(_file(tmp_path, RTL.replace("File type  : rtl", f"File type  : {kind}")))
-    assert {each.test for each in read.found.readings} == {test}
-    assert read.found.readings[4].value == pytest.approx(value)
-    found = evaluate(positioning_test(read))
-    assert (found.unit, found.target_unit) == (unit, "mm")
-
-
 TWO_LASERS = "".join(
     f'[[setups]]\nname = "{axis}"\ninstrument = "interferometer"\nmoves = ["{axis}"]\ndirection = "{axis.lower()}"\n'
     for axis in "XY"
@@ -111,30 +99,8 @@ def test_a_person_says_along_which_axis_a_test_was_read(tmp_path: Path, command:
     command(*given[:3], named, "--out", tmp_path / "other", "--axis", "Y").refused("so Y is not to be named")
 
 
-def test_a_height_map_of_version_one_has_one_spacing(tmp_path: Path) -> None:
-    old = MAP.replace("v2", "v1").replace("xspacing,yspacing", "spacing").replace("30.00,30.00,3", "30.00,3")
-    assert len(read_any(_file(tmp_path, old))) == 4
-
-
 def test_maps_find_their_set_up(tmp_path: Path) -> None:
     campaign = _campaign('direction = "-z"', 'direction = "x"')
     nodes = placed_readings(read_any(_file(tmp_path, MAP)), campaign, "map")
     assert {reading.setup for reading in nodes} == {"0"}
     assert nodes[0].value == pytest.approx(-41e-6)  # the bed is low, the tool too high over it
-
-
-@pytest.mark.parametrize(
-    ("targets", "sides"),
-    [
-        ((0, 250, 500), (1, 1, 1)),
-        ((0, 250, 500, 500, 250, 0), (1, 1, 1, -1, -1, -1)),
-        ((500, 0, 250, 500), (-1, -1, 1, 1)),
-    ],
-)
-def test_the_order_of_targets_says_from_which_side_they_were_come_to(
-    tmp_path: Path, targets: tuple[float, ...], sides: tuple[int, ...]
-) -> None:
-    lines = "".join(f"{at},{number}\n" for number, at in enumerate(targets))
-    file = _file(tmp_path, f"Position (mm),Error (um)\n{lines}", name="plain.csv")
-    assert tuple(each.approach[""] for each in read_any(file)) == sides
-    assert "names no direction" in recognised(file).sentence()

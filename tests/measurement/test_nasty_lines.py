@@ -14,10 +14,9 @@ import pytest
 from axiscal.description.ini_file import read_ini
 from axiscal.description.printer_file import is_printer_file, read_printer
 from axiscal.exceptions import InputError
-from axiscal.measurement.readers.csv_table import read_poses
+from axiscal.measurement.readers.csv_readings import read_poses
 from axiscal.measurement.readers.files import FORMATS, Format, recognised
-from axiscal.measurement.readers.homing import zero_in
-from axiscal.measurement.readers.probe_offset import offset_in
+from axiscal.measurement.readers.probe_offset import offset_in, sections_in, zero_of
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.readers.touch_log import read_touch_log
 
@@ -62,7 +61,7 @@ def doors(file: Path) -> Iterator[Callable[[], object]]:
     yield lambda: is_printer_file(file) and read_printer(file)
     yield lambda: read_touch_log(file)
     yield from (partial(_known, each, file) for each in FORMATS)
-    yield lambda: zero_in(file.read_text())
+    yield lambda: zero_of(sections_in(file.read_text()) or {})
     yield lambda: offset_in(file.read_text())
 
 

@@ -27,12 +27,10 @@ from axiscal.evaluation.standards import positioning_test
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
-from axiscal.machine.error_names import parse_error_name
-from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.csv_table import read_poses
+from axiscal.machine.error_names import error_named
+from axiscal.measurement.readers.csv_readings import Around, read_poses
 from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text
-from axiscal.measurement.simulation import read_truth
 from axiscal.ports.linuxcnc.configuring import export_into
 from axiscal.present.guide.question import answer
 from axiscal.record.lines import EventText
@@ -250,7 +248,7 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "chain": lambda _, text: parse_chain(text),
     "files": _file,
     "gone": _gone,
-    "error_name": lambda _, text: parse_error_name(text),
+    "error_name": lambda _, text: error_named(text),
     "ini": _of_file("machine.ini", lambda path: machine_of(read_ini(path))),
     "machine": lambda _, text: machine_from_text(text, "mill.toml"),
     "options": _options,
@@ -264,6 +262,5 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "rewritten": _rewritten,
     "source": lambda _, text: open_source(text, SIMULATOR),
     "template": _template,
-    "truth": _of_file("truth.csv", read_truth),
     "typed": _typed,
 }

@@ -204,7 +204,7 @@ def test_from_nothing_to_the_first_reading_of_a_router(browser: Browser, start: 
     assert "squareness YZ" not in wanted
     assert target.budget is not None
     files = {path.name for path in record.parent.iterdir()}
-    assert {"machine.toml", "campaign.toml", "machine.schema.json", "campaign.schema.json"} <= files
+    assert {"machine.toml", "campaign.toml"} <= files
     assert not (start.record / "axiscal-draft").exists()
 
 

@@ -13,7 +13,7 @@ from axiscal.estimation.functionals.asked import beside_the_line
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.machine.axis import travel_text
-from axiscal.measurement.readers.csv_table import RawPose
+from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.reading import Place, in_radii
 from axiscal.measurement.reading_rows import blank_readings, seen
 from axiscal.numerics import Array
@@ -26,7 +26,7 @@ _SLACK = 1e-9
 
 
 @one_thread()
-def predict_poses(estimation: Estimation, wanted: Sequence[RawPose], file: Path) -> tuple[Array, Array]:
+def predict_poses(estimation: Estimation, wanted: Sequence[RawReading], file: Path) -> tuple[Array, Array]:
     """Return what `tcp_prediction` does at each pose; axes that a pose leaves out stand at the middle of their travel.
 
     Raises ReadingError with file and line for an unknown axis or a position outside the travel.

@@ -61,7 +61,6 @@ _DATA = {
     "sign": "records.sign",
     "repair": "records.repair",
     "merge": "records.merge",
-    "schema": "init.schema",
 }
 _GROUPS = {
     "step": ("Take one step of a campaign per command, as scripts do.", _STEP),

@@ -99,7 +99,7 @@ Zero = Annotated[
     str | None,
     typer.Option(
         metavar="FILE|PLACE",
-        help='Where the printer homes Z: printer.cfg, homez.g, Configuration.h, or "150 mm, 150 mm".',
+        help='Where the printer homes Z, such as "150 mm, 150 mm".',
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]

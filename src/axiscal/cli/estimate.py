@@ -19,7 +19,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.evaluation.standards import Positioning, figures_of
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import WORDS, decimals, said
-from axiscal.measurement.readers.csv_table import read_poses
+from axiscal.measurement.readers.csv_readings import read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import evaluated, read_in
@@ -82,7 +82,7 @@ def estimate(
     Examples:
       axiscal data estimate campaign.toml readings.csv --out results
       axiscal data estimate campaign.toml printer.cfg#hot --out results
-      axiscal data estimate campaign.toml heightmap.csv --zero homez.g --out results
+      axiscal data estimate campaign.toml heightmap.csv --zero "150 mm, 150 mm" --out results
       axiscal data estimate campaign.toml laser.rtl --axis Y --out results
       axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """

@@ -21,7 +21,7 @@ from axiscal.document.ports import part
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
-from axiscal.measurement.readers.homing import zero_by
+from axiscal.measurement.readers.probe_offset import place_of
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.present.delivery import introduced, write_files
 from axiscal.present.findings import findings
@@ -110,7 +110,7 @@ def export(
         template=None if template is None else exact_text(template),
         template_name=str(template or "the template"),
         mesh=mesh,
-        zero=None if zero is None else zero_by(zero),
+        zero=None if zero is None else place_of(zero),
         encoder=measuring_system,
     )
     given = [*([] if ini is None else ["--ini"]), *options.given]
@@ -123,8 +123,6 @@ def export(
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
         described = estimation.case.description
-        if zero is not None:
-            options = replace(options, zero=zero_by(zero, described.aside))
         options = informed(options, replace(described, bumps=()) if probe_sign else described, to)
         options = replace(options, origin=record_state(campaign).hash)
         into = None if ini is None else part("linuxcnc-configuration")

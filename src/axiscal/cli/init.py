@@ -1,4 +1,4 @@
-"""`axiscal init`, and `axiscal data schema` of the files that it writes."""
+"""`axiscal init`."""
 
 from __future__ import annotations
 
@@ -16,14 +16,12 @@ import typer
 
 from axiscal.answers.answer_words import WIDTH, wrapped
 from axiscal.answers.row_words import row_name
-from axiscal.cli.printing import ask, complain, say, say_document
+from axiscal.cli.printing import ask, complain, say
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import (
     Beginning,
     first_described,
-    first_files,
     instruments_of,
     linear_travels,
     of_builtin,
@@ -72,8 +70,8 @@ def init(
     """Write a first machine.toml and campaign.toml.
 
     Every line has a word of explanation; the command asks for what is not given. It begins with a built-in machine,
-    the INI file of a LinuxCNC or a printer.cfg, and marks with CHECK what such a file cannot say. JSON schemas beside
-    the files let editors complete and check them. Nothing is written over.
+    the INI file of a LinuxCNC or a printer.cfg, and marks with CHECK what such a file cannot say. Nothing is
+    written over.
 
     \b
     Examples:
@@ -94,8 +92,8 @@ def init(
         if "probe" in names and not given and begun.beside is None:
             begun = _with_probe(begun)
         wanted = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
-        made = partial(first_files, begun, names)
-        files = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
+        made = partial(first_described, begun, names)
+        described = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
     except EOFError:
         asked = {
             said("--machine or --from"): machine is None and ini is None,
@@ -104,7 +102,7 @@ def init(
         }
         lacking = joined([option for option, lacks in asked.items() if lacks])
         raise DescriptionError("Nobody answered", "Give {options}", options=lacking) from None
-    write_files(folder, files.texts)
+    write_files(folder, described)
     written, campaign = folder / "machine.toml", folder / "campaign.toml"
     say(said("{file}: change it to what your machine is", file=written))
     if begun.look:
@@ -113,8 +111,8 @@ def init(
         say(said("{file} names {instrument} where it is: leave that file there.", file=campaign, instrument=own))
     one = "{file}: {count} set-up offered"
     many = "{file}: {count} set-ups offered; a plan takes what is worth mounting"
-    say(counted(one, many, len(files.described.setups), file=campaign))
-    if hidden := _hidden(files.described):
+    say(counted(one, many, len(described.setups), file=campaign))
+    if hidden := _hidden(described):
         text = "These set-ups do not show {rows}, however often they are read."
         say("\n".join(wrapped(said(text, rows=hidden))))
     say("\n".join(ending({said("Next"): [f"axiscal plan {shlex.quote(str(campaign))}"]})))
@@ -229,17 +227,3 @@ def _limits(letter: str, numbers: str) -> tuple[str, tuple[float, float]]:
         text = f"{letter} {numbers}".strip()
         raise DescriptionError("{text!r} is not an axis and its two limits", remedy, text=text)
     return letter.upper(), (low, high)
-
-
-def schema(file: Annotated[str, typer.Argument(metavar="FILE", help=f"Which file: {' or '.join(SCHEMAS)}.")]) -> None:
-    """Print the JSON schema of machine.toml or campaign.toml.
-
-    Editors complete and check both files by it.
-
-    \b
-    Example:
-      axiscal data schema campaign > campaign.schema.json
-    """
-    if file not in SCHEMAS:
-        raise typer.BadParameter(said("there are schemas of {names}", names=joined(list(SCHEMAS))))
-    say_document(SCHEMAS[file]())

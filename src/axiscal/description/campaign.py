@@ -130,11 +130,6 @@ class CampaignDescription:
         probes = (each for each in self.setups if each.instrument == "probe" and each.chart is None)
         return [each.name for each in probes if each.offset is None and set(self.controls) <= _PRINTERS]
 
-    @property
-    def aside(self) -> tuple[float, float]:
-        """How far the probe of a printer stands beside its nozzle along x and y, m; nought where nobody said."""
-        return next((each.offset[:2] for each in self.setups if each.instrument == "probe" and each.offset), (0.0, 0.0))
-
     def bump_of(self, controller: str) -> Bumped | None:
         """Return the latest bump in the tables of a control, None where nobody has read one."""
         return next((each for each in reversed(self.bumps) if each.controller == controller), None)

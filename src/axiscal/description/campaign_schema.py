@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from axiscal.description.artefacts import ArtefactTable
 from axiscal.description.fields import (
-    CONTROLS,
     Active,
     Bar,
     Base,
@@ -40,20 +39,15 @@ from axiscal.description.fields import (
 from axiscal.description.screws import Ground, ScrewsTable
 from axiscal.description.target import TargetTable
 from axiscal.document import Length, QuantityText, meant, shown
-from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.machine.machine_schema import MachineFile
 from axiscal.measurement.artefact import reads_as
-from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.instruments.written import PORTS
 from axiscal.measurement.setup import FINEST, Nodes, Reads, Setup, Vector
 from axiscal.measurement.type_b import type_b_names
 from axiscal.units import dimension_of, format_quantity, within
 from axiscal_core.theta import Sure
 
-_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _WIDEST = 1e-2
 """m or rad: what is off by more is no instrument."""
 _CHIP = 20e-6
@@ -299,42 +293,3 @@ class CampaignTable(Table):
     report: ReportTable = Field(default_factory=lambda: ReportTable.model_validate({}))
     screws: ScrewsTable | None = Field(None, examples=['{ thread = "CW-M4", places = {…} }'])
     setups: list[SetupTable] = Field(examples=["[…]"])
-
-
-def machine_schema() -> dict[str, Any]:
-    """Return the schema of machine.toml."""
-    return _schema(MachineFile, "machine.toml: the machine, stable over years")
-
-
-def campaign_schema() -> dict[str, Any]:
-    """Return the schema of campaign.toml; it knows the names of instruments and controls."""
-    schema = _schema(CampaignTable, "campaign.toml: one calibration")
-    own = {"pattern": r"\.py:"}, {"enum": [*INSTRUMENTS, *names(PORTS)]}
-    schema["$defs"]["SetupTable"]["properties"]["instrument"]["anyOf"] = [*own]
-    schema["properties"]["controls"]["items"]["enum"] = [*names(CONTROLS)]
-    return schema
-
-
-SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {"machine": machine_schema, "campaign": campaign_schema}
-"""By the file that they describe."""
-
-
-def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:
-    return {"$schema": _DIALECT, **_told(model.model_json_schema()), "title": title}
-
-
-def _told(schema: dict[str, Any]) -> dict[str, Any]:
-    """Return a schema for a person who writes the file: examples as it has them, no defaults in SI units."""
-    told = {key: _below(key, value) for key, value in schema.items() if key not in ("default", "examples", "title")}
-    if "examples" in schema:
-        told["description"] = f"Such as {' or '.join(schema['examples'])}"
-    return told
-
-
-def _below(key: str, value: Any) -> Any:
-    """Return what stands under a keyword: a schema, several of them by name or in a list, or anything else."""
-    if key in ("properties", "$defs"):
-        return {name: _told(each) for name, each in value.items()}
-    if isinstance(value, list):
-        return [_told(each) if isinstance(each, dict) else each for each in value]
-    return _told(value) if isinstance(value, dict) else value

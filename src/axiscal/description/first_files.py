@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import json
 import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -11,10 +10,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, Purpose, first_campaign
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
@@ -54,13 +51,6 @@ class Beginning:
     mesh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     instrument: str = "square"
     folder: Path = Path()
-
-
-class FirstFiles(NamedTuple):
-    """texts : by the name of their file; described : the campaign that they say"""
-
-    texts: dict[str, str]
-    described: CampaignDescription
 
 
 def offered_names(folder: Path | None = None) -> dict[str, str]:
@@ -309,7 +299,7 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
         )
     if purpose.target:
         parse_quantity(purpose.target, "length")
-    machine = f"#:schema ./machine.schema.json\n{_with_sizes(begun.text, instruments).rstrip()}\n"
+    machine = f"{_with_sizes(begun.text, instruments).rstrip()}\n"
     text = first_campaign(machine_from_text(machine), instruments, purpose, begun.active)
     if begun.beside is not None:
         x, y = (format_quantity(each, "mm", 6) for each in begun.beside)
@@ -329,17 +319,6 @@ def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpo
 _REACHED = re.compile(r"reach = \{.*\}(?=   # CHECK: where the probe reaches)")
 
 
-def first_files(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> FirstFiles:
-    """Return the files of a new calibration; arguments as of `first_described`."""
-    described = first_described(begun, instruments, purpose)
-    texts = {
-        "machine.toml": described.machine.text,
-        "campaign.toml": described.text,
-        **{f"{name}.schema.json": json.dumps(schema(), indent=1) + "\n" for name, schema in SCHEMAS.items()},
-    }
-    return FirstFiles(texts, described)
-
-
 _HEAD = 'head = ["130 mm", "130 mm"]    # CHECK: diameter and height of the spindle nose with what carries it'
 _STYLUS = """stylus = "6 mm"                # CHECK: diameter of the ball of the stylus
 reach = "50 mm"                # CHECK: how far the stylus stands free below the body of the probe"""
@@ -353,8 +332,9 @@ def _with_sizes(machine: str, instruments: Sequence[str]) -> str:
     return machine.replace("[tool]\n", "\n".join(["[tool]", *lacking, ""]), 1)
 
 
-def write_files(folder: Path, texts: Mapping[str, str]) -> None:
-    """Write files into a folder, all or none; raises RecordError where one of them is there as another already."""
+def write_files(folder: Path, described: CampaignDescription) -> None:
+    """Write both files into a folder, or none; raises RecordError where one of them is there as another already."""
+    texts = {"machine.toml": described.machine.text, "campaign.toml": described.text}
     folder.mkdir(parents=True, exist_ok=True)
     new = {folder / name: text.encode() for name, text in texts.items()}
     for path in [path for path in new if path.exists()]:

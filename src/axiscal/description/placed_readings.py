@@ -24,8 +24,8 @@ from axiscal.machine.axis import travel_text
 from axiscal.measurement.candidates import arrivals_of
 from axiscal.measurement.charts.kinds import Circle, Held
 from axiscal.measurement.charts.room import Chart
-from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import RawPose, raw_pose, table_of
+from axiscal.measurement.readers.csv_readings import RawReading, raw_pose
+from axiscal.measurement.readers.csv_table import table_of
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.reading import Reading, in_radii, refuse_other_values
@@ -81,7 +81,7 @@ def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> 
 _AS_WRITTEN = "Give the file as the control wrote it"
 
 
-def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, RawPose]:
+def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, RawReading]:
     """Return the readings of the lists in a folder by number; raises ReadingError unless they are of the log's plan."""
     names = folder / LISTS.format(log.code)
     if not names.is_file():
@@ -94,7 +94,7 @@ def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, RawPose]:
     if code != log.code:
         what = "the lists of plan {code} have been changed, or written anew for another plan"
         raise ReadingError(what, "Write the programs of that plan into a folder of their own", names, code=log.code)
-    planned = dict[int, RawPose]()
+    planned = dict[int, RawReading]()
     for table in map(table_of, files):
         planned |= {int(row.of("reading").text): raw_pose(table, row) for row in table.rows}
     return planned
@@ -117,7 +117,7 @@ def _whole(number: int, touched: Sequence[LoggedTouch], broken: bool, file: Path
 
 
 def _reading(
-    number: int, touched: Sequence[LoggedTouch], planned: RawPose, campaign: CampaignDescription, file: Path
+    number: int, touched: Sequence[LoggedTouch], planned: RawReading, campaign: CampaignDescription, file: Path
 ) -> RawReading:
     machine, line = campaign.machine, touched[0].line
     try:

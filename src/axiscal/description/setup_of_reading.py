@@ -9,7 +9,7 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import WORDS, joined, said
-from axiscal.machine.error_names import parse_error_name
+from axiscal.machine.error_names import error_named
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.charts.kinds import Circle
 from axiscal.measurement.readers.csv_readings import RawReading
@@ -29,7 +29,7 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
         return _tested(row, campaign)
     if not row.error:
         return _only_setup(campaign), 1
-    component = 2 if row.error == "z" else parse_error_name(row.error).component % 3
+    component = 2 if row.error == "z" else error_named(row.error).component % 3
     moving = {campaign.machine.index(name) for name in row.position}
     reads = (s for s in campaign.setups if s.reads == row.dimension and moving <= set(s.moves))
     ways = ((setup, float(_direction_in_frame(setup, campaign.machine)[component])) for setup in reads)

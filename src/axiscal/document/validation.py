@@ -13,7 +13,7 @@ from axiscal.document.gone import instead_of, key_name
 from axiscal.document.quoting import dotted, meant, quantity_text, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
 from axiscal.language.spoken import WORDS, put, said
-from axiscal.units import EXAMPLES, Dimension, within
+from axiscal.units import Dimension, within
 
 if TYPE_CHECKING:
     from pydantic import BaseModel, GetCoreSchemaHandler
@@ -51,12 +51,6 @@ class QuantityOf:
         from pydantic_core import core_schema
 
         return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: CoreSchema, __: object) -> dict[str, Any]:
-        """Return what an editor is told: a text, with an example where the dimension is known."""
-        if self.dimension is None:
-            return {"type": "string"}
-        return {"type": "string", "description": f'A quantity with its unit, such as "{EXAMPLES[self.dimension]}"'}
 
     def read(self, value: object) -> float | str:
         """Return the value in SI units, or its text; raises what a pydantic validator may raise."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from axiscal.errors.iso230 import words
 from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
-from axiscal.language.spoken import capital, counted, joined, later, listed, put, said
+from axiscal.language.spoken import capital, joined, later, listed, put, said
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
@@ -28,11 +28,6 @@ from axiscal_core.terms import Term
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""
-EITHER = later("{first} or {last}")
-_WHOLE = 0.999
-"""All of it, to rounding of the shares."""
-_OPEN = 0.1
-"""Share that has to be hidden before it is spoken of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,95 +105,6 @@ def reading_that_shows(model: Machine, function: Term) -> str:
 
 def _moving(axis: Axis) -> str:
     return said("while {axis} turns", axis=axis.name) if axis.rotary else said("while {axis} moves", axis=axis.name)
-
-
-def conventions(model: Machine, aspects: list[Aspect], none: str) -> Iterator[Hidden]:
-    """Yield what does not move the tool point: errors without effect, curves that act as one, and sums of constants.
-
-    none : of which readings none shows it, in words
-    """
-    idle = [a for a in aspects if a.share > _WHOLE and (a.kind == "curve" or _is_constant(a))]
-    if idle:
-        one = "{none} shows {subject}; it does not move the tool point."
-        many = "{none} shows {subject}; they do not move the tool point."
-        text = counted(one, many, len(idle), none=capital(none), subject=joined([_phrase(a) for a in idle], _LISTED))
-        yield Hidden(tuple(a.function.name for a in idle), text)
-    rest = [a for a in aspects if a not in idle]
-    yield from _twins(model, [a for a in rest if a.kind == "curve"], none)
-    for turning in (False, True):
-        for direction in range(3):
-            found = [a for a in rest if a.kind != "curve" and _pattern(model, a) == (turning, direction)]
-            if any(a.share > _OPEN for a in found):
-                yield _sum(model, found, turning, direction)
-
-
-def _pattern(model: Machine, aspect: Aspect) -> tuple[bool, int]:
-    """Return whether an aspect acts as a turn, or as a shift; and the direction, about or along which."""
-    function, axis = aspect.function, model.axes[aspect.function.axis]
-    component, along = function.component % 3, letter_direction(axis.letter)
-    if aspect.kind == "slope" and not axis.rotary and not function.angular and component != along:
-        return True, 3 - component - along
-    return function.angular, component
-
-
-def _sum(model: Machine, members: list[Aspect], turning: bool, direction: int) -> Hidden:
-    names = tuple(dict.fromkeys(a.function.name for a in members))
-    way = "xyz"[direction]
-    where = said("About {way}", way=way) if turning else said("Along {way}", way=way)
-    if len(members) == 1:
-        turned = "{where}: {error} cannot be told from what other errors do; the tool point does not depend on it."
-        shifted = (
-            "{where}: {error} cannot be told from what other errors do, for it is where the workpiece zero lies; the "
-            "tool point does not depend on it."
-        )
-        return Hidden(names, said(turned if turning else shifted, where=where, error=_phrase(members[0])))
-    shows = said("only sums of them show" if any(a.rotary for a in model.axes) else "only their sum shows")
-    together = "{where}: {errors} act together, {shows}. {convention}; the tool point does not depend on it."
-    convention = _convention(members, turning)
-    text = said(together, where=where, errors=_kinds(members), shows=shows, convention=convention)
-    return Hidden(names, text)
-
-
-def _convention(members: list[Aspect], turning: bool) -> str:
-    """How to read a group: which of its errors hold the whole of it."""
-    held = [a.function.name for a in members if a.function.kind == "location"]
-    if held:
-        one = "With constants and slopes taken as zero, {names} says all of it"
-        many = "With constants and slopes taken as zero, {names} say all of it"
-        return counted(one, many, len(held), names=joined(held))
-    return said("Which of them holds it is a matter of choice" if turning else "It is where the workpiece zero lies")
-
-
-def _twins(model: Machine, curves: list[Aspect], none: str) -> Iterator[Hidden]:
-    """Yield, axis by axis, the curves that act on the tool point as one: a turn then looks like a displacement."""
-    for k, axis in enumerate(model.axes):
-        mine = [a for a in curves if a.function.axis == k]
-        about = sorted({"xyz"[a.function.component % 3] for a in mine if a.function.angular})
-        alone = (
-            "On {axis}, {none} tells {subject} from other curves that act alike; the tool point does not depend on it."
-        )
-        turned = (
-            "On {axis}, {none} tells {subject} from other curves that act alike. A reading of the "
-            "rotation about {about} would, or a tool of another length. The tool point does not depend on it."
-        )
-        if mine:
-            subject, either = joined([_phrase(a) for a in mine], _LISTED), joined(about, form=EITHER) if about else ""
-            text = said(turned if about else alone, axis=axis.name, none=none, subject=subject, about=either)
-            yield Hidden(tuple(a.function.name for a in mine), text)
-
-
-def _kinds(members: list[Aspect]) -> str:
-    """The members by kind: location errors by name, then constants and slopes."""
-    parts = [a.function.name for a in members if _is_constant(a)]
-    constants, slopes = (
-        [a.function.name for a in members if a.kind == kind and not _is_constant(a)] for kind in ("constant", "slope")
-    )
-    if constants:
-        one, many = "the constant of {names}", "the constants of {names}"
-        parts.append(counted(one, many, len(constants), names=joined(constants)))
-    if slopes:
-        parts.append(counted("the slope of {names}", "the slopes of {names}", len(slopes), names=joined(slopes)))
-    return joined(parts)
 
 
 def _phrase(aspect: Aspect) -> str:
@@ -300,8 +206,7 @@ def hidden(
     effects = [_effect(term, acting, beyond) for term in model.terms]
     counted = [i for i, effect in enumerate(effects) if effect > _COUNTS * np.sqrt(before)]
     missing = [(_missing(model.terms[i], acting), effects[i]) for i in counted]
-    aspects = [aspect for f in model.terms if not f.stated_shape for aspect in _aspects(f, idle)]
-    return (*missing_words(model, missing), *conventions(model, aspects, said(none)))
+    return (*missing_words(model, missing), *_told_together(model, idle, said(none)))
 
 
 def _split(unseen: Array, beyond: Array, floor: float) -> tuple[Array, Array]:
@@ -329,13 +234,18 @@ def _missing(function: Term, acting: Array) -> Aspect:
     return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.std))
 
 
-def _aspects(function: Term, idle: Array) -> Iterator[Aspect]:
-    """Yield the aspects of an error that stay open by more than a rounding of the prior."""
-    for aspect in sorted(_candidates(function, idle), key=lambda a: a.kind != "curve"):
-        if aspect.share > (_CURVE if aspect.kind == "curve" else _SHARE):
-            yield aspect
-        if aspect.share > _WHOLE and aspect.kind == "curve":
-            return
+def _told_together(model: Machine, idle: Array, none: str) -> Iterator[Hidden]:
+    """Yield the errors that act as others do, or not at all: the tool point does not depend on which of them it is."""
+    curves = (term for term in model.terms if not term.stated_shape)
+    names = tuple(term.name for term in curves if any(_open(each) for each in _candidates(term, idle)))
+    if names:
+        text = "{none} tells {names} from others that act alike; the tool point does not depend on it."
+        yield Hidden(names, said(text, none=capital(none), names=joined(names, _LISTED)))
+
+
+def _open(aspect: Aspect) -> bool:
+    """Return whether an aspect stays open by more than a rounding of the prior."""
+    return aspect.share > (_CURVE if aspect.kind == "curve" else _SHARE)
 
 
 def _candidates(function: Term, unseen: Array) -> Iterator[Aspect]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import WORDS, later, said
 from axiscal.machine.axis import ROTARY_LETTERS, letter_direction
-from axiscal.machine.error_names import parse_any_name
+from axiscal.machine.error_names import error_named, shape_of
 
 _WORDS = WORDS["errors"]
 _PITCH = ("y", "x", "x")
@@ -18,21 +18,21 @@ def words(name: str) -> str:
     name : `EXX`, `C0Y`, `EXX_reversal`, `EZXY`; axis names may carry a digit (`EXX2`)
     """
     try:
-        parts = parse_any_name(name)
+        parts = error_named(name)
     except DescriptionError:
         return name
-    if parts.second is not None:
+    if parts.sides:
         turn = later("turn about {way} that {first} and {second} make together")
         shift = later("displacement in {way} that {first} and {second} make together")
         way = "xyz"[parts.component % 3]
-        return said(turn if parts.angular else shift, way=way, first=parts.axis, second=parts.second)
+        return said(turn if parts.angular else shift, way=way, first=parts.axes[0], second=parts.axes[1])
     axis, turns, along = parts.axis, parts.axis[0] in ROTARY_LETTERS, letter_direction(parts.axis[0])
     own, way = parts.component % 3 == along, "xyz"[parts.component % 3]
     if parts.kind == "reversal":
         if own and parts.angular == turns:
             return said("reversal of {axis}", axis=axis)
         return said("reversal in the {motion}", motion=words(parts.bare))
-    if parts.shape != "curve":
+    if shape_of(parts) != "curve":
         return name
     text = _WORDS[parts.kind]["rotary" if turns else "linear"][2 * parts.angular + (not own)]
     if parts.kind == "motion" and parts.angular and way == _PITCH[along] and not (own or turns):

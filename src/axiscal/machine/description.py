@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from axiscal.document import Document, read_model, shown
 from axiscal.document.quoting import meant
@@ -23,8 +24,7 @@ from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, iso_axis
 from axiscal.machine.errors_table import read_errors
 from axiscal.machine.machine_schema import AxisTable, MachineFile
 from axiscal.units import Dimension, format_quantity
-from axiscal_core.axes import Axis, Three
-from axiscal_core.errors import Basis, Error
+from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine, Nose
 from axiscal_core.refusals import one
 
@@ -118,18 +118,15 @@ def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> A
     acceleration = faults.tried(stated.within, "acceleration", rate, 1e-9, 1e6)
     origin = faults.tried(_origin, stated, axis)
     spans = faults.tried(_spans, stated, axis)
-    faults.tried(_refuse_diameter, stated, axis)
+    with faults.noted():
+        if axis.rotary and table.shows == "diameter":
+            raise stated.misstated("shows", "{axis} turns, and shows no diameter", "Take it out", axis=axis.name)
     if len(faults.found) > before or spans is None or origin is None:
         return None
     travel, overrun, beyond = spans
     said = table.direction, table.shows == "diameter"
     fast = speed or 0.0, acceleration or 0.0
     return iso_axis(axis.name, axis.workpiece_side, travel, *fast, origin, overrun, beyond, *said)
-
-
-def _refuse_diameter(stated: Stated[AxisTable], axis: Axis) -> None:
-    if axis.rotary and stated.table.shows == "diameter":
-        raise stated.misstated("shows", "{axis} turns, and shows no diameter", "Take it out", axis=axis.name)
 
 
 def _spans(stated: Stated[AxisTable], axis: Axis) -> tuple[Span, float | None, tuple[int, int] | None]:
@@ -143,12 +140,10 @@ def _travel(stated: Stated[AxisTable], axis: Axis) -> Span:
     """Return the travel; it must increase, be one that exists, and be at most one turn of a rotary axis."""
     unit, most = ("deg", 10 * math.tau) if axis.rotary else ("m", LONGEST_TRAVEL)
     low, high = stated.each("travel", axis.dimension, -most, most)
-    text, given = stated.table.travel, shown(stated.table.travel)
-    if low > high:
-        what, remedy = "travel {given} is reversed", 'Write the lower end first: ["{high}", "{low}"]'
-        raise stated.misstated("travel", what, remedy, given=given, high=text[1], low=text[0])
+    given = shown(stated.table.travel)
     if high - low < 1e-6:
-        raise stated.misstated("travel", "travel {given} is empty", "Write the two ends of the travel", given=given)
+        what, remedy = "travel {given} is empty or reversed", "Write the two ends of the travel, the lower one first"
+        raise stated.misstated("travel", what, remedy, given=given)
     if axis.rotary and high - low > math.tau + 1e-9:
         what = "travel {given} is more than one turn ({span})"
         remedy = 'The errors repeat after a turn: give one, such as ["0 deg", "360 deg"]'
@@ -209,67 +204,18 @@ def parse_chain(text: str) -> tuple[Link, ...]:
     text : "w-C'-B'-b-Y-X-Z-(C)-t" or "[w C' B' b Y X Z (C) t]", one to six axes, each once
     Raises ChainError: w, b or t missing or misplaced, an axis unknown, twice, or primed on the wrong side.
     """
-    words = _words(text)
-    before, after = _sides(words, text)
-    links = [_link(word, True, text) for word in before]
-    links += [_link(word, False, text) for word in after if not _SPINDLE.fullmatch(word)]
-    _check_names([link.name for link in links], text)
-    return tuple(links)
-
-
-def _words(text: str) -> list[str]:
-    """Return the parts of a chain string between dashes, or between blanks inside brackets."""
     plain = text.translate(_PRIMES).strip()
     if len(plain) > _LONGEST:
         raise ChainError("a chain of {count} characters is too long", _EXAMPLE, count=len(plain))
-    if plain.startswith("[") and plain.endswith("]"):
-        return plain[1:-1].split()
-    return [word.strip() for word in plain.split("-")]
-
-
-def _sides(words: list[str], text: str) -> tuple[list[str], list[str]]:
-    """Return the words between w and b and those between b and t."""
-    for end, word in ((0, "w"), (-1, "t")):
-        if not words or words[end] != word:
-            what = "the chain {text} does not begin with w, the workpiece"
-            what = what if word == "w" else "the chain {text} does not end with t, the tool"
-            raise ChainError(what, _EXAMPLE, text=shown(text))
-    inner = words[1:-1]
-    if inner.count("b") != 1:
-        what = "the chain {text} has more than one bed b" if "b" in inner else "the chain {text} has no bed b"
+    bracketed = plain.startswith("[") and plain.endswith("]")
+    words = plain[1:-1].split() if bracketed else [word.strip() for word in plain.split("-")]
+    if (words[:1], words[-1:], words.count("b")) != (["w"], ["t"], 1):
+        what = "the chain {text} does not go from the workpiece w over one bed b to the tool t"
         raise ChainError(what, _EXAMPLE, text=shown(text))
-    bed = inner.index("b")
-    return inner[:bed], inner[bed + 1 :]
-
-
-def _link(word: str, workpiece_side: bool, text: str) -> Link:
-    """Return one axis; raises ChainError for a word that is none, or whose prime does not fit its side of the bed."""
-    found = _LINK.fullmatch(word)
-    if found is None:
-        what = "{word} in the chain {text} is not an axis"
-        raise ChainError(what, _word_remedy(word), word=shown(word), text=shown(text))
-    name, primed = found["name"], bool(found["prime"])
-    if workpiece_side and not primed:
-        remedy = "Axes between w and b carry the workpiece and have a prime: write {name}', or put it behind b"
-        raise ChainError("{name} in the chain {text} has no prime", remedy, name=name, text=shown(text))
-    if primed and not workpiece_side:
-        remedy = "Axes between b and t carry the tool and have no prime: write {name}, or put it before b"
-        raise ChainError("{name}' in the chain {text} has a prime", remedy, name=name, text=shown(text))
-    return Link(name, workpiece_side)
-
-
-def _word_remedy(word: str) -> str:
-    if _LINK.fullmatch(word.upper()):
-        return said("Axes are written in capitals: {word}", word=word.upper())
-    if _SPINDLE.fullmatch(word.replace("'", "")):
-        return said(
-            "A spindle in parentheses stands behind b; a table that is positioned is written without parentheses"
-        )
-    return said("Axes are X Y Z U V W P Q R (linear) and A B C (rotary), with one digit after them if needed")
-
-
-def _check_names(names: list[str], text: str) -> None:
-    """Raise ChainError unless there are one to six axes, each once."""
+    bed = words.index("b")
+    links = [_link(word, True, text) for word in words[1:bed]]
+    links += [_link(word, False, text) for word in words[bed + 1 : -1] if not _SPINDLE.fullmatch(word)]
+    names = [link.name for link in links]
     twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
     if twice:
         what = "{axis} stands twice in the chain {text}"
@@ -278,6 +224,22 @@ def _check_names(names: list[str], text: str) -> None:
     if not 1 <= len(names) <= MOST_AXES:
         what = "the chain {text} has {count} axes"
         raise ChainError(what, "One to {most} axes are possible", text=shown(text), count=len(names), most=MOST_AXES)
+    return tuple(links)
+
+
+def _link(word: str, workpiece_side: bool, text: str) -> Link:
+    """Return one axis; raises ChainError for a word that is none, or whose prime does not fit its side of the bed."""
+    found = _LINK.fullmatch(word)
+    if found is None:
+        remedy = "Axes are X Y Z U V W P Q R (linear) and A B C (rotary), in capitals, with one digit if needed"
+        if _SPINDLE.fullmatch(word.replace("'", "")):
+            remedy = "A spindle in parentheses stands behind b; a table that is positioned has no parentheses"
+        raise ChainError("{word} in the chain {text} is not an axis", remedy, word=shown(word), text=shown(text))
+    if bool(found["prime"]) != workpiece_side:
+        what = "{word} in the chain {text} is on the wrong side of the bed"
+        remedy = "Axes between w and b carry the workpiece and have a prime, {name}'; those behind b have none"
+        raise ChainError(what, remedy, word=word, text=shown(text), name=found["name"])
+    return Link(found["name"], workpiece_side)
 
 
 _LIBRARY = Path(__file__).parent / "library"
@@ -294,19 +256,8 @@ class DescribedMachine(Machine):
     text: str
     fine_knots: bool
 
-    def __init__(
-        self,
-        axes: Sequence[Axis],
-        errors: Iterable[Error | Basis] = (),
-        tool: float | Three = 0.0,
-        held: Sequence[Three] | None = None,
-        name: str = "",
-        nose: Nose | None = None,
-        unit: str = "mm",
-        text: str = "",
-        fine_knots: bool = True,
-    ) -> None:
-        super().__init__(axes, errors, tool, held, name, nose, unit)
+    def __init__(self, *given: Any, text: str = "", fine_knots: bool = True, **named: Any) -> None:
+        super().__init__(*given, **named)
         object.__setattr__(self, "text", text)
         object.__setattr__(self, "fine_knots", fine_knots)
 

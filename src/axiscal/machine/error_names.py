@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Literal
 
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
-from axiscal_core.errors import COMPONENTS, Kind
+from axiscal_core.errors import COMPONENTS, Error
 
 Shape = Literal["curve", "pitch", "step", "plane"]
 """Any curve, one that repeats with a period, one with steps at joints; what two axes do together."""
@@ -24,67 +23,33 @@ _REMEDY = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class ErrorName:
-    """The parts of an error's name.
-
-    canonical : "EXX", "C0Y", "EXX_reversal"; axis : name of the axis it belongs to
-    component : 0…5 for x y z a b c; reference : the axis X of "C(0X)Y", where it was written
-    second : the other axis, Y of "EZXY"
-    """
-
-    canonical: str
-    axis: str
-    kind: Kind
-    component: int
-    reference: str | None = None
-    second: str | None = None
-
-    @property
-    def axes(self) -> tuple[str, ...]:
-        """The names of the axis that it belongs to, or of both."""
-        return (self.axis,) if self.second is None else (self.axis, self.second)
-
-    @property
-    def angular(self) -> bool:
-        """Whether the error is an angle (rad) rather than a displacement (m)."""
-        return self.component >= 3
-
-    @property
-    def bare(self) -> str:
-        """The name without the words for shape or sides."""
-        return self.canonical.partition("_")[0]
-
-    @property
-    def shape(self) -> Shape:
-        """What kind of curve it is."""
-        suffix = self.canonical.partition("_")[2]
-        if self.second is not None:
-            return "plane"
-        return "pitch" if suffix == "pitch" else "step" if suffix == "step" else "curve"
-
-
-def parse_any_name(text: str) -> ErrorName:
-    """Return the parts of the name of an error, also of what two axes do together, "EZXY"; raises DescriptionError."""
-    if found := _PLANE.fullmatch(text):
-        component = COMPONENTS.index(found["component"])
-        return ErrorName(text, found["first"], "motion", component, second=found["second"])
-    return parse_error_name(text)
-
-
-def parse_error_name(text: str) -> ErrorName:
-    """Return the parts of an ISO 230-1 error name; "EC0Y", "C(0X)Y", "EC(0X)Y" and "COY" are read as "C0Y".
+def error_named(text: str) -> Error:
+    """Return the error of a name, of no size; "EC0Y", "C(0X)Y", "EC(0X)Y" and "COY" are read as "C0Y".
 
     Raises DescriptionError for anything else, with the likely name where there is one.
     """
+    if found := _PLANE.fullmatch(text):
+        if found["first"] == found["second"]:
+            remedy = "Name the two axes that act together, such as EZXY"
+            raise DescriptionError("{axis} is named twice", remedy, axis=found["first"])
+        return Error(text, 0.0, knots=(2, 2))
     if found := _LOCATION.fullmatch(text):
-        component, axis = found["component"], found["axis"]
-        return ErrorName(f"{component}0{axis}", axis, "location", COMPONENTS.index(component), found["reference"])
-    if found := _MOTION.fullmatch(text):
-        component, axis, suffix = found["component"], found["axis"], found["suffix"] or ""
-        kind: Kind = "reversal" if suffix == "_reversal" else "motion"
-        return ErrorName(f"E{component}{axis}{suffix}", axis, kind, COMPONENTS.index(component))
+        return Error(f"{found['component']}0{found['axis']}", 0.0)
+    if _MOTION.fullmatch(text):
+        return Error(text, 0.0, period=1.0 if text.endswith("_pitch") else None)
     raise DescriptionError("{text} is not the name of an error", _likely(text) or said(_REMEDY), text=shown(text))
+
+
+def reference_in(text: str) -> str | None:
+    """Return the axis X of "C(0X)Y", None where the name of an error says none."""
+    found = _LOCATION.fullmatch(text)
+    return found["reference"] if found else None
+
+
+def shape_of(error: Error) -> Shape:
+    """Return what kind of curve it is."""
+    suffix = error.name.partition("_")[2]
+    return "plane" if error.sides else "pitch" if suffix == "pitch" else "step" if suffix == "step" else "curve"
 
 
 def _likely(text: str) -> str | None:

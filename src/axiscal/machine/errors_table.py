@@ -6,16 +6,16 @@ Sizes must lie within what a machine can have.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 from axiscal.document import Document, shown
 from axiscal.document.validation import Stated
-from axiscal.exceptions import DescriptionError, Faults, InputError
+from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.axis import letter_direction, travel_text
-from axiscal.machine.error_names import ErrorName, parse_any_name, side_name
+from axiscal.machine.error_names import error_named, reference_in, shape_of, side_name
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.units import Dimension
 from axiscal_core.axes import Axis
@@ -72,13 +72,14 @@ def read_errors(
     found = dict[object, tuple[str, Error, Error]]()
     for key, table in tables.items():
         with faults.noted(), document.placed("errors", key):
-            name = parse_any_name(key)
-            if set(_needed(name)) & (described - axes.keys()):
+            name, reference = error_named(key), reference_in(key)
+            needed = [*name.axes] if reference is None else [name.axis, reference]
+            if set(needed) & (described - axes.keys()):
                 continue
             stated = Stated(document, table, ("errors", key))
-            own = _checked(name, key, table, axes)
-            coarse, fine = _of_one(name, stated, own[0]) if name.second is None else (_of_two(name, stated, own),) * 2
-            identity = name.kind, name.shape, name.component, frozenset(name.axes)
+            own = _checked(name, key, table, needed, axes)
+            coarse, fine = _of_one(name, stated, own[0]) if not name.sides else (_of_two(name, stated, own),) * 2
+            identity = name.kind, shape_of(name), name.component, frozenset(name.axes)
             first, before, _ = found.setdefault(identity, (key, coarse, fine))
             if before is not coarse:
                 earlier = document.line("errors", first)
@@ -90,23 +91,15 @@ def read_errors(
     return finer if fine_knots and few else tuple(coarse for _, coarse, _ in every)
 
 
-def _needed(name: ErrorName) -> list[str]:
-    """Return the axes that an error is of, or is measured from."""
-    return [*name.axes] if name.reference is None else [name.axis, name.reference]
-
-
-def _checked(name: ErrorName, key: str, table: ErrorTable, axes: Mapping[str, Axis]) -> list[Axis]:
+def _checked(name: Error, key: str, table: ErrorTable, needed: Sequence[str], axes: Mapping[str, Axis]) -> list[Axis]:
     """Return the axes of an error; raises DescriptionError where name, keys and axes do not fit each other."""
-    needed = _needed(name)
     for wanted in needed:
         if wanted not in axes:
             what = "there is no axis {text} in the chain"
             raise DescriptionError(what, "The axes are {known}", text=shown(wanted), known=", ".join(axes))
     if len(set(needed)) < len(needed):
-        what, remedy = "{axis} cannot be its own reference", "Name another axis behind the 0"
-        if name.second is not None:
-            what, remedy = "{axis} is named twice", "Name the two axes that act together, such as EZXY"
-        raise DescriptionError(what, remedy, axis=needed[0])
+        what = "{axis} cannot be its own reference"
+        raise DescriptionError(what, "Name another axis behind the 0", axis=needed[0])
     own = [axes[each] for each in needed]
     _check_location(name, own[0])
     _check_keys(name, key, table)
@@ -116,7 +109,7 @@ def _checked(name: ErrorName, key: str, table: ErrorTable, axes: Mapping[str, Ax
     return own
 
 
-def _check_location(name: ErrorName, axis: Axis) -> None:
+def _check_location(name: Error, axis: Axis) -> None:
     """Raise DescriptionError for a location error that a linear axis does not have (conventions, Errors)."""
     if name.kind != "location" or axis.rotary:
         return
@@ -124,14 +117,10 @@ def _check_location(name: ErrorName, axis: Axis) -> None:
     if name.angular and name.component != along:
         return
     possible = joined([f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along])
-    remedy = "The location errors of the linear axis {axis} are {possible}"
-    if name.component == along:
-        what = "a turn about {axis}'s own direction does not change its direction of travel"
-        remedy = "The location errors of the linear axis {axis} are {possible}; a constant roll is part of {error}"
-        error = f"E{COMPONENTS[along]}{axis.name}"
-        raise DescriptionError(what, remedy, axis=axis.name, possible=possible, error=error)
-    what = "a linear axis has no location error {name}: shifting it shifts only its zero"
-    raise DescriptionError(what, remedy, name=name.canonical, axis=axis.name, possible=possible)
+    what = "a linear axis has no location error {name}: only two turns of its direction show"
+    remedy = "The location errors of the linear axis {axis} are {possible}; a constant roll is part of {roll}"
+    roll = f"E{COMPONENTS[along]}{axis.name}"
+    raise DescriptionError(what, remedy, name=name.name, axis=axis.name, possible=possible, roll=roll)
 
 
 _ALL = frozenset(ErrorTable.model_fields)
@@ -148,7 +137,7 @@ _KEYS = {
 """By kind of error: the keys that it may have, and what would be right for another."""
 
 
-def _check_keys(name: ErrorName, key: str, table: ErrorTable) -> None:
+def _check_keys(name: Error, key: str, table: ErrorTable) -> None:
     """Raise DescriptionError unless the keys of an entry fit each other and the kind of error.  key : as it is named"""
     given = [key for key in ErrorTable.model_fields if key in table.model_fields_set]
     for one, other, remedy in (
@@ -160,13 +149,13 @@ def _check_keys(name: ErrorName, key: str, table: ErrorTable) -> None:
     if "std" not in given and "band" not in given:
         raise DescriptionError("neither std nor band is given", 'Add how large the error may be, such as std = "10 um"')
     curved = name.kind == "motion" or (name.kind == "reversal" and {"knots", "spacing"} & {*given})
-    allowed, remedy = _KEYS[name.shape if curved else name.kind]  # a reversal value with knots is a curve
+    allowed, remedy = _KEYS[shape_of(name) if curved else name.kind]  # a reversal value with knots is a curve
     for each in given:
         value, error = shown(getattr(table, each)), key.partition("_")[0]
         if each not in allowed:
             what = "{key} = {value}: {name} has no {key}"
             raise DescriptionError(what, said(remedy, error=error), key=each, value=value, name=key)
-        if name.second is None and isinstance(getattr(table, each), tuple):
+        if not name.sides and isinstance(getattr(table, each), tuple):
             what = "{key} = {value}: {name} is an error of one axis"
             remedy = "Write one value; two belong to an error of two axes, such as EZXY"
             raise DescriptionError(what, remedy, key=each, value=value, name=key)
@@ -176,13 +165,13 @@ def _check_keys(name: ErrorName, key: str, table: ErrorTable) -> None:
             raise DescriptionError("knots = {text} is not possible", remedy, text=text, most=MOST_KNOTS)
 
 
-def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> tuple[Error, Error]:
+def _of_one(name: Error, stated: Stated[ErrorTable], axis: Axis) -> tuple[Error, Error]:
     """Return the prior of an error of one axis, with as many knots as a smooth curve needs, and as a rough one does."""
     table = stated.table
     value: Dimension = "angle" if name.angular else "length"
     rest = _rest(stated, value)
     period = stated.within("period", axis.dimension, _SHORTEST, _LONGEST)
-    length, shape = stated.within("length", axis.dimension, _SHORTEST, _LONGEST, 0), name.shape
+    length, shape = stated.within("length", axis.dimension, _SHORTEST, _LONGEST, 0), shape_of(name)
     free = (
         name.kind == "motion"
         and shape == "curve"
@@ -191,7 +180,7 @@ def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> tuple[Er
         and table.spacing is None
     )
     error = Error(
-        name.canonical,
+        name.name,
         _std(stated, value),
         _knot_count(name, stated, axis, 0, length),
         length,
@@ -208,7 +197,7 @@ def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> tuple[Er
     return error, replace(error, knots=_knot_count(name, stated, axis, 0, length, fine=True)) if free else error
 
 
-def _of_two(name: ErrorName, stated: Stated[ErrorTable], axes: list[Axis]) -> Error:
+def _of_two(name: Error, stated: Stated[ErrorTable], axes: list[Axis]) -> Error:
     """Return the prior of what two axes do together; its size may be zero where there is a rest."""
     value: Dimension = "angle" if name.angular else "length"
     rest = _rest(stated, value)
@@ -219,10 +208,10 @@ def _of_two(name: ErrorName, stated: Stated[ErrorTable], axes: list[Axis]) -> Er
         remedy = "At most {most} are possible; give knots, spacing or length accordingly"
         raise DescriptionError("{count} knots in the plane are too many", remedy, count=count, most=MOST_PRODUCTS)
     learnt = rest is None and stated.table.rest is not None
-    return Error(name.canonical, std, rest=rest, learnt_rest=learnt, sides=(first, second))
+    return Error(name.name, std, rest=rest, learnt_rest=learnt, sides=(first, second))
 
 
-def _side(name: ErrorName, stated: Stated[ErrorTable], axis: Axis, index: int) -> Error:
+def _side(name: Error, stated: Stated[ErrorTable], axis: Axis, index: int) -> Error:
     """Return what is known along one of two axes: an error of std 1; one value for both counts for each."""
     length = stated.within("length", axis.dimension, _SHORTEST, _LONGEST, index)
     knots = _knot_count(name, stated, axis, index, length)
@@ -231,7 +220,7 @@ def _side(name: ErrorName, stated: Stated[ErrorTable], axis: Axis, index: int) -
 
 
 def _knot_count(
-    name: ErrorName, stated: Stated[ErrorTable], axis: Axis, index: int, length: float | None, fine: bool = False
+    name: Error, stated: Stated[ErrorTable], axis: Axis, index: int, length: float | None, fine: bool = False
 ) -> int | None:
     """Return the number of equidistant knots over the travel, both ends included; None of one number or a shape.
 
@@ -242,7 +231,7 @@ def _knot_count(
     """
     table, knots = stated.table, stated.table.knots
     spacing = stated.within("spacing", axis.dimension, _SHORTEST, _LONGEST, index)
-    if name.kind == "location" or name.shape in ("pitch", "step"):
+    if name.kind == "location" or shape_of(name) in ("pitch", "step"):
         return None
     if name.kind == "reversal" and knots is None and spacing is None:
         return None
@@ -259,11 +248,8 @@ def _knot_count(
     if not fewest <= count <= MOST_KNOTS:
         what = "{error}: {count:.0f} knots are too few"
         what = what if count < fewest else "{error}: {count:.0f} knots are too many"
-        if axis.cyclic:
-            what = "{error}: {count:.0f} knots over a full turn are too many"
-            what = "{error}: {count:.0f} knots over a full turn are too few" if count < fewest else what
         remedy = "Between {least} and {most} knots are possible; give knots, spacing or length accordingly"
-        raise DescriptionError(what, remedy, error=name.canonical, count=count, least=fewest, most=MOST_KNOTS)
+        raise DescriptionError(what, remedy, error=name.name, count=count, least=fewest, most=MOST_KNOTS)
     return int(count)
 
 
@@ -282,11 +268,7 @@ def _rest(stated: Stated[ErrorTable], dimension: Dimension) -> float | None:
     """Return the standard deviation of the rest, m or rad; None when there is none or it is to be estimated."""
     if (stated.table.rest or "").strip() == AVERAGED:
         return None
-    try:
-        return stated.within("rest", dimension, SMALLEST_ERROR, LARGEST_ERROR)
-    except InputError as fault:
-        remedy = said('{remedy}; or "estimate" to learn it from the readings', remedy=fault.remedy)
-        raise type(fault)(fault.what, remedy, fault.file, fault.line) from None
+    return stated.within("rest", dimension, SMALLEST_ERROR, LARGEST_ERROR)
 
 
 def _smoothness(table: ErrorTable, averaged: bool) -> float:

@@ -15,8 +15,8 @@ from axiscal_core.axes import Counting
 Twice = tuple[str, str]
 
 
-def _once_or_twice(read: Callable[[object], object], form: object) -> PlainValidator:
-    """Return what reads a value, or two of them in a list.  form : for the schema"""
+def _once_or_twice(read: Callable[[object], object]) -> PlainValidator:
+    """Return what reads a value, or two of them in a list."""
 
     def made(value: object) -> object:
         if not isinstance(value, list):
@@ -25,7 +25,7 @@ def _once_or_twice(read: Callable[[object], object], form: object) -> PlainValid
             raise PydanticKnownError("too_long", {"field_type": "List", "max_length": 2, "actual_length": len(value)})
         return tuple(map(read, value))
 
-    return PlainValidator(made, json_schema_input_type=form)
+    return PlainValidator(made)
 
 
 def _count(value: object) -> int:
@@ -34,9 +34,9 @@ def _count(value: object) -> int:
     return value
 
 
-Counts = Annotated[int | tuple[int, int], _once_or_twice(_count, int | tuple[int, int])]
+Counts = Annotated[int | tuple[int, int], _once_or_twice(_count)]
 """A whole number, or one for each of two axes."""
-QuantityTexts = Annotated[str | Twice, _once_or_twice(QuantityOf(None).read, str | Twice)]
+QuantityTexts = Annotated[str | Twice, _once_or_twice(QuantityOf(None).read)]
 """A quantity, or one for each of two axes."""
 
 

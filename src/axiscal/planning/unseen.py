@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.gauge import EITHER, Hidden, hidden, unseen_factor
+from axiscal.errors.gauge import Hidden, hidden, unseen_factor
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import joined, later, said
@@ -25,6 +25,7 @@ from axiscal.units import said_quantity
 from axiscal_core import rigid
 from axiscal_core.instrument import TOOL
 
+_EITHER = later("{first} or {last}")
 _SAID = 0.3
 """Share of what cannot be seen from which it is said by itself."""
 _LEAST = 1e-8
@@ -113,7 +114,7 @@ def _subject(observation: Observation) -> str:
     kinds = ([along], later("of another length (known to {std})")), (across, later("that sits aside (known to {std})"))
     stds = [([u.std for u in observation.unknowns if u.name in names], text) for names, text in kinds]
     tools = [said(text, std=said_quantity(max(found), "um", 3)) for found, text in stds if found]
-    return said("A tool {kinds} looks like rotary axes that lie elsewhere", kinds=joined(tools, form=EITHER))
+    return said("A tool {kinds} looks like rotary axes that lie elsewhere", kinds=joined(tools, form=_EITHER))
 
 
 def _remedy(observation: Observation) -> str:

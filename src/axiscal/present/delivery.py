@@ -24,7 +24,7 @@ from axiscal.language.spoken import capital, put, said, speaking
 from axiscal.language.stages import stage
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
-from axiscal.measurement.readers.homing import zero_by
+from axiscal.measurement.readers.probe_offset import place_of
 from axiscal.measurement.reading import Reading
 from axiscal.present.axis_tests_read import iso230_block
 from axiscal.present.conditions import NOT_KNOWN
@@ -57,12 +57,12 @@ def read_in(
     """Return the readings of a file of any kind; raises ReadingError.
 
     unit : of lengths, where it names none; along : name of the axis of a test that names none, "" where nobody said
-    zero : where a printer homes Z, a place or a file, None where nobody said
+    zero : where a printer homes Z, None where nobody said
     Raises DescriptionError for an axis that the machine does not have.
     """
     read, extras = recognised(file, Around(described.machine.axes, described.setups), unit), Extras()
     if zero is not None:
-        stated = zero_by(zero, described.aside)
+        stated = place_of(zero)
         told = tuple(replace(row, zero=stated) for row in read.found.readings)
         read = read._replace(found=replace(read.found, readings=told))
     rows = read.found.readings

@@ -222,15 +222,15 @@ def _written(here: Path) -> tuple[Path, CampaignDescription]:
     wants = [name for name in wants if name not in draft.without]
     if shown and not wants:
         raise DescriptionError("Nothing is to be known", "Tick a row at least")
-    files = first_files.first_files(begun, draft.instruments, Purpose(target, wants, draft.budget))
+    described = first_files.first_described(begun, draft.instruments, Purpose(target, wants, draft.budget))
     for file in [file for file in folder.iterdir() if file.name != _CHOSEN]:
         file.unlink()
     if draft.file:
         write_whole(folder / draft.file, draft.text.encode())
     for own in {name.partition(":")[0] for name in draft.instruments if ".py:" in name}:
         write_whole(folder / own, (here / own).read_bytes())
-    first_files.write_files(folder, files.texts)
-    described = replace(files.described, source="campaign.toml")  # as it will stand
+    first_files.write_files(folder, described)
+    described = replace(described, source="campaign.toml")  # as it will stand
     called = f"{'virtual ' * draft.virtual}{described.machine.name}"
     name = re.sub("[^a-z0-9]+", "-", called.casefold()).strip("-") or "machine"
     return folder / f"{name}.axiscal", described

@@ -1,6 +1,6 @@
 """Where readings come from.
 
-`sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc-live[:HOST]`.
+`sim[:SEED]`, `csv:FILE`, `exec:COMMAND`, `linuxcnc-live[:HOST]`.
 """
 
 from __future__ import annotations
@@ -21,10 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Answer", "Request", "Skip", "Source", "open_source", "virtual_in", "virtual_machine", "virtual_note"]
 
-VIRTUAL = "sim", "truth"
-"""Kinds of virtual machines."""
-TRUTH_SEED = 0
-"""Seed of the noise and of the set-ups' unknowns on a machine whose errors are given."""
+VIRTUAL = "sim"
+"""The kind of virtual machines."""
 
 
 def open_source(
@@ -32,7 +30,7 @@ def open_source(
 ) -> Source:
     """Return the source that `text` names.
 
-    simulator : makes the virtual machines of `sim` and `truth`
+    simulator : makes the virtual machines of `sim`
     timeout : s that an `exec` command may take over one reading
     taken : number of readings that an earlier run has had from this source
     active : whether a compensation is to be in force on a control that runs
@@ -40,7 +38,7 @@ def open_source(
     """
     kind, _, rest = text.partition(":")
     _refuse_gone(kind)
-    if kind in VIRTUAL:
+    if kind == VIRTUAL:
         return SimulatedSource(*virtual_machine(text, simulator))
     if kind in ("csv", "exec") and not rest.strip():
         raise _nothing_named(text, kind)
@@ -71,28 +69,16 @@ def _refuse_gone(kind: str) -> None:
         raise SourceError("the source {kind} is gone", instead, kind=kind)
 
 
-_KINDS = (
-    "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, and linuxcnc-live:HOST with a LinuxCNC "
-    "that runs"
-)
+_KINDS = "Sources are sim, sim:SEED, csv:FILE and exec:COMMAND, and linuxcnc-live:HOST with a LinuxCNC that runs"
 
 
 def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, int]:
-    """Return the machine of `sim[:SEED]` or `truth:FILE`, and the seed of its noise.
-
-    Raises SourceError for anything else, InputError for a file that cannot be used.
-    """
+    """Return the machine of `sim[:SEED]`, and the seed of its noise; raises SourceError for anything else."""
     kind, colon, rest = text.partition(":")
     _refuse_gone(kind)
-    if kind not in VIRTUAL:
+    if kind != VIRTUAL:
         what = "'{kind}' cannot be asked without a person and with tables"
-        raise SourceError(what, "Take sim:SEED or truth:FILE.csv", kind=kind[:40])
-    if kind == "truth":
-        if not rest.strip():
-            raise _nothing_named(text, kind)
-        from axiscal.measurement.simulation import read_truth  # which whoever has a simulator has loaded
-
-        return simulator.with_curves(read_truth(Path(rest)), TRUTH_SEED, Path(rest)), TRUTH_SEED
+        raise SourceError(what, "Take sim:SEED", kind=kind[:40])
     if colon and not (rest.isascii() and rest.isdigit() and len(rest) <= 18):
         raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in sim:7", text=rest[:40])
     seed = int(rest) if colon else 0

@@ -14,15 +14,16 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Literal
 
 from axiscal.document import meant, shown
 from axiscal.exceptions import Faults, UnitError
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, TIMES, Column, Units, whole
-from axiscal.measurement.readers.csv_table import EXAMPLE, CsvTable, csv_text, raw_pose, table_of
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, TIMES, Column, Units, sign_of, whole
+from axiscal.measurement.readers.csv_table import EXAMPLE, CsvTable, approach_of, csv_text, table_of
 from axiscal.measurement.readers.table_cells import Cell, Row
-from axiscal.measurement.readers.text_file import TextFile
+from axiscal.measurement.readers.text_file import TextFile, read_text
 from axiscal.measurement.reading import Places, Reading, approach_text, columns_of
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import parse_quantity, to_unit
@@ -171,6 +172,38 @@ def table_readings(file: TextFile, around: Around) -> Found:
     return Found(tuple(replace(r, time=t, number=n, check=row.of("check").text == "yes") for r, t, n, row in beside))
 
 
+def raw_pose(table: CsvTable, row: Row, *, alone: bool = False) -> RawReading:
+    """Return where a reading of nothing yet is, without axes whose cells are empty; raises ReadingError.
+
+    alone : the approach may be a direction such as `+`, of the axis ''
+    """
+    cells = {name: cell for name in table.axes if (cell := row.of(name)).text}
+    position = {name: cell.quantity() for name, cell in cells.items()}
+    text = row.of("approach").text
+    approach = {"": sign} if alone and (sign := sign_of(text)) else approach_of(text)
+    if approach is None:
+        remedy = "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty"
+        raise row.fail("approach {text!r} cannot be read", remedy, text=text)
+    rounding = {name: cell.rounding() for name, cell in cells.items()}
+    return RawReading(row.of("setup").text, position, approach, 0.0, None, "length", row.line, rounding=rounding)
+
+
+def read_poses(path: str | Path) -> tuple[RawReading, ...]:
+    """Return where readings are to be, in the order of the file, each with a coordinate in every axis column.
+
+    Raises ReadingError.
+    """
+    table = table_of(read_text(path))
+    table.allow({"approach": TEXT} | table.axis_layout)
+    if not table.axes:
+        raise table.fail("no column names an axis", "name the axes as in 'X_mm' or 'C_deg'")
+    poses = tuple(raw_pose(table, row) for row in table.rows)
+    for row, pose in zip(table.rows, poses, strict=True):
+        if len(pose.position) < len(table.axes):
+            raise row.fail("the pose has an empty coordinate", "write a coordinate for every axis of the header")
+    return poses
+
+
 def _numbers(table: CsvTable) -> list[int | None]:
     """Return the numbers of the readings; raises ReadingError for one that is none, or that stands twice."""
     cells, lines = [row.of("reading") for row in table.rows], dict[int, int]()
@@ -214,8 +247,8 @@ def _reading(table: CsvTable, row: Row, bare: bool, instruments: Mapping[str, Ma
         if not cell.text or not (own or cell.column.dimension == dimension):
             raise row.fail("the line has no value {name}", "write all of its numbers, or take out the line", name=stem)
     value, *others = (cell.quantity() for cell in cells)
-    of = (pose.setup, pose.position, pose.approach, value, _std(row, cells[0].column), dimension, row.line)
-    return RawReading(*of, tuple(others), form="" if own else _FORMS.get(stems, ""), rounding=pose.rounding)
+    std, form = _std(row, cells[0].column), "" if own else _FORMS.get(stems, "")
+    return replace(pose, value=value, std=std, dimension=dimension, others=tuple(others), form=form)
 
 
 def _std(row: Row, value: Column) -> float | None:

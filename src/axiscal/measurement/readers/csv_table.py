@@ -18,10 +18,9 @@ import csv
 import io
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise, zip_longest
-from pathlib import Path
 
 from axiscal.document.quoting import meant
 from axiscal.exceptions import ReadingError
@@ -34,7 +33,6 @@ from axiscal.measurement.readers.columns import (
     LENGTHS,
     OF_READINGS,
     STEMS,
-    TEXT,
     Column,
     Units,
     column_of,
@@ -43,7 +41,7 @@ from axiscal.measurement.readers.columns import (
     unit_of,
 )
 from axiscal.measurement.readers.table_cells import LONGEST, NUMBER, Row, TableLine, marks_of, quoted
-from axiscal.measurement.readers.text_file import TextFile, read_text
+from axiscal.measurement.readers.text_file import TextFile
 
 EXAMPLE = "setup,X_mm,approach,value_um"
 """A header."""
@@ -277,46 +275,3 @@ def approach_of(text: str) -> dict[str, int] | None:
     found = [_APPROACH.fullmatch(each) for each in re.split(r"[\s,;]+", text) if each]
     approach = {each[2]: sign for each in found if each and (sign := sign_of((each[1] or "") + (each[3] or "")))}
     return approach if len(approach) == len(found) else None
-
-
-@dataclass(frozen=True, slots=True)
-class RawPose:
-    """One pose as written: coordinate (m or rad) by axis, direction of approach (+1, -1) by axis, line of the file.
-
-    setup : of a reading that is planned; rounding : half of the last digit of each coordinate
-    """
-
-    position: Mapping[str, float]
-    approach: Mapping[str, int]
-    line: int
-    setup: str = ""
-    rounding: Mapping[str, float] = field(default_factory=dict, compare=False)
-
-
-def raw_pose(table: CsvTable, row: Row, *, alone: bool = False) -> RawPose:
-    """Return the pose of a line, without axes whose cells are empty; raises ReadingError.
-
-    alone : the approach may be a direction such as `+`, of the axis ''
-    """
-    cells = {name: cell for name in table.axes if (cell := row.of(name)).text}
-    position = {name: cell.quantity() for name, cell in cells.items()}
-    text = row.of("approach").text
-    approach = {"": sign} if alone and (sign := sign_of(text)) else approach_of(text)
-    if approach is None:
-        remedy = "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty"
-        raise row.fail("approach {text!r} cannot be read", remedy, text=text)
-    rounding = {name: cell.rounding() for name, cell in cells.items()}
-    return RawPose(position, approach, row.line, row.of("setup").text, rounding)
-
-
-def read_poses(path: str | Path) -> tuple[RawPose, ...]:
-    """Read poses in the order of the file, each with a coordinate in every axis column; raises ReadingError."""
-    table = table_of(read_text(path))
-    table.allow({"approach": TEXT} | table.axis_layout)
-    if not table.axes:
-        raise table.fail("no column names an axis", "name the axes as in 'X_mm' or 'C_deg'")
-    poses = tuple(raw_pose(table, row) for row in table.rows)
-    for row, pose in zip(table.rows, poses, strict=True):
-        if len(pose.position) < len(table.axes):
-            raise row.fail("the pose has an empty coordinate", "write a coordinate for every axis of the header")
-    return poses

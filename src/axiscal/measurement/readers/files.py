@@ -16,8 +16,7 @@ from axiscal.language.spoken import counted, joined, later, put, said
 from axiscal.measurement.readers import bed_map, marlin_map, point_lists
 from axiscal.measurement.readers.axis_tests import axis_named, axis_test, test_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
-from axiscal.measurement.readers.homing import zero_of
-from axiscal.measurement.readers.probe_offset import offset_in, sections_in
+from axiscal.measurement.readers.probe_offset import offset_in, sections_in, zero_of
 from axiscal.measurement.readers.renishaw import file_type, laser_test
 from axiscal.measurement.readers.text_file import LINES_OF, TextFile, has_line
 from axiscal.measurement.setup import Setup

@@ -1,7 +1,8 @@
-"""Where the probe of a 3D printer stands beside its nozzle, as the printer's own files say.
+"""Where the probe of a 3D printer stands beside its nozzle, and where its mesh is zero, as its own files say.
 
 Klipper: `x_offset` and `y_offset` of [probe], [bltouch] and their kin, in answers of Moonraker, too. Marlin: `M851`.
-RepRapFirmware: `G31`. All count from the nozzle to the probe.
+RepRapFirmware: `G31`. All count from the nozzle to the probe. A mesh is
+zero where the printer homes Z, for it homes without the mesh.
 """
 
 from __future__ import annotations
@@ -9,14 +10,20 @@ from __future__ import annotations
 import configparser
 import re
 from collections.abc import Iterable, Mapping
+from math import floor, hypot
 from typing import Any
 
 from axiscal.document.file import number_or_none
 from axiscal.measurement.readers.text_file import objects_in
-from axiscal.units import from_unit
+from axiscal.units import from_unit, parse_quantity
 
 Beside = tuple[float, float]
 """X and Y, m."""
+_BY_PROBE = "probe:z_virtual_endstop"
+_MARKS = str.maketrans("", "", "[]'\" ")
+"""Around the numbers of a place in an answer of Moonraker."""
+_MOST, _ROUNDING = 1000, 1e-9
+"""Nodes along a side; m or steps, which is none."""
 Sections = Mapping[str, Mapping[str, str]]
 UNTWISTED = ("z_compensations", "zy_compensations")
 """By these keys of [axis_twist_compensation] Klipper makes heights those that the nozzle itself would touch."""
@@ -69,3 +76,57 @@ def pair_of(texts: Iterable[str | None]) -> Beside | None:
     values = [number_or_none((text or "").strip()) for text in texts]
     found = [float(from_unit(value, "mm")) for value in values if value is not None]
     return (found[0], found[1]) if len(values) == len(found) == 2 else None
+
+
+def place_of(text: str) -> Beside:
+    """Return the place that somebody states, such as "150 mm, 150 mm"; raises UnitError."""
+    x, _, y = text.partition(",")
+    return parse_quantity(x.strip(), "length"), parse_quantity(y.strip(), "length")
+
+
+def zero_of(sections: Sections) -> Beside | None:
+    """Return where a Klipper of this configuration has its zero: the stated place, or where its probe homes Z.
+
+    The probe stands beside the nozzle by its offset. A switch that homes Z says nothing of a place on the bed.
+    """
+    stated = _pair(sections, "bed_mesh", "zero_reference_position") or _of_index(sections)
+    if stated is not None or _option(sections, "stepper_z", "endstop_pin").translate(_MARKS) != _BY_PROBE:
+        return stated
+    aside, home = offset_of(sections) or (0.0, 0.0), _pair(sections, "safe_z_home", "home_xy_position")
+    return None if home is None else (home[0] + aside[0], home[1] + aside[1])
+
+
+def _of_index(sections: Sections) -> Beside | None:
+    """Return the node of a mesh that an older Klipper makes zero: nodes are counted along X, there and back.
+
+    As in its bed_mesh.py, distances of nodes are cut to 0.01 mm, and on a round bed those beyond its radius left out.
+    """
+    index, radius = (_option(sections, "bed_mesh", key) for key in ("relative_reference_index", "mesh_radius"))
+    if not index.isdecimal():
+        return None
+    origin = (_pair(sections, "bed_mesh", "mesh_origin") if radius else None) or (0.0, 0.0)
+    low, high = (_pair(sections, "bed_mesh", f"mesh_{end}") for end in ("min", "max"))
+    if far := pair_of((radius, radius)):
+        low, high = (-far[0], -far[1]), far
+    said = _option(sections, "bed_mesh", "round_probe_count" if radius else "probe_count") or ("5" if radius else "3")
+    counts = [int(each) for each in said.translate(_MARKS).split(",") if each.isdecimal() and 1 < int(each) <= _MOST]
+    if low is None or high is None or not counts:
+        return None
+    nodes = list[Beside]()
+    steps = [floor((high[k] - low[k]) * 1e5 / (counts[k % len(counts)] - 1) + _ROUNDING) / 1e5 for k in (0, 1)]
+    if far:
+        low = -(counts[0] // 2) * steps[0], -(counts[0] // 2) * steps[0]
+    for row in range(counts[-1]):
+        along = range(counts[0]) if row % 2 == 0 else reversed(range(counts[0]))
+        places = ((low[0] + column * steps[0], low[1] + row * steps[1]) for column in along)
+        nodes += [place for place in places if not far or hypot(*place) <= far[0] + _ROUNDING]
+    at = int(index)
+    return (origin[0] + nodes[at][0], origin[1] + nodes[at][1]) if at < len(nodes) else None
+
+
+def _pair(sections: Sections, section: str, key: str) -> Beside | None:
+    return pair_of(_option(sections, section, key).translate(_MARKS).split(","))
+
+
+def _option(sections: Sections, section: str, key: str) -> str:
+    return str(sections[section].get(key) or "") if section in sections else ""

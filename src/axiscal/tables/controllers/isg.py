@@ -23,7 +23,7 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.error_names import parse_error_name
+from axiscal.machine.error_names import error_named
 from axiscal.numerics import Array
 from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs, sign_said, summed
 from axiscal.tables.loaded import Loaded, table_control
@@ -87,13 +87,13 @@ def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
     blocks = [_block([], constants)] if constants else []
     alone = {name: curve for name, curve in found.items() if not (name in constants or curve.over)}
     for axis in machine.axes:
-        own = {name: curve for name, curve in alone.items() if parse_error_name(name).axis == axis.name}
+        own = {name: curve for name, curve in alone.items() if error_named(name).axis == axis.name}
         if own:
             at = next(iter(own.values())).positions
             blocks.append(_block([(axis, at)], {name: curve.values for name, curve in own.items()}))
     for name, curve in ((name, curve) for name, curve in found.items() if curve.over):
         across, at = np.meshgrid(curve.across, curve.positions, indexing="ij")
-        over = (machine.axis(curve.over), across), (machine.axis(parse_error_name(name).axis), at)
+        over = (machine.axis(curve.over), across), (machine.axis(error_named(name).axis), at)
         blocks.append(_block(over, {name: curve.values}))
     return "// mm, deg and rad\n" + "#\n".join(blocks)
 
@@ -141,7 +141,7 @@ def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
     """Return a column over one axis, over two, or of a constant."""
     if len(at) < 2:
         return SampledError(next(iter(at.values()), np.zeros(1)), values)
-    own = parse_error_name(name).axis
+    own = error_named(name).axis
     (other,) = (axis for axis in at if axis != own)
     (positions, inner), (across, outer) = (np.unique(at[axis], return_inverse=True) for axis in (own, other))
     grid = np.full((len(across), len(positions)), np.nan)
@@ -162,7 +162,7 @@ def list_file(machine: Machine, options: ExportOptions, name: str) -> str:
 
 def _unit(name: str) -> str:
     """Return the unit of an error, mm or rad; of places of the chain mm."""
-    return "rad" if not name.startswith("P") and parse_error_name(name).angular else "mm"
+    return "rad" if not name.startswith("P") and error_named(name).angular else "mm"
 
 
 _HOLDS = "every error motion as a table over its axis, and every location error: the control knows the chain{}."
