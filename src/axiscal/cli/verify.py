@@ -18,7 +18,8 @@ from axiscal.cli.arguments import Details, Json, PlacesFile, RecordFile, Templat
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.document.durable import write_whole
-from axiscal.evaluation.check import USUAL, Check, Taken
+from axiscal.evaluation.check import Check, Taken
+from axiscal.evaluation.verification import USUAL
 from axiscal.language.spoken import ending, listed, said
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.measurement.reading import Places
