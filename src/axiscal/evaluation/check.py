@@ -5,11 +5,9 @@ A virtual machine gives as-found and as-left readings: the same truth without ta
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import repeat
 from pathlib import Path
@@ -53,43 +51,6 @@ from axiscal.tables.surface import CommandedMachine
 from axiscal.units import parse_quantity
 
 
-@dataclass(frozen=True, slots=True)
-class Taken:
-    """By whom readings were taken, and with what in force.
-
-    person : who gave the command, "" where nobody knows; source : what read
-    files : SHA-256 of each file that the control itself said was in force, by its name
-    """
-
-    person: str = ""
-    source: str = ""
-    files: Mapping[str, str] = field(default_factory=dict)
-
-    def write(self, file: Path) -> None:
-        """Keep it beside a file of readings, with what that holds; raises OSError."""
-        kept = asdict(self) | {"schema": "axiscal-taken/1", "readings": _digest(file)}
-        write_whole(_beside(file), (json.dumps(kept, indent=1) + "\n").encode())
-
-    @classmethod
-    def with_file(cls, file: Path) -> Taken:
-        """Return what is kept beside a file of readings, nothing where that was typed or has been changed since."""
-        try:
-            kept = json.loads(_beside(file).read_bytes())
-            if kept.pop("schema") == "axiscal-taken/1" and kept.pop("readings") == _digest(file):
-                return cls(str(kept["person"]), str(kept["source"]), dict(kept["files"]))
-        except (OSError, ValueError, TypeError, KeyError, AttributeError):
-            pass
-        return cls()
-
-
-def _beside(file: Path) -> Path:
-    return file.with_name(f"{file.stem}.taken.json")
-
-
-def _digest(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest()
-
-
 def _read(file: Path, description: CampaignDescription) -> tuple[Reading, ...]:
     return placed_readings(read_any(file, description.machine.axes, description.setups), description, file)
 
@@ -125,7 +86,7 @@ class Sheet:
         """Whether it holds all of its readings."""
         return len(self.held()) == len(self.wanted)
 
-    def fill(self, opened: Callable[[], Source], taken: Taken) -> None:
+    def fill(self, opened: Callable[[], Source]) -> None:
         """Read what is missing; raises ReadingError before that, SourceError with how many readings are kept."""
         readings = list(self.held())
         if not os.access(self.file.absolute().parent, os.W_OK | os.X_OK):
@@ -142,7 +103,6 @@ class Sheet:
                 at = (request.setup.name, request.pose, request.approach)
                 readings.append(Reading(*at, answer.value, answer.std, others=answer.others))
                 write_whole(self.file, filled_sheet(self.description.machine.axes, readings).encode())
-                taken.write(self.file)
         except InputError as failure:
             kept = "{remedy}. {count} of {wanted} readings are kept in {path}; go on with the same command"
             count, wanted = len(readings), len(self.wanted)
@@ -175,11 +135,6 @@ class Check:
         estimate = estimation.estimate()
         tables = registry.export(estimate, controller, options or ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
-
-    @property
-    def digests(self) -> dict[str, str]:
-        """SHA-256 of the files of the tables, by name."""
-        return {name: hashlib.sha256(text.encode()).hexdigest() for name, text in self.tables.files.items()}
 
     @stage("places to check")
     def planned(self, count: int | None = None, by: str = "", tolerance: float = 0.0) -> Places:
