@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.answers.answer_of_campaign import answered
+from axiscal.errors.volume import Box, even_poses
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -83,13 +84,10 @@ def _apart(case: Case) -> Case:
 
 
 def _shuffled(monkeypatch: pytest.MonkeyPatch) -> None:
-    in_order = Case._sample
+    def shuffled(box: Box, count: int) -> Array:
+        return np.random.default_rng(1).permutation(even_poses(box, count))
 
-    def sample(case: Case) -> Array | None:
-        found = in_order(case)
-        return found if found is None else np.random.default_rng(1).permutation(found)
-
-    monkeypatch.setattr(Case, "_sample", sample)
+    monkeypatch.setattr("axiscal.estimation.case.even_poses", shuffled)
 
 
 @pytest.mark.parametrize("made", [*ALONE, _two])

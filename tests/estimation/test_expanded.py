@@ -20,13 +20,13 @@ def test_over_many_places_u_is_that_of_draws_at_places_drawn_evenly(degrees: flo
     rng = np.random.default_rng(2)
     scales, turns = rng.uniform(0.1, 3.0, (200, 1, 1)), np.linalg.qr(rng.standard_normal((200, 3, 3)))[0]
     covariances = scales * (turns @ np.diag([4.0, 1.0, 0.1]) @ turns.transpose(0, 2, 1))
-    found = expanded_of(covariances, degrees=degrees)
+    found = expanded_of(covariances, np.ones(200, dtype=bool), degrees=degrees)
     roots = np.linalg.cholesky(covariances)[rng.integers(0, 200, DRAWS)]
     draws = np.einsum("nij,nj->ni", roots, rng.standard_normal((DRAWS, 3)))
     draws *= np.sqrt(1.0 if np.isinf(degrees) else (degrees - 2) / rng.chisquare(degrees, (DRAWS, 1)))
     assert found.space == pytest.approx(np.quantile(np.linalg.norm(draws, axis=1), LEVEL), rel=0.015)
     assert found.axes == pytest.approx(np.quantile(np.abs(draws), LEVEL, axis=0), rel=0.015)
-    height = expanded_of(covariances, (False, False, True), degrees)
+    height = expanded_of(covariances, np.ones(200, dtype=bool), (False, False, True), degrees)
     assert height.space == pytest.approx(height.axes[2], rel=1e-9)  # a distance along one direction is a ±
     assert height.axes == pytest.approx(found.axes, rel=1e-12)
 
@@ -56,7 +56,7 @@ def test_over_places_of_equal_directions_u_is_where_the_mean_of_chi_square_is_95
 def test_the_worst_place_is_the_one_of_the_largest_u_and_a_factor_is_u_over_rms() -> None:
     """Of nearly equal traces: all in one direction goes to 1.96 of its root, a third in each to 1.61."""
     places = [np.eye(3) / 3] * 9 + [np.diag([0.99, 0.0, 0.0])] + [0.01 * np.eye(3)] * 40
-    found = expanded_of(np.array(places))
+    found = expanded_of(np.array(places), np.ones(len(places), dtype=bool))
     assert found.worst == pytest.approx(np.sqrt(0.99 * chdtri(1, 0.05)), rel=1e-9)
     assert found.factor(0.5 * found.space) == pytest.approx(2.0)
     assert found.factor(0.0) == 1.96

@@ -20,7 +20,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.artefact import reads_as
-from axiscal.measurement.candidates import spread
+from axiscal.measurement.candidates import corners, spread
 from axiscal.measurement.instruments.distance import TURNS
 from axiscal.measurement.observation import About, Observation
 from axiscal.measurement.reading import Place, Places, Reading
@@ -233,7 +233,9 @@ class Case:
         mean[:, self.errors.tilts] = 0.0
         before, after = (np.sum((mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
-        return Yardstick(self.errors, sample, moments, unseen, left, (x, y, z), alignment)
+        boxed = alignment is None and self.description.target.part is None
+        ends = corners(self.description.target.volume) if boxed else None
+        return Yardstick(self.errors, sample, moments, unseen, left, (x, y, z), alignment, ends)
 
     @cached_property
     def yardstick_as_sized(self) -> Yardstick:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.errors.volume import Box
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.charts.room import Chart, Coordinate, arrivals, has_room, side_choices
 from axiscal.measurement.observation import Observation
@@ -120,6 +121,11 @@ def snapped(machine: Machine, setup: Setup, poses: Array) -> Array:
 def raster_positions(machine: Machine, setup: Setup, axis: int) -> Array:
     """Return the multiples of the raster in the travel of an axis, (p,) m or rad."""
     return Coordinate(*setup.span(machine.axes[axis], axis), setup.raster[axis]).values
+
+
+def corners(box: Box) -> Array:
+    """Return the corners of a box of poses, (2^q, q)."""
+    return np.stack([g.ravel() for g in np.meshgrid(*box, indexing="ij")], axis=1)
 
 
 Chosen = tuple[Array, Array]

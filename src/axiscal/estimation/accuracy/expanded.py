@@ -18,6 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.estimation.accuracy.yardstick import Yardstick
@@ -57,7 +58,7 @@ class Expanded:
 def expanded(yardstick: Yardstick, belief: Normal) -> Expanded:
     """Return the expanded uncertainties of a belief over the yardstick's volume, shifts not counted taken off."""
     covariances = yardstick.covariances(belief.factor)
-    return expanded_of(covariances, yardstick.counted, belief.degrees, yardstick.errors.ways)
+    return expanded_of(covariances, yardstick.evenly, yardstick.counted, belief.degrees, yardstick.errors.ways)
 
 
 @one_thread()
@@ -74,7 +75,7 @@ def known_to(name: str, yardstick: Yardstick, belief: Normal) -> float:
 def expanded_floor(yardstick: Yardstick) -> Expanded:
     """Return the expanded uncertainties that endless readings would leave."""
     covariances = yardstick.covariances(yardstick.left)
-    return expanded_of(covariances, yardstick.counted, ways=yardstick.errors.ways)
+    return expanded_of(covariances, yardstick.evenly, yardstick.counted, ways=yardstick.errors.ways)
 
 
 def floor_of(name: str, yardstick: Yardstick) -> float:
@@ -86,22 +87,23 @@ def floor_of(name: str, yardstick: Yardstick) -> float:
 
 def expanded_of(
     covariances: Array,
+    evenly: NDArray[np.bool_],
     counted: Counted = EVERY_WAY,
     degrees: float = np.inf,
     ways: Counted = EVERY_WAY,
 ) -> Expanded:
     """Return the expanded uncertainties where the deviation has these covariances.
 
-    covariances : (m, 3, 3) Σ at poses spread evenly over the volume, m²
-    counted : the directions whose distance counts; degrees : of freedom of a belief
+    covariances : (m, 3, 3) Σ at poses, m²; evenly : (m,) which of the poses stand for the volume; the others are places
+    where it may be worst; counted : the directions whose distance counts; degrees : of freedom of a belief
     ways : the directions in which an error moves the tool; aligning a sample of the volume turns it by a little
     """
     counts = np.flatnonzero(counted)
     spectra = np.maximum(np.linalg.eigvalsh(covariances[:, counts[:, None], counts]), 0.0)
-    variances = np.maximum(np.einsum("pcc->pc", covariances), 0.0)
+    variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
     worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
     x, y, z = (reach(variances[:, [axis]], degrees) if way else 0.0 for axis, way in enumerate(ways))
-    return Expanded(reach(spectra, degrees), (x, y, z), max(reach(spectra[[at]], degrees) for at in worst))
+    return Expanded(reach(spectra[evenly], degrees), (x, y, z), max(reach(spectra[[at]], degrees) for at in worst))
 
 
 def reach(spectra: Array, degrees: float = np.inf) -> float:

@@ -83,7 +83,7 @@ def attainable(limit: float, floor: float) -> float:
     return limit if floor <= limit else _NEAR * floor
 
 
-_BY_PLACES = "_shift", "root", "shifts", "poses", "inside"
+_BY_PLACES = "_shift", "root", "shifts", "poses", "inside", "places", "evenly"
 _OF_UNSEEN = "unseen_rms", "_unseen_shift"
 """What a yardstick has found that depends on no size of an error, and on no other size than those of the unseen."""
 
@@ -105,7 +105,8 @@ class Yardstick:
     moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
     left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
     zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
-    sample : (m, q) poses spread evenly over the volume; alignment : what probing the part takes off
+    sample : (m, q) poses spread evenly over the volume; ends : (e, q) where it may be worst besides
+    alignment : what probing the part takes off
     like : one for errors of other sizes, whose rows at these places it has, found where somebody asks for them
     """
 
@@ -116,6 +117,7 @@ class Yardstick:
     left: Array
     zeroed: tuple[bool, bool, bool] = (False, False, False)
     alignment: Alignment | None = None
+    ends: Array | None = None
     like: Yardstick | None = None
 
     def with_rests_of(self, errors: Machine, left: Array | None = None) -> Yardstick:
@@ -220,15 +222,27 @@ class Yardstick:
     @cached_property
     def poses(self) -> tuple[Array, Array]:
         """Poses at which it measures and the sides from which their axes come, (m, q) each."""
-        poses = self.inside
+        poses = self.places
         if not self.errors.reversing:
             return poses, np.ones_like(poses)
         return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
 
     @cached_property
+    def places(self) -> Array:
+        """Poses at which it measures, once each, (m, q)."""
+        return self.inside if self.ends is None else np.concatenate([self.ends, self.inside])
+
+    @cached_property
     def inside(self) -> Array:
-        """Poses at which it measures, once each, (n, q): any of them stands for as much of the volume."""
-        return self.sample[even_subset(self.sample, _INNER_POINTS)]
+        """Those of them that are spread evenly over the volume, (n, q): any of them stands for as much of it."""
+        whole = self.ends is not None  # a box, of which the first so many are as even as all
+        return self.sample[:_INNER_POINTS] if whole else self.sample[even_subset(self.sample, _INNER_POINTS)]
+
+    @cached_property
+    def evenly(self) -> NDArray[np.bool_]:
+        """Which of the yardstick's poses are spread evenly over the volume: all but its ends, (m,)."""
+        places = np.arange(len(self.places)) >= len(self.places) - len(self.inside)
+        return np.tile(places, len(self.poses[0]) // len(places))
 
     @cached_property
     def rows(self) -> Array:
