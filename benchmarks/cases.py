@@ -6,7 +6,7 @@ import numpy as np
 
 import axiscal_core as ac
 from axiscal.errors.gauge import unseen_factor
-from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.errors.volume import even_poses, volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
@@ -62,8 +62,8 @@ def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint
     coarse = spread(machine, setups, 1000)
     parts = [observation.rows(s, *coarse.in_setup(s)) for s in range(len(setups))]
     rows = np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for seen in parts])
-    box = whole_travel(model)
+    sample = even_poses(whole_travel(model), 4000)
     unseen = unseen_factor(belief.factor, rows)[: model.size]
-    yardstick = Yardstick(model, box, volume_moments(model, box), unseen, unseen)
+    yardstick = Yardstick(model, sample, volume_moments(model, sample), unseen, unseen)
     root = joint_root(model) if joint else yardstick.root
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))

@@ -9,7 +9,6 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
-from axiscal.evaluation.check import Taken
 from axiscal.evaluation.table_checks import Judgement
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.setup import Setup
@@ -32,7 +31,7 @@ def said_of(judgement: Judgement) -> str:
 def answer_of(judgement: Judgement) -> CheckAnswer:
     """Return a judgement as a document, its places named by their numbers."""
     places = [{"place": float(number)} for number in np.unique(judgement.of)]
-    return check_answer(judgement, places, 1e-6, Taken())
+    return check_answer(judgement, places, 1e-6)
 
 
 def measured(path: Path, description: CampaignDescription, seed: int) -> Path:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from axiscal.evaluation.circles import circular
-from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import EvaluationError
-from axiscal.measurement.readers.files import recognised
 from axiscal.numerics import Array
 
 AROUND = np.arange(72) * np.pi / 36
@@ -59,23 +55,3 @@ def test_feed_in_and_feed_out_do_not_count(begin: int) -> None:
 def test_half_a_circle_is_refused() -> None:
     with pytest.raises(EvaluationError, match="do not go all around"):
         circular(_circle(np.zeros(36), angles=AROUND[:36]))
-
-
-def _runs(wrong: float = 0.0) -> list[str]:
-    """Return the rows of a test of five targets and five runs each way, one reading off by so much, um."""
-    rng = np.random.default_rng(3)
-    rows = []
-    for direction in ("+", "-"):
-        for run in range(1, 6):
-            for target in (0, 137, 260, 391, 505):
-                off = wrong if (direction, run, target) == ("+", 3, 260) else 0.0
-                rows.append(f"{target},{direction},{run},{0.01 * target + 0.5 * rng.standard_normal() + off:.4f}")
-    return rows
-
-
-def test_a_reading_that_the_other_runs_contradict_is_named(tmp_path: Path) -> None:
-    for wrong, named in ((0.0, False), (6.0, True)):
-        file = tmp_path / f"{wrong:g}.csv"
-        file.write_text("\n".join(["target_mm,direction,run,deviation_um", *_runs(wrong)]))
-        said = " ".join(evaluate(positioning_test(recognised(file))).warnings)
-        assert ("Run 3 in direction + at 260 mm is" in said) is named

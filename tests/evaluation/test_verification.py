@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.verification import decision, judge, plan_check, with_displacements
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
@@ -74,14 +74,15 @@ def state(record: Path) -> State:
 @pytest.fixture(scope="module")
 def eight(state: State) -> Places:
     """Return eight places of a check."""
-    estimate, used, control = state
-    return plan_check(estimate, description().setups, candidates(), used, control, 8)
+    return planned(state, 8)
 
 
-@cache
-def candidates() -> Places:
-    lattice = Case(description()).lattice
-    return with_displacements(description().setups, Places(lattice.setups, lattice.poses, lattice.approaches))
+def planned(state: State, count: int) -> Places:
+    estimate, used, _ = state
+    setups = description().setups
+    candidates = with_displacements(setups, Case(description()).lattice)
+    new = candidates.within(table_checks.far_from(estimate.machine, candidates, places_of(setups, used)))
+    return plan_check(estimate, setups, new, (), count)
 
 
 def readings(truth: VirtualMachine, places: Places, control: Control, seed: int) -> tuple[Reading, ...]:
@@ -91,8 +92,8 @@ def readings(truth: VirtualMachine, places: Places, control: Control, seed: int)
 
 @pytest.mark.long
 def test_places_are_new_and_of_both_set_ups(state: State) -> None:
-    estimate, used, control = state
-    chosen = plan_check(estimate, description().setups, candidates(), used, control, 12)
+    estimate, used, _ = state
+    chosen = planned(state, 12)
     assert len(chosen.setups) == 12
     assert set(chosen.setups.tolist()) == {0, 1}
     lengths = np.array([axis.length for axis in estimate.machine.axes])
@@ -104,14 +105,13 @@ def test_places_are_new_and_of_both_set_ups(state: State) -> None:
 
 
 def test_more_places_than_are_new_are_refused(state: State) -> None:
-    estimate, used, control = state
     with pytest.raises(ReadingError, match=r"only \d+ places of 500 are new") as refused:
-        plan_check(estimate, description().setups, candidates(), used, control, 500)
+        planned(state, 500)
     new = int(str(refused.value.what).split()[1])
     assert refused.value.remedy == f"Ask for --points {new} or fewer"
-    few = candidates().within(np.array([0]))
+    few = planned(state, 8).within(np.array([0]))
     with pytest.raises(ReadingError, match=r"too few places are new to tell the machine") as refused:
-        plan_check(estimate, description().setups, few, (), control, 2)
+        plan_check(state[0], description().setups, few, (), 2)
     assert "fewer" not in refused.value.remedy
 
 
@@ -135,9 +135,8 @@ def test_where_fewer_places_are_new_than_usual_those_are_read(
 
 
 def test_the_right_tables_pass_and_the_wrong_ones_fail(state: State) -> None:
-    estimate, used, control = state
-    truth, setups = true(), description().setups
-    places = plan_check(estimate, setups, candidates(), used, control, 12)
+    estimate, _, control = state
+    truth, setups, places = true(), description().setups, planned(state, 12)
     found = readings(truth, places, idle, 1)
     good = judge(estimate, setups, found, readings(truth, places, control, 2), control, 6e-6, (), 6e-6)
     assert (good.verdict, good.decision) == ("promised", "conform")

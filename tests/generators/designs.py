@@ -6,7 +6,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.errors.volume import even_poses, volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
@@ -60,9 +60,8 @@ def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint:
     """Return the problem before the first reading."""
     model = machine
     observation = Observation(model, setups)
-    box = whole_travel(model)
-    nothing = np.zeros((model.size, 0))
-    yardstick = Yardstick(model, box, volume_moments(model, box), nothing, nothing)
+    sample, nothing = even_poses(whole_travel(model), 2000), np.zeros((model.size, 0))
+    yardstick = Yardstick(model, sample, volume_moments(model, sample), nothing, nothing)
     root = joint_root(model) if joint else yardstick.root
     belief = Normal(np.zeros(observation.size), observation.prior_covariance())
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -18,12 +18,12 @@ from axiscal.cli.arguments import Details, Json, PlacesFile, RecordFile, Templat
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.document.durable import write_whole
-from axiscal.evaluation.check import USUAL, Check, Taken
+from axiscal.evaluation.check import Check
+from axiscal.evaluation.verification import USUAL
 from axiscal.language.spoken import ending, listed, said
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.measurement.reading import Places
 from axiscal.present.check_answer import check_answer, check_details, check_plan, check_screen
-from axiscal.record.signing import own_hand
 from axiscal.tables import registry
 from axiscal.tables.bump import other_way
 from axiscal.tables.exporter import ExportOptions
@@ -130,10 +130,9 @@ def verify(
             say_either(json, "axiscal-verify/1", {"verdict": None, "next": to_do}, [to_do])
             return
     if found is not None and left is not None:
-        readings, taken = check.read(found, left), Taken.with_file(left)
+        readings = check.read(found, left)
     elif source is not None:
         readings = check.asked(source, check.planned(points, tolerance=check.known(tolerance)))
-        taken = Taken(own_hand().person, source, check.digests)
     else:
         again += "" if tolerance is None else f" --tolerance {shlex.quote(tolerance)}"
         places = check.planned(points, tolerance=check.known(tolerance))
@@ -144,7 +143,7 @@ def verify(
         say_either(json, "axiscal-verify/1", document, lines)
         return
     judged = check.judged(readings, tolerance)
-    answer = check_answer(judged, check.positions(readings[1]), check.tables.certain, taken)
+    answer = check_answer(judged, check.positions(readings[1]), check.tables.certain)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
     elif details:
@@ -180,10 +179,10 @@ _LIVE = "linuxcnc-live"
 
 def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Path], loaded: Path | None) -> str:
     """Let a machine read what is missing, without the tables or with them; returns what is to be done next."""
-    person, (before, after) = own_hand().person, check.sheets(places, *files)
-    (bare, held), (compensated, in_force) = (_opening(check, source, loaded, active) for active in (False, True))
+    before, after = check.sheets(places, *files)
+    bare, compensated = (_opening(check, source, loaded, active) for active in (False, True))
     if not before.complete():
-        before.fill(bare, Taken(person, source, held))
+        before.fill(bare)
         if not after.complete():
             text = (
                 "{found} holds the readings as found. Load the exported files and switch them on, then give the same "
@@ -191,23 +190,18 @@ def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Pat
             )
             return said(text, found=before.file, left=after.file)
     if not after.complete():
-        after.fill(compensated, Taken(person, source, in_force))
+        after.fill(compensated)
     return ""
 
 
-def _opening(
-    check: Check, source: str, loaded: Path | None, active: bool
-) -> tuple[Callable[[], Source], Mapping[str, str]]:
-    """Return what attaches to a machine, with the tables or without, and SHA-256 of the files that it then says it has.
-
-    Raises TableError for a folder that holds no tables.
-    """
+def _opening(check: Check, source: str, loaded: Path | None, active: bool) -> Callable[[], Source]:
+    """Return what attaches to a machine, with the tables or without; raises TableError for a folder without tables."""
     from axiscal.ports.linuxcnc.live import InForce, attached_to
 
     host = source.partition(":")[2]
     any_of = InForce(active or bool(check.description.compensation_active))
     in_force = InForce.from_folder(loaded) if active and loaded is not None else any_of
-    return lambda: attached_to(host, check.description.machine, in_force), in_force.files
+    return lambda: attached_to(host, check.description.machine, in_force)
 
 
 def _wrapped(lines: Sequence[str]) -> str:

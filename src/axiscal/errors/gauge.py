@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
+from axiscal.errors.volume import VolumeMoments, even_poses, volume_moments, whole_travel
 from axiscal.language.spoken import capital, joined, later, listed, put, said
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
@@ -198,7 +198,7 @@ def hidden(
     moments : over the volume in which the tool point counts; the whole travel without
     none : of which readings none shows what is unseen
     """
-    moments = moments or volume_moments(model, whole_travel(model))
+    moments = moments or volume_moments(model, even_poses(whole_travel(model), 3 * _POSES))
     shift = moments.mean[list(moments.counted)]
     beyond = moments.gram - shift.T @ shift  # without the part that is one shift of the whole volume
     before = float(np.sum(beyond * model.covariance()))

@@ -1,13 +1,13 @@
-"""Means over the working volume: E[H] and E[HᵀH] in closed form, also with lever arms and rotary axes.
+"""Means over the working volume, E[H] and E[HᵀH], over poses spread evenly in it; in closed form along an axis.
+
+A rigid motion of the part is not an error: the part is aligned by probing before it is machined. Alignment with
+T(p) = [I, −(p − p̄)×] (3 × 6) leaves H − T E[TᵀT]⁻¹ E[TᵀH] of H, and of the mean variance
+
+    W = E[HᵀH] − E[TᵀH]ᵀ E[TᵀT]⁻¹ E[TᵀH].
 
 Every lever is affine in each linear coordinate and of first order in the sine and cosine of each rotary one. So three
 nodes on a linear axis and five on a rotary one give the product of two levers exactly. One-dimensional integrals
 remain, of spline rows against the Lagrange functions of those nodes: a small tensor grid with vector-valued weights.
-
-An error of two axes takes products of integrals along each axis, nothing in two dimensions. A row of a plane is its
-lever times a function of one axis times a function of the other. The Lagrange functions of the levers' nodes make E[row
-row'ᵀ] a sum over few nodes. Its terms are products of the levers there and, axis by axis, integrals of one or two such
-functions.
 
 The machine as it is and not to first order: deviations by the exact chain, and levers at the actual frames.
 """
@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +31,16 @@ from axiscal.machine.kinematics import (
     turn_between,
 )
 from axiscal.numerics import Array
+from axiscal_core import rigid
 from axiscal_core.machine import Machine
+from axiscal_core.points import even_points
 from axiscal_core.rigid import Motion
 from axiscal_core.splines import gauss
 
-_POSES = 8000
-"""At once: of memory, not of the result."""
+_POSES, _BLOCK = 8000, 1000
+"""At once, of deviations and of rows: of memory, not of the result."""
+_NO_MOTION = 1e-12
+"""Share of the largest motion from which on one is none: of a part that is a point, or a line."""
 
 
 def deviation_of(model: Machine, coefficients: Array, poses: Array, approaches: Array) -> Deviation:
@@ -164,27 +169,85 @@ def whole_travel(model: Machine) -> Box:
     return tuple(axis.travel for axis in model.axes)
 
 
-def volume_moments(model: Machine, box: Box, counted: Counted = EVERY_WAY) -> VolumeMoments:
-    """Return the means over poses spread evenly in the box.
+def even_poses(box: Box, count: int) -> Array:
+    """Return so many poses spread evenly in a box, (count, q)."""
+    low, high = np.array(box).T
+    return np.asarray(low + (high - low) * even_points(count, len(low)))
 
-    Readings come from both directions evenly, so a reversal has mean zero and is alone with its own axis.
-    Cost: O(nodes · terms²) for the levers and O(size²) for the rest.
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """What probing the part takes off.
+
+    poses : (m, q) over which it is aligned, spread evenly; counted : the directions in which it is, x, y and z
     """
-    axes = [along_axis(model, k, bounds) for k, bounds in enumerate(box)]
-    poses = np.stack([g.ravel() for g in np.meshgrid(*(a.nodes for a in axes), indexing="ij")], axis=1)
-    levers = model.levers(poses).transpose(0, 2, 1).reshape(len(model.terms), 3, *(len(a.nodes) for a in axes))
-    counts = levers[:, list(counted)]
-    mean, weight = np.zeros((3, model.size)), np.zeros((model.size, model.size))
-    groups = terms_by_axes(model, axes)
-    for number, first in enumerate(groups):
-        mean[:, first.columns] = _mean(axes, levers, first)
-        for second in groups[: number + 1]:
-            block = _crossed(axes, counts, first, second)
-            weight[np.ix_(second.columns, first.columns)] = block.T
-            weight[np.ix_(first.columns, second.columns)] = (block + block.T) / 2 if first is second else block
-    _separate_reversals(model, mean, weight)
-    squares = averaged([a.plain for a in axes], np.einsum("fc...,fc...->f...", counts, counts), ())
-    return VolumeMoments(mean, weight, squares, counted)
+
+    errors: Machine
+    poses: Array
+    counted: Counted = EVERY_WAY
+
+    @cached_property
+    def _counts(self) -> Array:
+        return np.array(self.counted, dtype=float)[:, None]
+
+    @cached_property
+    def _middle(self) -> Array:
+        return np.asarray(self.errors.frames(self.poses).tcp.mean(axis=0), dtype=np.float64)
+
+    def motions(self, poses: Array) -> Array:
+        """Return T at poses, (m, 3, 6): what shifts and turns of the part do to the tool point."""
+        away = self.errors.frames(poses).tcp - self._middle
+        shifts = np.broadcast_to(np.eye(3), (len(poses), 3, 3))
+        return np.concatenate([shifts, -rigid.skew(away)], axis=2)
+
+    @cached_property
+    def _found(self) -> Array:
+        """The rigid motion of the part in each error, (6, size)."""
+        motion = (self.motions(self.poses) * self._counts).reshape(-1, 6)
+        crossed = np.zeros((6, self.errors.size))
+        for at in range(0, len(self.poses), _BLOCK):
+            part = self.poses[at : at + _BLOCK]
+            rows = self.errors.rows_at(part, np.zeros_like(part)).reshape(-1, self.errors.size)
+            crossed += motion[3 * at : 3 * (at + _BLOCK)].T @ rows
+        return np.asarray(np.linalg.lstsq(motion.T @ motion, crossed, rcond=_NO_MOTION)[0], dtype=np.float64)
+
+    def taken_off(self, poses: Array) -> Array:
+        """Return what is taken off the rows at poses, (m, 3, size)."""
+        return self.motions(poses) @ self._found
+
+    def left(self, poses: Array, deviations: Array) -> Array:
+        """Return deviations (m, 3) without their own rigid motion, found at the same poses, m."""
+        motion = self.motions(poses)
+        seen = (motion * self._counts).reshape(-1, 6)
+        moved = np.linalg.lstsq(seen, (deviations * self._counts[:, 0]).ravel(), rcond=None)[0]
+        return deviations - motion @ moved
+
+
+def volume_moments(
+    errors: Machine, poses: Array, alignment: Alignment | None = None, counted: Counted = EVERY_WAY
+) -> VolumeMoments:
+    """Return the means over poses, from both directions evenly; what an alignment takes off is taken off.
+
+    poses : (m, q), spread evenly over the volume, those over which the part is aligned
+    """
+    mean, gram, squares = np.zeros((3, errors.size)), np.zeros((errors.size,) * 2), np.zeros(len(errors.terms))
+    ways, sides = list(counted), reversals_of(errors)
+    for at in range(0, len(poses), _BLOCK):
+        part = poses[at : at + _BLOCK]
+        levers = errors.levers(part).transpose(2, 0, 1)
+        middle, above = (errors.along(levers, part, np.full_like(part, side)) for side in (0.0, 1.0))
+        left = middle if alignment is None else middle - alignment.taken_off(part).swapaxes(0, 1)
+        rows = left[ways].reshape(-1, errors.size)
+        mean += left.sum(axis=1)
+        gram += rows.T @ rows
+        squares += np.sum(levers[ways] ** 2, axis=(0, 2))
+        for columns in sides:
+            own = (above[:, :, columns] - middle[:, :, columns])[ways].reshape(-1, len(columns))
+            gram[np.ix_(columns, columns)] += own.T @ own
+    if alignment is not None:
+        mean[:] = 0.0
+    count = len(poses)
+    return VolumeMoments(mean / count, gram / count, squares / count, counted)
 
 
 def along_axis(model: Machine, axis: int, bounds: tuple[float, float]) -> AlongAxis:
@@ -209,39 +272,6 @@ def _same_axes(model: Machine, axes: Sequence[AlongAxis], own: tuple[int, ...], 
     sides = [{side.axis: side for side in term.sides} for term in each]
     rows = {axis: np.hstack([mine[axis].rows(axes[axis].positions) for mine in sides]) for axis in own}
     return SameAxes(terms, owner, np.concatenate(columns), rows)
-
-
-def _mean(axes: Sequence[AlongAxis], levers: Array, mine: SameAxes) -> Array:
-    """Return E[H] of terms, (3, n).  levers : (terms, 3, ...) at the nodes of all axes"""
-    left = averaged([a.plain for a in axes], levers[mine.terms], tuple(mine.rows))[mine.owner]
-    for axis, rows in mine.rows.items():
-        left = np.einsum("nci...,in->nc...", left, axes[axis].weighted @ rows)
-    return left.T
-
-
-def _crossed(axes: Sequence[AlongAxis], levers: Array, first: SameAxes, second: SameAxes) -> Array:
-    """Return E[rowᵀ row'] of terms with others, (n, m).  levers : (terms, c, ...) of the directions that count"""
-    shared = tuple(sorted({*first.rows, *second.rows}))
-    products = np.einsum("fc...,gc...->fg...", levers[first.terms], levers[second.terms])
-    left = averaged([a.plain for a in axes], products, shared)[np.ix_(first.owner, second.owner)]
-    for axis in shared:
-        left = np.einsum("nmi...,inm->nm...", left, _integrals(axes[axis], axis, first, second))
-    return left
-
-
-def _integrals(line: AlongAxis, axis: int, first: SameAxes, second: SameAxes) -> Array:
-    """Return E[ℓ_i φ φ'] along an axis, (k, n, m); φ is 1 where a row does not depend on it."""
-    constant = np.ones((len(line.positions), 1))
-    one, other = (each.rows.get(axis, constant) for each in (first, second))
-    found = np.stack([(one * share[:, None]).T @ other for share in line.weighted])
-    return np.broadcast_to(found, (len(line.weighted), len(first.columns), len(second.columns)))
-
-
-def _separate_reversals(model: Machine, mean: Array, weight: Array) -> None:
-    for columns in reversals_of(model):
-        own = weight[np.ix_(columns, columns)] / 4.0
-        mean[:, columns] = weight[columns] = weight[:, columns] = 0.0
-        weight[np.ix_(columns, columns)] = own
 
 
 def reversals_of(model: Machine) -> list[list[int]]:

@@ -13,15 +13,14 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES, Target
 from axiscal.description.usual import rescaled_machine
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
-from axiscal.errors.volume import MovedErrors, VolumeMoments, volume_moments
-from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
+from axiscal.errors.volume import Alignment, MovedErrors, VolumeMoments, even_poses, volume_moments
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.artefact import reads_as
-from axiscal.measurement.candidates import spread
+from axiscal.measurement.candidates import corners, spread
 from axiscal.measurement.instruments.distance import TURNS
 from axiscal.measurement.observation import About, Observation
 from axiscal.measurement.reading import Place, Places, Reading
@@ -33,7 +32,6 @@ from axiscal.numerics.remembered import Itself, Memo
 from axiscal_core.eigen import root_of
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
-from axiscal_core.points import even_points
 from axiscal_core.theta import Kind, Sizes
 from axiscal_core.usual import sizes_of
 
@@ -235,8 +233,9 @@ class Case:
         mean[:, self.errors.tilts] = 0.0
         before, after = (np.sum((mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
-        box = self.description.target.volume
-        return Yardstick(self.errors, box, moments, unseen, left, (x, y, z), sample, alignment)
+        boxed = alignment is None and self.description.target.part is None
+        ends = corners(self.description.target.volume) if boxed else None
+        return Yardstick(self.errors, sample, moments, unseen, left, (x, y, z), alignment, ends)
 
     @cached_property
     def yardstick_as_sized(self) -> Yardstick:
@@ -249,13 +248,17 @@ class Case:
         bent = self.about if self.about is not None and self.about.bent else None
         return self.description.machine, self.description.target, Itself(bent)
 
-    def _found_volume(self) -> tuple[VolumeMoments, Array | None, Alignment | None]:
-        """Return means over the target's volume, and of what poses; `sample` and `alignment` as of a yardstick."""
-        target, sample = self.description.target, self._sample()
-        if sample is None:
-            return volume_moments(self.errors, target.volume, target.counted), None, None
-        alignment = Alignment(self.errors, sample, target.counted) if self._aligned else None
-        return sampled_moments(self.errors, sample, alignment, target.counted), sample, alignment
+    def _found_volume(self) -> tuple[VolumeMoments, Array, Alignment | None]:
+        """Return means over the target's volume, the poses they are of, and what probing the part takes off.
+
+        Along one axis there is nothing that the part could lie askew to: a rigid motion never counts.
+        """
+        target, machine = self.description.target, self.description.machine
+        part = target.part
+        sample = even_poses(target.volume, POSES) if part is None else part.poses(machine)
+        aligned = target.aligned or len(machine.axes) == 1
+        alignment = Alignment(self.errors, sample, target.counted) if aligned else None
+        return volume_moments(self.errors, sample, alignment, target.counted), sample, alignment
 
     @cached_property
     def about_volume(self) -> Array:
@@ -265,22 +268,6 @@ class Case:
         rows = self.errors.rows_at(poses, np.ones_like(poses))[:, list(self.description.target.counted)]
         off: Array = (rows - rows.mean(axis=0)).reshape(-1, self.errors.size)
         return off.T @ off
-
-    @property
-    def _aligned(self) -> bool:
-        """Whether a rigid motion is taken off: along one axis there is nothing that the part could lie askew to."""
-        return self.description.target.aligned or len(self.description.machine.axes) == 1
-
-    def _sample(self) -> Array | None:
-        """Return poses of the volume where it is a part, or where its alignment counts; None for a box of axes."""
-        target, machine = self.description.target, self.description.machine
-        if target.part is not None:
-            return target.part.poses(machine)
-        if not self._aligned:
-            return None
-        low, high = np.array(target.volume).T
-        poses: Array = low + (high - low) * even_points(POSES, len(low))
-        return poses
 
     def unit_of(self, setup: Setup, unknown: Unknown) -> str:
         """Return the unit in which an unknown of a set-up is shown."""

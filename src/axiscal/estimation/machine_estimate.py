@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.volume import EVERY_WAY, Box, Counted, MovedErrors, deviation_of
-from axiscal.estimation.accuracy.alignment import Alignment
+from axiscal.errors.volume import EVERY_WAY, Alignment, Box, Counted, MovedErrors, deviation_of
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup

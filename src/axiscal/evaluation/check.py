@@ -5,11 +5,9 @@ A virtual machine gives as-found and as-left readings: the same truth without ta
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import repeat
 from pathlib import Path
@@ -25,13 +23,12 @@ from axiscal.description.target import Target
 from axiscal.document.durable import write_whole
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.datums import fewest, lines_shared
-from axiscal.evaluation.table_checks import Judgement, Part, far_from, needed, parts_of, taken_away
+from axiscal.evaluation.datums import fewest
+from axiscal.evaluation.table_checks import Judgement, Part, far_from, parts_of, taken_away
 from axiscal.evaluation.verification import (
     SAME,
     expected,
     judge,
-    places_lacking,
     plan_check,
     values_at,
     with_displacements,
@@ -52,43 +49,6 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.surface import CommandedMachine
 from axiscal.units import parse_quantity
-
-
-@dataclass(frozen=True, slots=True)
-class Taken:
-    """By whom readings were taken, and with what in force.
-
-    person : who gave the command, "" where nobody knows; source : what read
-    files : SHA-256 of each file that the control itself said was in force, by its name
-    """
-
-    person: str = ""
-    source: str = ""
-    files: Mapping[str, str] = field(default_factory=dict)
-
-    def write(self, file: Path) -> None:
-        """Keep it beside a file of readings, with what that holds; raises OSError."""
-        kept = asdict(self) | {"schema": "axiscal-taken/1", "readings": _digest(file)}
-        write_whole(_beside(file), (json.dumps(kept, indent=1) + "\n").encode())
-
-    @classmethod
-    def with_file(cls, file: Path) -> Taken:
-        """Return what is kept beside a file of readings, nothing where that was typed or has been changed since."""
-        try:
-            kept = json.loads(_beside(file).read_bytes())
-            if kept.pop("schema") == "axiscal-taken/1" and kept.pop("readings") == _digest(file):
-                return cls(str(kept["person"]), str(kept["source"]), dict(kept["files"]))
-        except (OSError, ValueError, TypeError, KeyError, AttributeError):
-            pass
-        return cls()
-
-
-def _beside(file: Path) -> Path:
-    return file.with_name(f"{file.stem}.taken.json")
-
-
-def _digest(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest()
 
 
 def _read(file: Path, description: CampaignDescription) -> tuple[Reading, ...]:
@@ -126,7 +86,7 @@ class Sheet:
         """Whether it holds all of its readings."""
         return len(self.held()) == len(self.wanted)
 
-    def fill(self, opened: Callable[[], Source], taken: Taken) -> None:
+    def fill(self, opened: Callable[[], Source]) -> None:
         """Read what is missing; raises ReadingError before that, SourceError with how many readings are kept."""
         readings = list(self.held())
         if not os.access(self.file.absolute().parent, os.W_OK | os.X_OK):
@@ -143,7 +103,6 @@ class Sheet:
                 at = (request.setup.name, request.pose, request.approach)
                 readings.append(Reading(*at, answer.value, answer.std, others=answer.others))
                 write_whole(self.file, filled_sheet(self.description.machine.axes, readings).encode())
-                taken.write(self.file)
         except InputError as failure:
             kept = "{remedy}. {count} of {wanted} readings are kept in {path}; go on with the same command"
             count, wanted = len(readings), len(self.wanted)
@@ -153,8 +112,6 @@ class Sheet:
             source.close()
 
 
-USUAL, _FEW = 12, 4
-"""Places of a check that nobody gave a number for, and how many of them lie elsewhere than where the tables ask."""
 _PROBES = 300
 """Places at which is looked what the tables change; any few hundred spread over the volume do."""
 FoundAndLeft = tuple[tuple[Reading, ...], tuple[Reading, ...]]
@@ -179,69 +136,22 @@ class Check:
         tables = registry.export(estimate, controller, options or ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
 
-    @property
-    def digests(self) -> dict[str, str]:
-        """SHA-256 of the files of the tables, by name."""
-        return {name: hashlib.sha256(text.encode()).hexdigest() for name, text in self.tables.files.items()}
-
     @stage("places to check")
     def planned(self, count: int | None = None, by: str = "", tolerance: float = 0.0) -> Places:
-        """Return where to read, places that were not read before; raises ReadingError when there are not as many.
+        """Return where to read, set-up by set-up along the axes; raises ReadingError, as `plan_check`.
 
-        by : instrument of the only set-ups that are read; empty for any
-        tolerance : to which set-ups have to be known, m; 0 is enough for any
-        count : how many; None takes what the tables need, each at its ends and where it corrects most, and
-        USUAL at least where so many are new.
-        Fewer than the tables need show those that correct most; the rest is drawn at random.
-        No set-up is read at fewer places than tell the machine from it. Set-ups that the campaign has read come alone:
-        of others nobody knows how they lie. A chart without enough new places is read at its old ones.
+        by : instrument of the only set-ups that are read, "" for any; count, tolerance : as of `plan_check`
+        Places are new, but of a set-up without enough new ones. Set-ups that the campaign has read come alone: of
+        others nobody knows how they lie.
         """
         setups, lattice = self.description.setups, self.estimation.case.lattice
-        candidates, used = with_displacements(setups, lattice, by), places_of(setups, self.avoided)
-        if len(judges := np.intersect1d(places_of(setups, self.used).setups, candidates.setups)):
+        candidates, used = with_displacements(setups, lattice, by), places_of(setups, self.used)
+        if len(judges := np.intersect1d(used.setups, candidates.setups)):
             candidates = candidates.within(np.isin(candidates.setups, judges))
-        first = needed(self.estimate, setups, candidates, self.parts, used)
-        if count is None and (again := [i for i, _ in candidates.by_setup() if setups[i].name in self.exhausted]):
-            whole, others = np.isin(candidates.setups, again), ~np.isin(first.setups, again)
-            first = Places.joined([candidates.within(whole), first.within(others)])
-        most = len(first) + len(candidates) if count is None else count
-        first = self._whole(first, candidates, most, tolerance)
-        left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
-        if left < 1 or len(first) == len(candidates):
-            return _along_axes(first)
-        least = left if count is not None else 0 if len(first) else _FEW
-        return _along_axes(Places.joined([first, self._others(candidates, left, first, tolerance, least)]))
-
-    def _whole(self, first: Places, candidates: Places, count: int, tolerance: float) -> Places:
-        """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine.
-
-        A set-up that has too few new places for that is left out; both legs of a square are read, or it shows little.
-        """
-        asked, setups = first, self.description.setups
-        first = first.within(slice(count))
-        while len(first):
-            lacking = places_lacking(self.estimate, setups, candidates, first, tolerance)
-            mounted = set(first.setups.tolist())
-            shared = set[str]().union(*(lines_shared(setups[setup]) for setup in mounted))
-            mounted |= {setup for setup in lacking if lines_shared(setups[setup]) & shared}
-            lacking = {setup: more for setup, more in lacking.items() if more and setup in mounted}
-            if len(first) + sum(lacking.values()) <= count:
-                for setup, more in lacking.items():
-                    own = candidates.within(candidates.setups == setup)
-                    try:
-                        first = Places.joined([first, self._others(own, more, first, tolerance)])
-                    except ReadingError:
-                        others = candidates.within(candidates.setups != setup)
-                        return self._whole(asked.within(asked.setups != setup), others, count, tolerance)
-                return first
-            first = first.without(len(first) - 1)
-        return first
-
-    def _others(
-        self, candidates: Places, count: int, known: Places, tolerance: float, least: int | None = None
-    ) -> Places:
-        setups, control = self.description.setups, self.tables.control
-        return plan_check(self.estimate, setups, candidates, self.avoided, control, count, known, tolerance, least)
+        again = np.array([setups[index].name in self.exhausted for index in candidates.setups], dtype=bool)
+        new = candidates.within(again | far_from(self.description.machine, candidates, used))
+        found = plan_check(self.estimate, setups, new, self.parts, count, tolerance)
+        return found.within(np.lexsort((*found.approaches.T[::-1], *found.poses.T[::-1], found.setups)))
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -251,21 +161,15 @@ class Check:
         parts, setups = parts_of(self.estimate, self.tables), self.description.setups
         return tuple(sorted(parts, key=lambda part: -float(np.std(taken_away(machine, part, setups, places)))))
 
-    @property
-    def avoided(self) -> tuple[Reading, ...]:
-        """The readings whose places are not read again: none of a chart without enough others, such as a board."""
-        return tuple(reading for reading in self.used if reading.setup not in self.exhausted)
-
     @cached_property
     def exhausted(self) -> set[str]:
-        """The set-ups on a chart with too few places that were not read."""
+        """The set-ups with too few places that were not read, such as a board."""
         setups, lattice, machine = self.description.setups, self.estimation.case.lattice, self.description.machine
         new = far_from(machine, lattice, places_of(setups, self.used))
         return {
             setups[index].name
             for index, mine in lattice.by_setup()
-            if setups[index].chart is not None
-            and np.sum(new[mine]) < fewest(machine, setups[index], lattice.poses[mine], 0.0)
+            if np.sum(new[mine]) < fewest(machine, setups[index], lattice.poses[mine], 0.0)
         }
 
     def predicted(self, places: Places) -> tuple[list[Array], list[Array]]:
@@ -344,11 +248,6 @@ def requests(description: CampaignDescription, places: Sequence[Place]) -> list[
         Request(number, description.setup(place.setup), description.machine.axes, place.pose, place.approach)
         for number, place in enumerate(places, start=1)
     ]
-
-
-def _along_axes(places: Places) -> Places:
-    """Return places set-up by set-up, along the axes."""
-    return places.within(np.lexsort((*places.approaches.T[::-1], *places.poses.T[::-1], places.setups)))
 
 
 def tolerance_of(target: Target, text: str | None) -> float | None:

@@ -22,10 +22,8 @@ from axiscal.units import said_quantity, to_unit
 COVERAGE_FACTOR = 2.0
 _DRAWS = 1000
 """Tests drawn at random: their scatter is known to two percent of itself."""
-_FEWEST_TO_DOUBT, _TELLING, _STANDS_OFF = 3, 15, 5.0
-"""Of two runs nobody can say which is wrong; with so many degrees of freedom one in 6,000 stands off so far."""
-_FEWEST_RUNS, _STEADILY = 6, 5.0
-"""A line through the means of so many runs is believed at so many standard deviations: by chance once in 500."""
+_FEWEST_TO_DOUBT = 3
+"""Of two runs nobody can say which is wrong."""
 _FEWEST_NEIGHBOURS, _DIGITS = 5, 4
 """Targets by whose neighbours a reading is expected; digits behind a point, of what is read."""
 _FAR, _NEAR = 12.0, 6.0
@@ -244,51 +242,10 @@ def _shortfalls(test: PositioningTest, runs: int) -> Iterable[str]:
         yield said("ISO 230-2 asks for five runs in each direction; there are {runs}.", runs=runs)
     if len(test.measured) < 2:
         yield said("Only one direction was measured: reversal and the bidirectional figures are not known.")
-    yield from _drift(test)
     yield from _lost_points(test)
-    yield from _outliers(test)
     gaps = np.diff(test.targets)
     if n > 2 and np.ptp(gaps) < 1e-6 * np.max(gaps):
         yield said("The targets are equally spaced: an error that repeats with this spacing stays unseen.")
-
-
-def _drift(test: PositioningTest) -> Iterable[str]:
-    """Say by how much the means of the runs move, if they do so steadily: a straight line through them, tested by t."""
-    sides = [runs.mean(axis=0) - runs.mean() for runs in test.measured.values()]
-    if sum(map(len, sides)) < _FEWEST_RUNS:
-        return
-    means, time = np.concatenate(sides), np.concatenate([np.arange(len(side)) - (len(side) - 1) / 2 for side in sides])
-    spread, degrees = float(time @ time), len(means) - len(sides) - 1
-    slope = float(time @ means) / spread
-    left = means - slope * time
-    square = slope**2 * spread / max(float(left @ left) / degrees, np.finfo(float).tiny)
-    if square > _STEADILY**2:
-        words = "The means of the runs move steadily, by {moved} from the first to the last: A and R count this drift."
-        yield said(words, moved=said_quantity(slope * float(np.ptp(time)), test.value_unit, 3))
-
-
-def _outliers(test: PositioningTest) -> Iterable[str]:
-    """Say which readings the other runs contradict, as `estimate` does.
-
-    A reading less the mean of the others at its target, over what all others scatter, is Student's t.
-    """
-    for name, runs in test.measured.items():
-        if runs.shape[1] < _FEWEST_TO_DOUBT or runs.size - len(runs) <= _TELLING:
-            continue
-        count, degrees = runs.shape[1], runs.size - len(runs) - 1
-        left = runs - runs.mean(axis=1, keepdims=True)
-        shared = count / (count - 1) * left**2
-        others = np.sqrt(np.maximum(np.sum(left**2) - shared, np.finfo(float).tiny) / degrees)
-        surprise = np.abs(left) * np.sqrt(count / (count - 1)) / others
-        for target, run in np.argwhere(surprise > _STANDS_OFF):
-            yield said(
-                "Run {run} in direction {sign} at {place} is {size:.1f} standard deviations from what the other runs "
-                "say: take it again; A and R count it.",
-                run=int(run) + 1,
-                sign="+" if name == "up" else "-",
-                place=said_quantity(float(test.targets[target]), "deg" if test.rotary else "mm"),
-                size=float(surprise[target, run]),
-            )
 
 
 def _lost_points(test: PositioningTest) -> Iterable[str]:

@@ -42,8 +42,6 @@ _FRESH = 0.05
 """Share of the travel: nearer to a reading is no new place."""
 _ALONG, _THROUGH = 0.5, 0.5
 """Cosine, and share of a travel: a reading bears on an axis by half its direction, a range by half its length."""
-_ELSEWHERE = (0.5, 0.3, 0.7, 0.15, 0.85)
-"""Shares of the travel at which the other axes may stand: the middle, or elsewhere where that was read."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -115,33 +113,24 @@ def taken_away(machine: Machine, part: Part, setups: Sequence[Setup], places: Pl
     return np.concatenate([np.zeros(0), *each])
 
 
-def needed(
-    estimate: Estimate, setups: Sequence[Setup], candidates: Places, parts: Sequence[Part], used: Places
-) -> Places:
+def needed(estimate: Estimate, setups: Sequence[Setup], new: Places, parts: Sequence[Part]) -> Places:
     """Return the places that show each part: at both ends, and where it corrects most, from both sides if it is apart.
 
-    candidates : of the set-ups that can check, on a chart the only places where they can; used : places that were read
-    before, which are not read again
+    new : places that may be read
     """
     found = Places.none(len(estimate.machine.axes))
-    usable = np.unique(candidates.setups).tolist()
     for part in sorted(parts, key=lambda p: not p.both):
-        options = [
-            _places(estimate, setups[s], s, part, used)
-            if setups[s].chart is None
-            else _on_chart(estimate, setups, s, part, used, candidates)
-            for s in usable
-        ]
+        options = [_showing(estimate.machine, setups, part, new.within(mine)) for _, mine in new.by_setup()]
         scores = [_shown(estimate.machine, part, setups, places) for places in options]
         if scores and max(scores) > 0:
-            found = Places.joined([found, _new(options[first_best(np.array(scores), ALIKE)], found)])
+            found = Places.joined([found, without(options[first_best(np.array(scores), ALIKE)], found)])
     return found
 
 
 def without(candidates: Places, known: Places) -> Places:
-    """Return candidates whose places are not known ones."""
-    seen = {key[:2] for key in _keys(known)}
-    return candidates.within(np.array([key[:2] not in seen for key in _keys(candidates)], dtype=bool))
+    """Return candidates that are not known ones, from whichever side."""
+    seen = {*_keys(known)}
+    return candidates.within(np.array([key not in seen for key in _keys(candidates)], dtype=bool))
 
 
 def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Array) -> tuple[Share, ...]:
@@ -211,35 +200,19 @@ def _targets(estimate: Estimate, over: int, table: CompensationTable) -> tuple[f
     return (low, high, float(at[first_best(apart, ALIKE)]), float(at[first_best(np.abs(values), ALIKE)]))
 
 
-def _places(estimate: Estimate, setup: Setup, index: int, part: Part, used: Places) -> Places:
-    """Return where a set-up would check a part; none where it does not move the axis."""
-    over = _looked_at(setup, part)
-    columns = [
-        _place(estimate, setup, index, over, t, w, used) for t in _at(estimate, part, over) for w in _ways(setup, part)
-    ]
-    poses = np.array([pose for pose, _ in columns]).reshape(-1, len(estimate.machine.axes))
-    ways = np.array([way for _, way in columns]).reshape(poses.shape)
-    return Places(np.full(len(columns), index, dtype=np.intp), poses, ways)
-
-
-def _on_chart(
-    estimate: Estimate, setups: Sequence[Setup], index: int, part: Part, used: Places, candidates: Places
-) -> Places:
-    """Return those of the candidates on a chart that show a part: nearest to its targets, or what it moves farthest."""
-    at = candidates.within((candidates.setups == index) & far_from(estimate.machine, candidates, used))
-    if not len(at):
-        return at
+def _showing(machine: Machine, setups: Sequence[Setup], part: Part, at: Places) -> Places:
+    """Return those places of one set-up that show a part: nearest to its targets, or what it moves farthest."""
+    setup = setups[int(at.setups[0])]
     if part.over is None:
-        return at.within(_farthest(taken_away(estimate.machine, part, setups, at).reshape(len(at), -1)))
-    if part.over not in setups[index].moves:
+        return at.within(_farthest(taken_away(machine, part, setups, at).reshape(len(at), -1)))
+    if part.over not in setup.moves:
         return at.within(slice(0))
-    picked = []
-    for target in _at(estimate, part, part.over):
-        for way in _ways(setups[index], part):
-            from_there = np.flatnonzero(at.approaches[:, part.over] == way) if part.both else np.arange(len(at))
-            if len(from_there):
-                picked.append(int(from_there[np.argmin(np.abs(at.poses[from_there, part.over] - target))]))
-    return at.within(np.array(sorted(set(picked)), dtype=np.intp))
+    picked = dict[int, None]()
+    for way in setup.sides if part.both else (0,):
+        from_there = np.flatnonzero((at.approaches[:, part.over] == way) | (way == 0))
+        for target in part.targets if len(from_there) else ():
+            picked[int(from_there[np.argmin(np.abs(at.poses[from_there, part.over] - target))])] = None
+    return at.within(np.array([*picked], dtype=np.intp))
 
 
 def _farthest(effects: Array) -> NDArray[np.intp]:
@@ -251,55 +224,6 @@ def _farthest(effects: Array) -> NDArray[np.intp]:
         away = np.linalg.norm(effects - effects[picked[-1]], axis=1)
         apart = away if len(picked) == 1 else np.minimum(apart, away)
     return np.array(sorted(set(picked)), dtype=np.intp)
-
-
-def _looked_at(setup: Setup, part: Part) -> int | None:
-    """Return the axis that is moved from place to place: the part's own, or any that the set-up moves."""
-    if part.over is None:
-        return setup.moves[0] if setup.moves else None
-    return part.over if part.over in setup.moves else None
-
-
-def _at(estimate: Estimate, part: Part, over: int | None) -> tuple[float, ...]:
-    if over is None:
-        return ()
-    low, high = estimate.box[over]
-    return tuple(dict.fromkeys(part.targets or tuple(np.linspace(low, high, _FEW).tolist())))
-
-
-def _ways(setup: Setup, part: Part) -> tuple[int, ...]:
-    return setup.sides if part.both else setup.sides[:1]
-
-
-def _place(
-    estimate: Estimate, setup: Setup, index: int, over: int | None, target: float, way: int, used: Places
-) -> tuple[Array, Array]:
-    """Return pose and sides of the place nearest to a target that was not read before."""
-    assert over is not None
-    middle = float(np.mean(estimate.box[over]))
-    options = [_posed(estimate, setup, over, target, share) for share in _ELSEWHERE]
-    options += [_posed(estimate, setup, over, target + share * (middle - target), 0.5) for share in (0.15, 0.3)]
-    places = Places.of_setup(index, np.array(options), np.zeros((len(options), len(options[0]))))
-    pose = options[int(np.argmax(far_from(estimate.machine, places, used)))]  # the first, where none is
-    sides = np.zeros(len(pose))
-    sides[list(setup.moves)] = setup.sides[0]
-    sides[over] = way
-    return pose, sides
-
-
-def _posed(estimate: Estimate, setup: Setup, over: int, target: float, share: float) -> Array:
-    """Return the pose with one axis at a target, other moving axes at a share of their way, within what can be read."""
-    pose = np.array(setup.park, dtype=float)
-    for k in setup.moves:
-        axis = estimate.machine.axes[k]
-        span, box = setup.span(axis, k), estimate.box[k]
-        low, high = max(span[0] + axis.overrun, box[0]), min(span[1] - axis.overrun, box[1])
-        wanted = target if k == over else low + share * (high - low)
-        step = setup.raster[k]
-        snapped = round(wanted / step) * step if step > 0 else wanted
-        inside = (np.ceil(low / step) * step, np.floor(high / step) * step) if step > 0 else (low, high)
-        pose[k] = np.clip(snapped, *inside)
-    return pose
 
 
 def far_from(machine: Machine, places: Places, used: Places) -> NDArray[np.bool_]:
@@ -317,15 +241,8 @@ def _shown(machine: Machine, part: Part, setups: Sequence[Setup], places: Places
     return float(np.ptp(taken_away(machine, part, setups, places))) / setups[int(places.setups[0])].noise
 
 
-def _new(places: Places, known: Places) -> Places:
-    """Return places without those that are known or come twice."""
-    first = {key: i for i, key in reversed([*enumerate(_keys(places))])}
-    return places.within(np.array(sorted(first[key] for key in first.keys() - _keys(known)), dtype=np.intp))
-
-
 def _keys(places: Places) -> list[tuple[object, ...]]:
-    at = np.round(places.poses, 9).tolist(), places.approaches.tolist()
-    return list(zip(places.setups.tolist(), *(map(tuple, each) for each in at), strict=True))
+    return list(zip(places.setups.tolist(), map(tuple, np.round(places.poses, 9).tolist()), strict=True))
 
 
 OF_TWENTY = 0.05

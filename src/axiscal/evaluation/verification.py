@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.promise.posterior import Posterior
-from axiscal.evaluation.datums import GUARD, Datums, datums_of, fewest, is_zero, upright
+from axiscal.evaluation.datums import GUARD, Datums, datums_of, fewest, is_zero, lines_shared, upright
 from axiscal.evaluation.table_checks import (
     Decision,
     Judgement,
     Part,
-    far_from,
     idle_axes,
+    needed,
     shares,
     taken_away,
     without,
@@ -47,8 +47,8 @@ _DISPLACEMENTS = (Displacement, Nest, Tracker)
 _CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if issubclass(kind, _DISPLACEMENTS)))
 """Instruments that read displacements along fixed directions: the ones a check is made with."""
 _REMEDY = "A check is made with {known}: give the campaign a set-up of that kind"
-_PER_SETUP = 4
-"""So many places a set-up, or mounting it costs more than it tells; the verdict holds for any number."""
+USUAL, _FEW = 12, 4
+"""Places of a check that nobody gave a number for, and how many of them lie elsewhere than where the tables ask."""
 _FEWEST = 2
 """Fewer new places of a set-up are not worth mounting it."""
 SAME = 1e-7
@@ -113,69 +113,57 @@ def expected(
 def plan_check(
     estimate: Estimate,
     setups: Sequence[Setup],
-    candidates: Places,
-    used: Sequence[Reading],
-    control: Control,
-    count: int,
-    known: Places | None = None,
+    new: Places,
+    parts: Sequence[Part],
+    count: int | None = None,
     tolerance: float = 0.0,
-    least: int | None = None,
 ) -> Places:
-    """Return `count` of the candidates that were not read before, drawn at random.
+    """Return places that show the parts, those that tell the machine from each set-up that is read, and random ones.
 
-    They share the few set-ups that promise most, four places or more each, and none too few to tell the machine from
-    it. Where there are not as many it is as many as there are; raises ReadingError below the least.
-
-    known : places that the check has already; tolerance : it is judged by, m; 0 where it is not known yet
-    least : how few will do, None for no fewer
+    new : that may be read; parts : those first that correct most; tolerance : it is judged by, m, 0 if nobody knows yet
+    count : how many; None for what parts need, and `USUAL` at least where there are so many
+    Raises ReadingError where there are not as many, or too few to tell the machine from any set-up.
     """
-    least = count if least is None else least
-    if known is None:
-        known = Places.none(len(estimate.machine.axes))
-    lacking = places_lacking(estimate, setups, candidates, known, tolerance)
-    candidates = without(candidates, known)
-    new = distinct(candidates.within(far_from(estimate.machine, candidates, places_of(setups, used))))
-    mean, factor = without_zeros(setups, new, *expected(estimate, setups, new, control))
-    score = np.bincount(values_at(setups, new).of, mean**2 + np.sum(factor**2, axis=1), len(new.setups))
-    there = {setup: len(mine) for setup, mine in new.by_setup()}
-    able = [setup for setup in there if lacking[setup] <= there[setup]]
-    promising = sorted(able, key=lambda setup: -np.max(score[new.setups == setup]))
-
-    def shared(count: int) -> list[int]:
-        shares = _shared(promising, count, lacking)
-        return [setup for setup, share in shares for _ in range(min(share, there[setup]))]
-
-    size = next(number for number in range(count, -1, -1) if len(shared(number)) == number)
-    if size < least:
-        if there and not promising:
-            raise ReadingError("too few places are new to tell the machine from a set-up", _fewer(0))
-        found, asked = len(known) + size, len(known) + least
-        if (alone := len(known) + min((lacking[setup] for setup in promising), default=0)) > asked:
-            what = "{count} places cannot tell the machine from a set-up"
-            raise ReadingError(what, "Ask for {least} or more", count=asked, least=alone)
-        raise ReadingError("only {new} places of {count} are new", _fewer(found), new=found, count=asked)
-    return drawn_places(new, np.array(shared(size), dtype=np.intp), size)
-
-
-def places_lacking(
-    estimate: Estimate, setups: Sequence[Setup], candidates: Places, known: Places, tolerance: float
-) -> dict[int, int]:
-    """Return, by set-up of the candidates, how many places more than the known ones tell the machine from it."""
-    machine, had = estimate.machine, known.setups.tolist()
-    return {
-        setup: max(fewest(machine, setups[setup], candidates.poses[mine], tolerance) - had.count(setup), 0)
-        for setup, mine in candidates.by_setup()
-    }
+    once, machine = distinct(new), estimate.machine
+    least = {s: fewest(machine, setups[s], once.poses[mine], tolerance) for s, mine in once.by_setup()}
+    least = {s: own for s, own in least.items() if own <= np.count_nonzero(once.setups == s)}
+    if len(once) and not least:
+        raise ReadingError("too few places are new to tell the machine from a set-up", _fewer(0))
+    able = np.isin(new.setups, [*least])
+    room = int(able.sum()) if count is None else count
+    first = needed(estimate, setups, new.within(able), parts)
+    mounted = _mounted(setups, [*dict.fromkeys(first.setups.tolist())] or [*least], least, room)
+    if least and not mounted:
+        what = "{count} places cannot tell the machine from a set-up"
+        raise ReadingError(what, "Ask for {least} or more", count=room, least=min(least.values()))
+    first = first.within(np.isin(first.setups, mounted))
+    while sum(max(least[s], np.count_nonzero(first.setups == s)) for s in mounted) > room:
+        first = first.without(len(first) - 1)
+    others = without(once.within(np.isin(once.setups, mounted)), first)
+    lacking = [max(least[s] - np.count_nonzero(first.setups == s), 0) for s in mounted]
+    among = np.repeat(mounted, lacking).astype(np.intp)
+    first = Places.joined([first, drawn_places(others, among, len(among))])
+    others = without(others, first)
+    left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
+    if count is not None and left > len(others):
+        found = len(first) + len(others)
+        raise ReadingError("only {new} places of {count} are new", _fewer(found), new=found, count=count)
+    return Places.joined([first, drawn_places(others, others.setups, min(left, len(others)))])
 
 
-def _shared(promising: Sequence[int], count: int, lacking: Mapping[int, int]) -> list[tuple[int, int]]:
-    """Return set-ups with how many places each is read at: as many set-ups as can have what they lack."""
-    able = [setup for setup in promising if lacking[setup] <= count]
-    for several in range(min(len(able), count // _PER_SETUP), 1, -1):
-        shares = [part.size for part in np.array_split(np.arange(count), several)]
-        if all(lacking[setup] <= share for setup, share in zip(able, shares, strict=False)):
-            return list(zip(able, shares, strict=False))
-    return [(setup, count) for setup in able[:1]]
+def _mounted(setups: Sequence[Setup], asked: Sequence[int], least: Mapping[int, int], room: int) -> list[int]:
+    """Return those of the set-ups asked for that have room: the legs of a square, which share its turn, together.
+
+    least : places that each needs, of those that can have them; room : places of all
+    """
+    found = list[int]()
+    for setup in asked:
+        shared = lines_shared(setups[setup])
+        fresh = {setup, *(other for other in least if lines_shared(setups[other]) & shared)}.difference(found)
+        if sum(least[each] for each in fresh) <= room:
+            found += sorted(fresh)
+            room -= sum(least[each] for each in fresh)
+    return found
 
 
 def _fewer(new: int) -> str:

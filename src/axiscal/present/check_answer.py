@@ -11,7 +11,7 @@ from pydantic import Field
 from axiscal.answers.answer import AnswerDocument, TablesChecked, finite
 from axiscal.answers.answer_words import VERDICTS, farthest_words, sizes_words, wrapped
 from axiscal.answers.row_words import row_name
-from axiscal.evaluation.check import Check, Taken
+from axiscal.evaluation.check import Check
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import WORKS, Decision, Judgement, Verdict
 from axiscal.language.spoken import counted, later, listed, put, quoted, said
@@ -47,8 +47,6 @@ _COVERAGE = 2.0
 """k of the uncertainty that is stated beside a decision, as certificates do."""
 _LINES = 12
 """Lines of a screen above what comes next."""
-_DIGITS = 12
-"""Hex digits of a checksum that are shown: the document has them all."""
 
 
 class CheckedValue(AnswerDocument):
@@ -82,7 +80,6 @@ class CheckAnswer(AnswerDocument):
 
     decision : what the as-left readings prove of the tolerance, by ISO 14253-1, None without one
     U_um : largest of theirs, k = 2
-    person, source, in_force : as of `evaluation.check.Taken`
     expected_um : U over the volume with the tables loaded; tolerance_um : None where nobody states one
     places : how many were read, each without the tables and with them
     found_rms_um, left_rms_um : over the places, in space where a reading has three values
@@ -95,9 +92,6 @@ class CheckAnswer(AnswerDocument):
     verdict: Verdict
     decision: Decision | None
     U_um: float
-    person: str
-    source: str
-    in_force: Mapping[str, str]
     expected_um: float
     tolerance_um: float | None
     guard_band_um: float
@@ -145,12 +139,10 @@ class CheckAnswer(AnswerDocument):
         )
 
 
-def check_answer(
-    judgement: Judgement, places: Sequence[Mapping[str, float]], promised: float, taken: Taken
-) -> CheckAnswer:
+def check_answer(judgement: Judgement, places: Sequence[Mapping[str, float]], promised: float) -> CheckAnswer:
     """Return what was judged as a document.
 
-    places : where was read each way; promised : U with the tables, m; taken : of the as-left readings
+    places : where was read each way; promised : U with the tables, m
     """
     figures = (judgement.found, judgement.left, judgement.std)
     found, left, std = (plain(to_unit(values, "um")) for values in figures)
@@ -161,9 +153,6 @@ def check_answer(
         verdict=judgement.verdict,
         decision=judgement.decision,
         U_um=_COVERAGE * float(std.max()),
-        person=taken.person,
-        source=taken.source,
-        in_force=taken.files,
         expected_um=to_unit(promised, "um"),
         tolerance_um=None if judgement.tolerance is None else to_unit(judgement.tolerance, "um"),
         guard_band_um=GUARD * float(std.max()),
@@ -275,19 +264,9 @@ def check_sentences(answer: CheckAnswer) -> list[str]:
 
 
 def check_details(answer: CheckAnswer) -> list[str]:
-    """Return all that was judged in words, with what it proves and which files were in force."""
-    names = ", ".join(f"{name} (SHA-256 {digest[:_DIGITS]})" for name, digest in answer.in_force.items())
+    """Return all that was judged in words, with what it proves."""
     known = "A reading has U = {u:.3g} um (k = 2); U = {promised:.3g} um (95 %) is to be expected over the volume."
-    return [
-        *check_sentences(answer),
-        said(known, u=answer.U_um, promised=answer.expected_um),
-        said(
-            "Read by {person} from {source}. In force by the control: {names}.",
-            person=answer.person or said("nobody that is known"),
-            source=answer.source or said("files"),
-            names=names or said("not known"),
-        ),
-    ]
+    return [*check_sentences(answer), said(known, u=answer.U_um, promised=answer.expected_um)]
 
 
 def _warnings(answer: CheckAnswer) -> list[str]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.estimation.accuracy.alignment import Alignment
+from axiscal.errors.volume import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate

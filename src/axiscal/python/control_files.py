@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
-from axiscal.errors.volume import whole_travel
-from axiscal.estimation.accuracy.alignment import Alignment
+from axiscal.errors.volume import Alignment, even_poses, whole_travel
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown, where_read
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS
 from axiscal.present.delivery import write_files
@@ -19,7 +16,6 @@ from axiscal_core.eigen import unique_root
 from axiscal_core.known import Known
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
-from axiscal_core.points import even_points
 from axiscal_core.refusals import one
 
 
@@ -53,8 +49,7 @@ def _estimate(known: Known) -> Estimate:
     """Return what tables are made of: the machine's part of what is known, over all its travels."""
     machine, size = known.case.machine, known.case.machine.size
     box = whole_travel(machine)
-    low, high = np.array(box).T
-    sample = low + (high - low) * even_points(POSES, len(box)) if known.case.aligned else None
+    sample = even_poses(box, POSES)
     places = known.case.lattice(1).at([]) if known.readings is None else known.readings.places
     mounted = [known.case.instruments[known.case.setups.index(name)] for name in places.instruments]
     moves = [[machine.index(axis) for axis in each.moves] for each in mounted]
@@ -63,7 +58,7 @@ def _estimate(known: Known) -> Estimate:
         Normal(known.mean[:size], known.covariance[:size, :size]),
         box,
         sample=sample,
-        alignment=None if sample is None else Alignment(machine, sample),
+        alignment=Alignment(machine, sample) if known.case.aligned else None,
         read=where_read(machine, zip(moves, places.poses.tolist(), strict=True)),
         open=unique_root(known.alone[:size, :size]),
         unknown=LeftUnknown(known.rms, known.U),

@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.volume import EVERY_WAY, Box, Counted
-from axiscal.estimation.accuracy.alignment import Alignment
+from axiscal.errors.volume import EVERY_WAY, Alignment, Box, Counted
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import iso_axis, letter_direction

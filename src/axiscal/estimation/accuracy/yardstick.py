@@ -17,14 +17,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.volume import Box, Counted, VolumeMoments
-from axiscal.estimation.accuracy.alignment import Alignment
-from axiscal.measurement.candidates import corners
+from axiscal.errors.volume import Alignment, Counted, VolumeMoments
 from axiscal.numerics import Array, even_subset
 from axiscal_core.criterion import joint, root_of_gram
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
-from axiscal_core.points import even_points
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -108,18 +105,19 @@ class Yardstick:
     moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
     left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
     zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
-    sample : (m, q) poses of the volume where it is not a box of them; alignment : what probing the part takes off
+    sample : (m, q) poses spread evenly over the volume; ends : (e, q) where it may be worst besides
+    alignment : what probing the part takes off
     like : one for errors of other sizes, whose rows at these places it has, found where somebody asks for them
     """
 
     errors: Machine
-    box: Box
+    sample: Array
     moments: VolumeMoments
     unseen: Array
     left: Array
     zeroed: tuple[bool, bool, bool] = (False, False, False)
-    sample: Array | None = None
     alignment: Alignment | None = None
+    ends: Array | None = None
     like: Yardstick | None = None
 
     def with_rests_of(self, errors: Machine, left: Array | None = None) -> Yardstick:
@@ -231,17 +229,20 @@ class Yardstick:
 
     @cached_property
     def places(self) -> Array:
-        """Poses at which it measures, (m, q): corners of the volume, unless there is a sample, and evenly inside."""
-        return self.inside if self.sample is not None else np.concatenate([corners(self.box), self.inside])
+        """Poses at which it measures, once each, (m, q)."""
+        return self.inside if self.ends is None else np.concatenate([self.ends, self.inside])
 
     @cached_property
     def inside(self) -> Array:
         """Those of them that are spread evenly over the volume, (n, q): any of them stands for as much of it."""
-        if self.sample is not None:
-            return self.sample[even_subset(self.sample, _INNER_POINTS)]
-        low, high = np.array(self.box).T
-        inner: Array = low + (high - low) * even_points(_INNER_POINTS, len(self.box))
-        return inner
+        whole = self.ends is not None  # a box, of which the first so many are as even as all
+        return self.sample[:_INNER_POINTS] if whole else self.sample[even_subset(self.sample, _INNER_POINTS)]
+
+    @cached_property
+    def evenly(self) -> NDArray[np.bool_]:
+        """Which of the yardstick's poses are spread evenly over the volume: all but its ends, (m,)."""
+        places = np.arange(len(self.places)) >= len(self.places) - len(self.inside)
+        return np.tile(places, len(self.poses[0]) // len(places))
 
     @cached_property
     def rows(self) -> Array:
@@ -263,12 +264,6 @@ class Yardstick:
             return self.like._here
         here = self._every_row.reshape(-1, self.errors.size) @ self.unseen
         return here.reshape(len(self.rows), 3, -1)
-
-    @cached_property
-    def evenly(self) -> NDArray[np.bool_]:
-        """Which of the yardstick's poses are spread evenly over the volume: all but its corners, (m,)."""
-        places = np.arange(len(self.places)) >= len(self.places) - len(self.inside)
-        return np.tile(places, len(self.poses[0]) // len(places))
 
     def covariances(self, factor: Array) -> Array:
         """Return the covariance of the TCP deviation at each pose, (m, 3, 3) m²: traces `variances` where all counts.

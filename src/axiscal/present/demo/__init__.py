@@ -17,7 +17,7 @@ from axiscal.campaign.ending import Milestone, reaches
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.evaluation.check import Check, Taken
+from axiscal.evaluation.check import Check
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator, TruthCurve, VirtualMachine
 from axiscal.present.check_answer import check_answer
@@ -64,7 +64,7 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     check = Check.from_campaign(campaign, CONTROL)
     readings = check.read_on(truth, SEED, check.planned(tolerance=check.known(None)))
     places = check.positions(readings[1])
-    return check_answer(check.judged(readings, None), places, check.tables.certain, Taken()).summary
+    return check_answer(check.judged(readings, None), places, check.tables.certain).summary
 
 
 def measured_truth(model: Machine, seed: int) -> dict[str, TruthCurve]:

@@ -10,7 +10,7 @@ from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.document.durable import write_whole
-from axiscal.evaluation.check import Check, Taken
+from axiscal.evaluation.check import Check
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import listed, said
 from axiscal.measurement.readers.csv_readings import filled_sheet
@@ -19,7 +19,6 @@ from axiscal.present.check_answer import check_answer, check_plan, check_sentenc
 from axiscal.present.guide.question import measured
 from axiscal.present.guide.slips import display_text
 from axiscal.present.sentences import spelt
-from axiscal.record.signing import own_hand
 from axiscal.units import digits, to_unit
 
 
@@ -93,6 +92,5 @@ class CheckJudged(AnswerDocument):
         for name, each in zip(("found.csv", "left.csv"), sides, strict=True):
             write_whole(folder / name, filled_sheet(check.description.machine.axes, each).encode())
         judged = check.judged((tuple(sides[0]), tuple(sides[1])), tolerance.strip() or None)
-        taken = Taken(own_hand().person, "page")
-        answer = check_answer(judged, check.positions(sides[1]), check.tables.certain, taken)
+        answer = check_answer(judged, check.positions(sides[1]), check.tables.certain)
         return cls(verdict=answer.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
