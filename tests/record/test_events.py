@@ -18,6 +18,7 @@ from axiscal.record.events import (
     Event,
     EventOrderError,
     Finished,
+    KeptResult,
     Mounted,
     Noted,
     Planned,
@@ -28,7 +29,6 @@ from axiscal.record.events import (
     Undone,
     fold,
 )
-from axiscal.record.kept_result import KeptResult
 from axiscal.record.payload import PayloadError, decode, encode
 
 CREATED = Created("m", "c", "m.toml", "c.toml", {"axiscal": "0.1.0"})

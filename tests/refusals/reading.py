@@ -36,8 +36,8 @@ from axiscal.measurement.simulation import read_truth
 from axiscal.ports.linuxcnc.configuring import export_into
 from axiscal.present.guide.question import answer
 from axiscal.record.lines import EventText
+from axiscal.record.signing import rows_of
 from axiscal.record.store import content_of
-from axiscal.record.story import rows_of
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import export, exporter, loaded

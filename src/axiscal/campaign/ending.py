@@ -21,8 +21,7 @@ from axiscal.exceptions import RecordError, SourceError
 from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
-from axiscal.record.events import State
-from axiscal.record.kept_result import NOT_SAID, KeptResult
+from axiscal.record.events import NOT_SAID, KeptResult, State
 from axiscal.units import format_quantity
 
 

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import machine_from_text
-from axiscal.record.events import Finished
-from axiscal.record.kept_result import NOT_SAID, KeptResult
+from axiscal.record.events import NOT_SAID, Finished, KeptResult
 from axiscal.record.store import Record
 
 

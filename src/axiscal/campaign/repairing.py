@@ -17,7 +17,7 @@ from typing import NamedTuple
 from axiscal.campaign.possible import Possible
 from axiscal.document.consent import asking
 from axiscal.estimation.inheritance import created_description
-from axiscal.exceptions import CodeError, NewerError, RecordError
+from axiscal.exceptions import CodeError, RecordError
 from axiscal.language.spoken import counted, said
 from axiscal.record.accepted import Accepted
 from axiscal.record.door import refuse_existing
@@ -27,8 +27,8 @@ from axiscal.record.events import (
     Event,
     EventOrderError,
     Finished,
+    Folding,
     Lost,
-    Newer,
     Noted,
     Recorded,
     Signed,
@@ -37,9 +37,9 @@ from axiscal.record.events import (
     Undone,
 )
 from axiscal.record.lines import EMPTY, HEAD, DamageError, EventText, KeptLine, counts, entry, whole_lines
-from axiscal.record.payload import PayloadError, decode, encode, hand_of, stored
+from axiscal.record.payload import PayloadError, decode, encode, stored
+from axiscal.record.signing import hand_of, rows_of, signed_by
 from axiscal.record.store import Record, content_of_lines, said_hand
-from axiscal.record.story import Story, rows_of, signed_by
 
 _MOST = 20
 """So many stretches and entries are listed in the note; all are printed."""
@@ -86,7 +86,7 @@ def repaired(
         if not asked(question):
             left.append(question)
             trunk = {number: line for number, line in trunk.items() if number not in unproven}
-    rows, story, possible = _told(trunk, paths[0], left)
+    rows, story, possible = _told(trunk, left)
     if story.created is None:
         what = "Event 1, with the descriptions, does not stand whole; {kept} readings stand"
         remedy = "Name a copy of the record by `axiscal data merge`, or its campaign.toml: --beginning FILE"
@@ -102,11 +102,11 @@ def repaired(
         return Repaired(record.state(), len(trunk), missing, tuple(left))
 
 
-def _told(trunk: Mapping[int, KeptLine], path: Path, left: list[str]) -> tuple[list[EventText], Story, Possible | None]:
+def _told(trunk: Mapping[int, KeptLine], left: list[str]) -> tuple[list[EventText], Folding, Possible | None]:
     """Return the events of all numbers, those that are lost or cannot be as `Lost`; adds why to `left`."""
     undone, first = dict[int, str](), next(iter(trunk.values())).row.at if trunk else ""
     while True:
-        rows, story, possible, why, whole = list[EventText](), Story(), None, dict(undone), True
+        rows, story, possible, why, whole = list[EventText](), Folding(), None, dict(undone), True
         for number in range(1, max(trunk, default=0) + 1):
             if number in trunk and number not in why:
                 row = trunk[number].row
@@ -114,10 +114,6 @@ def _told(trunk: Mapping[int, KeptLine], path: Path, left: list[str]) -> tuple[l
                     each = stored(number, row)
                     _refuse_unfit(each.event, row, rows, whole, possible)
                     story.add(each)
-                    if story.stopped:
-                        newer = each if isinstance(each.event, Newer) else story.first_newer or each
-                        what, kind = "Event {number} is an entry of a newer version: {kind}", encode(newer.event)[0]
-                        raise NewerError(what, "Repair it with that one", path, number=newer.number, kind=kind)
                     rows.append(row)
                     possible = _possible(each.event) if number == 1 else possible and possible.after(each.event)
                     continue
@@ -158,7 +154,7 @@ def _possible(created: Event) -> Possible | None:
 
 
 def _taken_in(
-    found: _Union, story: Story, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
+    found: _Union, story: Folding, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
 ) -> list[EventText]:
     """Return the readings of branches that a person wants, to come last; adds the others to `left`."""
     taken = list[EventText]()
@@ -194,8 +190,8 @@ def _readings(branch: Sequence[KeptLine]) -> Iterator[EventText]:
         with suppress(PayloadError):
             event = decode(row.kind, row.payload)
         if isinstance(event, Recorded):
-            free = Recorded(replace(event.reading, number=None))
-            standing.append(row._replace(payload=encode(free, hand_of(row.payload))[1]))
+            by, free = hand_of(row.payload), Recorded(replace(event.reading, number=None))
+            standing.append(row._replace(payload=encode(free, **(by._asdict() if by else {}))[1]))
         elif isinstance(event, Undone) and standing:
             standing.pop()  # which is what came last of what can be taken back
         elif row.kind in ("skipped", "accepted", "warmed", "finished"):

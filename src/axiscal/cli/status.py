@@ -54,8 +54,6 @@ def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
     if details:
         say("\n".join(_lines(campaign)))
     say(standing_screen(campaign))
-    for each in campaign.state.newer:
-        say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
     for person, numbers in _by_others(campaign).items():
         readings = listed(", ", [str(number) for number in numbers])
         say(said("By {person}: readings {readings}.", person=person, readings=readings))
@@ -105,7 +103,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
     target : limits that end the campaign; None for one that does not count
     reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
     planned : what is known after the plan, before the first reading
-    newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
+    skipped : readings that could not be taken
     signed : who answers for how much of the record, and whether it was changed since
     by : readings that others took than who began the campaign, by person
     """
@@ -131,7 +129,6 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "accepted": [change_words(each) for each in state.accepted],
         "by": _by_others(campaign),
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
-        "newer": [each.kind for each in state.newer],
         "signed": signed_text(campaign.log) or None,
         "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
