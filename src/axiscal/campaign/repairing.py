@@ -17,7 +17,7 @@ from typing import NamedTuple
 from axiscal.campaign.possible import Possible
 from axiscal.document.consent import asking
 from axiscal.estimation.inheritance import created_description
-from axiscal.exceptions import CodeError, RecordError
+from axiscal.exceptions import CodeError, InputError, NewerError, RecordError
 from axiscal.language.spoken import counted, said
 from axiscal.record.accepted import Accepted
 from axiscal.record.door import refuse_existing
@@ -86,7 +86,7 @@ def repaired(
         if not asked(question):
             left.append(question)
             trunk = {number: line for number, line in trunk.items() if number not in unproven}
-    rows, story, possible = _told(trunk, left)
+    rows, story, possible = _told(trunk, paths[0], left)
     if story.created is None:
         what = "Event 1, with the descriptions, does not stand whole; {kept} readings stand"
         remedy = "Name a copy of the record by `axiscal data merge`, or its campaign.toml: --beginning FILE"
@@ -102,7 +102,9 @@ def repaired(
         return Repaired(record.state(), len(trunk), missing, tuple(left))
 
 
-def _told(trunk: Mapping[int, KeptLine], left: list[str]) -> tuple[list[EventText], Folding, Possible | None]:
+def _told(
+    trunk: Mapping[int, KeptLine], path: Path, left: list[str]
+) -> tuple[list[EventText], Folding, Possible | None]:
     """Return the events of all numbers, those that are lost or cannot be as `Lost`; adds why to `left`."""
     undone, first = dict[int, str](), next(iter(trunk.values())).row.at if trunk else ""
     while True:
@@ -115,16 +117,18 @@ def _told(trunk: Mapping[int, KeptLine], left: list[str]) -> tuple[list[EventTex
                     _refuse_unfit(each.event, row, rows, whole, possible)
                     story.add(each)
                     rows.append(row)
-                    possible = _possible(each.event) if number == 1 else possible and possible.after(each.event)
+                    possible = _possible(each.event) if number == 1 else possible
                     continue
+                except NewerError as fault:
+                    raise fault.placed(path) from None
                 except EventOrderError as fault:
                     last, behind = story.undo[-1].number if story.undo else 0, story.finished is not None
                     if not whole and last and (behind or (isinstance(each.event, Undone) and each.event.event < last)):
                         undone[last] = "what follows shows that it was taken back"
                         break
                     why[number] = str(fault)
-                except ValueError as fault:
-                    why[number] = str(fault)
+                except (ValueError, InputError) as fault:
+                    why[number] = fault.what if isinstance(fault, InputError) else str(fault)
             lost, whole = Lost(why.get(number, "not whole")), False
             rows.append(EventText(rows[-1].at if rows else first, *encode(lost)))
             if story.created is not None:
@@ -142,14 +146,14 @@ def _refuse_unfit(
         raise DamageError("what it puts right may be missing; accept it anew")
     if isinstance(event, Signed) and not (whole and signed_by(row, event, before)[1]):
         raise DamageError("it answers for what is missing, or was changed; sign anew")
-    if possible is not None and (fault := possible.fault(event)):
-        raise DamageError(fault)
+    if possible is not None:
+        possible.take(event)
 
 
 def _possible(created: Event) -> Possible | None:
     """Return what can be on the machine of a campaign; None where only code of somebody's could tell."""
     with suppress(CodeError), asking(None):
-        return Possible.at_start(created_description(created)) if isinstance(created, Created) else None
+        return Possible(created_description(created)) if isinstance(created, Created) else None
     return None
 
 
@@ -163,7 +167,7 @@ def _taken_in(
         if not branch:
             left.append(f"event {every[0].number}: of an entry that nobody has finished")
             continue
-        readings = [row for row in _readings(branch) if possible is None or not possible.fault(decode(*row[1:]))]
+        readings = [row for row in _readings(branch) if possible is None or _can_be(possible, decode(*row[1:]))]
         number, by = branch[0].number - 1, said_hand(branch[0].row)
         words = counted(
             "two went on from event {number}: {count} reading of {by} stands beside",
@@ -180,6 +184,13 @@ def _taken_in(
         end = next(each.number for each in reversed(story.undo) if isinstance(each.event, Finished))
         return [*rows_of([Undone(end)]), *taken]
     return taken
+
+
+def _can_be(possible: Possible, event: Event) -> bool:
+    with suppress(InputError):
+        possible.take(event)
+        return True
+    return False
 
 
 def _readings(branch: Sequence[KeptLine]) -> Iterator[EventText]:
