@@ -79,9 +79,8 @@ def _by_others(campaign: Campaign) -> dict[str, list[int]]:
 
 
 def _lines(campaign: Campaign) -> list[str]:
-    status = campaign.status()
-    state = status.state
-    accuracy = accuracy_text(status.accuracy, campaign.description.target)
+    state = campaign.state
+    accuracy = accuracy_text(campaign.so_far().accuracy, campaign.description.target)
     lines = [said("standard uncertainty {accuracy}", accuracy=accuracy)]
     if state.readings:
         lines.append(agreement_words(campaign.estimate(), campaign.path))
@@ -107,23 +106,23 @@ def _document(campaign: Campaign) -> dict[str, object]:
     signed : who answers for how much of the record, and whether it was changed since
     by : readings that others took than who began the campaign, by person
     """
-    status, planned = campaign.status(), coming_answer(campaign)
-    state, target = status.state, campaign.description.target
+    known, planned = campaign.so_far(), coming_answer(campaign)
+    state, target = campaign.state, campaign.description.target
     rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
     budget = None if target.budget is None else to_unit(target.budget, "min")
     return {
         "schema": "axiscal-status/1",
         "machine": campaign.description.machine.name,
         "readings": len(state.readings),
-        "minutes": to_unit(status.seconds, "min"),
-        "rms_um": to_unit(status.accuracy.rms, "um"),
-        "worst_um": to_unit(status.accuracy.worst, "um"),
+        "minutes": to_unit(campaign.seconds(), "min"),
+        "rms_um": to_unit(known.accuracy.rms, "um"),
+        "worst_um": to_unit(known.accuracy.worst, "um"),
         "answer": standing_answer(campaign).model_dump(mode="json"),
         "planned": None if planned is None else planned.model_dump(mode="json"),
         "target": {"rms_um": rms, "worst_um": worst, "readings": target.readings, "budget_min": budget},
-        "reached": status.reached,
+        "reached": None if state.finished is not None else campaign.reached(),
         "finished": state.finished,
-        "agreement": agreement_document(status.agreement),
+        "agreement": agreement_document(known.agreement),
         "mind": contradictions(campaign),
         "question": campaign.request(state.pending).message() if state.pending else None,
         "accepted": [change_words(each) for each in state.accepted],
