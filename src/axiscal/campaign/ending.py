@@ -17,7 +17,7 @@ from axiscal.exceptions import RecordError, SourceError
 from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
-from axiscal.record.events import NOT_SAID, KeptResult
+from axiscal.record.events import KeptResult
 from axiscal.units import format_quantity
 
 
@@ -188,7 +188,7 @@ def refuse_finished(finished: str | None, record: Path) -> None:
 def result_of(known: Estimation) -> KeptResult:
     """Return what the readings of a campaign that has ended come to, in the four digits that a record keeps."""
     if not known.readings:
-        return NOT_SAID
+        return KeptResult()
     if known.agreement.withheld:
         return KeptResult(None, None, "contradict")
     rms, expanded = (float(f"{size:.4g}") for size in (known.accuracy.rms, expanded_uncertainty(known).space))

@@ -27,9 +27,6 @@ class KeptResult:
     agreement: str = ""
 
 
-NOT_SAID = KeptResult()
-
-
 @dataclass(frozen=True, slots=True)
 class Created:
     """The campaign begins; it carries its own inputs, so that the record needs no other file.
@@ -132,7 +129,7 @@ class Finished:
     """The campaign ends, and why; result : what it came to, which records of before could not say."""
 
     because: str
-    result: KeptResult = NOT_SAID
+    result: KeptResult = KeptResult()
 
 
 @dataclass(frozen=True, slots=True)

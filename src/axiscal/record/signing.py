@@ -28,8 +28,8 @@ from axiscal.record.payload import encode
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
-PERSON, KEY, PEOPLE = "AXISCAL_PERSON", "AXISCAL_KEY", "AXISCAL_PEOPLE"
-"""Variables of the environment: the name of who writes, the file of the key, and that of the keys of people."""
+PERSON, KEY = "AXISCAL_PERSON", "AXISCAL_KEY"
+"""Variables of the environment: the name of who writes, and the file of the key."""
 
 
 class Hand(NamedTuple):
@@ -99,16 +99,8 @@ def key_file() -> Path:
     return user_folder() / "key.pem"
 
 
-def people_file() -> Path:
-    """Return where the keys of the people are that this one knows: lines of a public key in hex and a name."""
-    return Path(os.environ.get(PEOPLE) or key_file().with_name("people.txt"))
-
-
-def is_known(key: str) -> bool:
-    """Return whether a public key is this person's own, or of somebody in the file of people."""
-    with contextlib.suppress(OSError, UnicodeDecodeError):
-        if key in (line.split()[0].lower() for line in people_file().read_text("utf-8").splitlines() if line.strip()):
-            return True
+def is_own(key: str) -> bool:
+    """Return whether a public key is this person's."""
     with contextlib.suppress(RecordError):
         own = _own_key()
         return own is not None and own.public_key().public_bytes_raw().hex() == key
