@@ -135,7 +135,7 @@ def test_that_it_goes_on_is_said_of_these_readings_alone(drawn: list[Event]) -> 
     events = possible(drawn)
     since = [each for each in events if not isinstance(each, Planned | Asked | Noted | Bumped)]
     last = since[-1]
-    assert fold(stored(events)).continued == (last.basis if isinstance(last, Continued) else None)
+    assert fold(stored(events)).continued == (last.grounds if isinstance(last, Continued) else None)
 
 
 @given(event)

@@ -52,10 +52,10 @@ class Created:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The readings to come, in the place of those before; basis : what they rest on besides places, in words."""
+    """The readings to come, in the place of those before; grounds : what they rest on besides places, in words."""
 
     places: tuple[Place, ...]
-    basis: str = ""
+    grounds: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,9 +99,9 @@ class Warmed:
 
 @dataclass(frozen=True, slots=True)
 class Continued:
-    """No limit is reached by the readings before it; basis : what a plan made now rests on, as of `Planned`."""
+    """No limit is reached by the readings before it; grounds : what a plan made now rests on, as of `Planned`."""
 
-    basis: str
+    grounds: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -319,7 +319,7 @@ class Folding:
         if isinstance(event, Created):
             self.created = event
         elif isinstance(event, Planned):
-            self.plan, self.plan_basis, self.renew = list(event.places), event.basis, False
+            self.plan, self.plan_basis, self.renew = list(event.places), event.grounds, False
         elif isinstance(event, Asked):
             self.pending = event
             if self.plan and self.plan[0] == event.place:
@@ -341,7 +341,7 @@ class Folding:
             self._accept(event) if isinstance(event, Accepted) else self._take(event)
             self.undo.append(step)
         if not isinstance(event, _SILENT):
-            self.continued = event.basis if isinstance(event, Continued) else None
+            self.continued = event.grounds if isinstance(event, Continued) else None
         self.last = stored.number
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:

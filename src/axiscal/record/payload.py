@@ -91,9 +91,7 @@ def _fields(event: events.Event) -> dict[str, object]:
     """Return what the record keeps of an event."""
     match event:
         case events.Planned():
-            return {"places": [_place_fields(place) for place in event.places], "grounds": event.basis}
-        case events.Continued(basis):
-            return {"grounds": basis}
+            return {"places": [_place_fields(place) for place in event.places], "grounds": event.grounds}
         case events.Asked():
             return {"reading": event.reading, **_place_fields(event.place)}
         case events.Recorded(reading):
@@ -140,10 +138,6 @@ class _Planned(_Strict):
     grounds: str = ""  # plans of older records do not say what they rest on
 
 
-class _Continued(_Strict):
-    grounds: str
-
-
 class _Recorded(_At):
     value: Size
     std: Annotated[float, Field(gt=0, lt=ABSURD)] | None
@@ -162,7 +156,6 @@ def _reading(said: _Recorded) -> Reading:
 _READ: Mapping[type, Callable[[Any], events.Event]] = {
     _Asked: lambda said: events.Asked(said.reading, said.place()),
     _Planned: lambda said: events.Planned(tuple(place.place() for place in said.places), said.grounds),
-    _Continued: lambda said: events.Continued(said.grounds),
     _Recorded: lambda said: events.Recorded(_reading(said)),
 }
 """Kinds whose fields are written otherwise than those of their class."""

@@ -10,7 +10,6 @@ lines of one number are a branch, which is named until `repair` has asked what b
 from __future__ import annotations
 
 import contextlib
-import gc
 import hashlib
 import os
 import uuid
@@ -99,13 +98,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
                 clear_drafts(record.path.parent, record.path.name)
                 if record.path.is_file():
                     os.close(os.open(record.path, os.O_RDWR))
-            collecting = gc.isenabled()
-            gc.disable()  # events are no garbage, and there may be a hundred thousand
-            try:
-                record._catch_up()
-            finally:
-                if collecting:
-                    gc.enable()
+            record._catch_up()
         signed = None if changed else record.signed()
         if signed is not None and not signed.holds:
             what = "The record was changed since {person} signed it at event {number}"
