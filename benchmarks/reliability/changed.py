@@ -14,7 +14,7 @@ from unittest.mock import patch
 
 from axiscal.campaign.repairing import repaired
 from axiscal.exceptions import RecordError
-from axiscal.record import story
+from axiscal.record import signing
 from axiscal.record.events import Event, Stored
 from axiscal.record.lines import HEAD, SLOT, SLOTS
 from axiscal.record.store import Record
@@ -58,7 +58,7 @@ def clock() -> Trial:
     """Set the clock back by a day between readings: order and numbers stay."""
     days = [f"2026-01-{day:02}T10:00:00.000+00:00" for day in (20, 19, 21, 18, 17, 30)]
     with scratch() as top:
-        with patch.object(story, "now", side_effect=days), Record.create(top / NAME, CREATED) as record:
+        with patch.object(signing, "now", side_effect=days), Record.create(top / NAME, CREATED) as record:
             for number in range(5):
                 record.append(recorded(float(number)))
         missed = values(top / NAME) != [0.0, 1.0, 2.0, 3.0, 4.0]

@@ -17,8 +17,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from axiscal_core import rigid
 from axiscal_core.refusals import Array, InputError, finite, named, one, one_of, within
+from axiscal_core.rigid import Motion, identity, turned_about
 from axiscal_core.units import METRES, RADIANS, Of, Quantity, quantities, si
 
 DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -195,7 +195,7 @@ def chain(axes: Sequence[Axis], poses: Array, tool: Array, held: Array | None = 
 
     poses : (m, q); tool : (3,) the tool point where all axes stand at zero, m; held : (3, 3) the tool's turn there
     """
-    motion = rigid.identity(len(poses))
+    motion = identity(len(poses))
     rotations, origins = [], []
     for axis, coordinate in zip(axes, poses.T, strict=True):
         motion = to_frame(axis, motion, coordinate, None)
@@ -206,7 +206,7 @@ def chain(axes: Sequence[Axis], poses: Array, tool: Array, held: Array | None = 
     return Frames(np.array(rotations), np.array(origins), motion.apply(tool), turned)
 
 
-def to_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+def to_frame(axis: Axis, motion: Motion, coordinate: Array, tilt: Array | None) -> Motion:
     """Return the motion up to the frame of an axis.  tilt : (m, 3, 3) of the direction of travel, None for none"""
     if axis.rotary:
         motion = motion.shifted(np.array(axis.origin))
@@ -214,7 +214,7 @@ def to_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | 
     return motion if axis.workpiece_side else motion.shifted(_travel(axis, coordinate, tilt))
 
 
-def from_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
+def from_frame(axis: Axis, motion: Motion, coordinate: Array, tilt: Array | None) -> Motion:
     """Return the motion from the frame of an axis to that of the next one; arguments as for `to_frame`."""
     if axis.rotary:
         motion = motion if axis.workpiece_side else motion.then(_turn(axis, coordinate))
@@ -228,4 +228,4 @@ def _travel(axis: Axis, coordinate: Array, tilt: Array | None) -> Array:
 
 
 def _turn(axis: Axis, coordinate: Array) -> Array:
-    return rigid.turned_about(np.array(axis.direction), coordinate)
+    return turned_about(np.array(axis.direction), coordinate)

@@ -44,10 +44,10 @@ def _ambiguous(_case: object, _readings: Sequence[Reading], _known: Estimation) 
 
 def test_no_command_leaves_a_file_for_the_next(record: Path) -> None:
     with Campaign.open(record) as campaign:
-        campaign.status()
+        campaign.so_far()
         campaign.finish("all were read")
     with Campaign.open(record) as campaign:
-        campaign.status()
+        campaign.so_far()
         campaign.log.copy_to(record.with_name("copy.axiscal"))
     assert {path.name for path in record.parent.iterdir()} == {"c.axiscal", "copy.axiscal"}
 
@@ -61,15 +61,15 @@ def test_a_station_in_two_places_does_not_refuse_the_reading_that_decides_and_ha
         with pytest.raises(AmbiguityError):
             campaign.estimate(ended=True)
         campaign.finish("no more time")
-        assert campaign.status().accuracy == campaign.estimate().accuracy
+        assert campaign.so_far().accuracy == campaign.estimate().accuracy
 
 
 def test_each_answer_is_found_once_for_the_same_readings(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Campaign.open(record) as campaign:
-        first = campaign.status(), campaign.reached(), campaign.estimate(ended=True)
+        first = campaign.so_far(), campaign.reached(), campaign.estimate(ended=True)
         for name in ("in_detail", "standing"):
             monkeypatch.setattr(running, name, None)
-        assert (campaign.status(), campaign.reached(), campaign.estimate(ended=True)) == first
+        assert (campaign.so_far(), campaign.reached(), campaign.estimate(ended=True)) == first
         campaign.undo()
         with pytest.raises(TypeError):  # of other readings they say nothing
             campaign.reached()

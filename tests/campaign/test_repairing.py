@@ -12,11 +12,10 @@ from axiscal.campaign.repairing import Repaired, repaired
 from axiscal.cli import printing
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.exceptions import NewerError, RecordError
+from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import Asked, Event, Finished, Recorded, Skipped, Undone
-from axiscal.record.lines import EventText
 from axiscal.record.store import Record
 from tests.commands import Command
 from tests.generators.plain_records import CAMPAIGN, HEAD, MACHINE
@@ -194,20 +193,6 @@ def test_a_person_is_asked_and_without_one_it_has_to_be_said(
     assert "Two went on from event 2: 1 reading of" in found.err
     assert "holds 3 readings" in found.printed
     assert "nothing is missing" in command("data", "repair", both, tmp_path / "again.axiscal").printed.lower()
-
-
-def test_an_entry_of_a_newer_version_comes_along_unless_it_says_something_of_readings(
-    path: Path, repair: Repair
-) -> None:
-    made(path, recorded(1e-6))
-    at = "2028-03-01T08:00:00.000+00:00"
-    with Record.open(path) as record:
-        record.extend([EventText(at, "calibrated", '{"instrument":"laser"}')])
-    assert [each.kind for each in repair().state.newer] == ["calibrated"]
-    with Record.open(path) as record:
-        record.extend([EventText(at, "weighted", '{"reading":1}')])
-    with pytest.raises(NewerError, match="weighted"):
-        repair("second")
 
 
 def test_a_file_without_a_whole_entry_is_refused(path: Path, repair: Repair) -> None:

@@ -108,7 +108,7 @@ def test_a_line_without_end_is_refused(answering: Callable[[str], Source], line:
 def test_a_command_that_dies_is_quoted(answering: Callable[[str], Source], capfd: pytest.CaptureFixture[str]) -> None:
     source = answering('sys.stderr.write("no laser on port 3\\n"); sys.exit(4)')
     for _ in range(2):
-        with pytest.raises(SourceError, match=r"ended with status 4.*no laser on port 3.*--resume"):
+        with pytest.raises(SourceError, match=r"ended with status 4.*see what it said above.*--resume"):
             source.read(REQUEST)
     assert "no laser on port 3" in capfd.readouterr().err
 
@@ -135,7 +135,6 @@ def test_a_line_that_nobody_asked_for_is_not_taken_for_the_next_answer(answering
 
 FORKS = """
 import os, sys, time
-print("gone to the background", file=sys.stderr, flush=True)
 if os.fork() == 0:
     print(os.getpid(), file=open(sys.argv[1], "w"), flush=True)
     time.sleep(600)
@@ -143,7 +142,7 @@ if os.fork() == 0:
 FLOODS = """
 import sys
 while True:
-    print("word " * 200, file=getattr(sys, sys.argv[1]))
+    print("word " * 200)
 """
 
 
@@ -159,7 +158,7 @@ def test_a_command_that_leaves_its_work_to_a_child_and_ends_is_noticed(opened: O
     """The child keeps the pipes open: waiting for their end would last as long as a reading may."""
     child = tmp_path / "child"
     source = script(opened, tmp_path, FORKS, str(child))
-    with pytest.raises(SourceError, match=r"ended with status 0 before it answered.*gone to the background"):
+    with pytest.raises(SourceError, match="ended with status 0 before it answered"):
         source.read(REQUEST)
     source.close()
     while not child.exists() or not child.read_text().strip():
@@ -180,19 +179,14 @@ def _state(child: Path) -> str:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("where", ["stdout", "stderr"])
-def test_a_flood_is_bounded(
-    where: str, opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(exec_source, "_PASSED", 5)
-    source = script(opened, tmp_path, FLOODS, where)
+def test_a_flood_is_bounded(opened: Opened, tmp_path: Path) -> None:
+    source = script(opened, tmp_path, FLOODS, "")
     source._timeout = 1.0
     for _ in range(2):
-        with pytest.raises(SourceError, match=r"without being asked|no JSON object|has not answered"):
+        with pytest.raises(SourceError, match=r"without being asked|no JSON object"):
             source.read(REQUEST)
     assert source._lines.qsize() <= exec_source._AHEAD
     source.close()
-    assert len(capsys.readouterr().err.splitlines()) <= 3 * 5
 
 
 def test_a_command_that_will_not_end_is_ended(

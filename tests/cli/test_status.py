@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.record.events import Finished
-from axiscal.record.kept_result import KeptResult
+from axiscal.record.events import Finished, KeptResult
 from axiscal.record.store import Record
 from tests.generators.begun import begun
 from tests.generators.laser_axis import CAMPAIGN, MACHINE

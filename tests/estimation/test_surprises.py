@@ -160,7 +160,7 @@ def test_a_lost_decimal_point_is_that_of_one_reading_and_no_other_unit_of_all() 
     readings, case = foreign_readings(LASER, 48, 1), foreign_case(LASER)
     lost = [replace(each, value=51e-3 if number == 8 else each.value) for number, each in enumerate(readings)]
     refuse_implausible(lost, case.description, "r.csv")
-    with pytest.raises(ReadingError, match=r"multiplied by 1000|instead of um"):
+    with pytest.raises(ReadingError, match="instead of um"):
         refuse_implausible(_times(readings, 1e-3), case.description, "r.csv")
     assert [*estimated(case, lost).left_out] == [8]
 

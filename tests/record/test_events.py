@@ -18,6 +18,7 @@ from axiscal.record.events import (
     Event,
     EventOrderError,
     Finished,
+    KeptResult,
     Mounted,
     Noted,
     Planned,
@@ -28,7 +29,6 @@ from axiscal.record.events import (
     Undone,
     fold,
 )
-from axiscal.record.kept_result import KeptResult
 from axiscal.record.payload import PayloadError, decode, encode
 
 CREATED = Created("m", "c", "m.toml", "c.toml", {"axiscal": "0.1.0"})
@@ -135,7 +135,7 @@ def test_that_it_goes_on_is_said_of_these_readings_alone(drawn: list[Event]) -> 
     events = possible(drawn)
     since = [each for each in events if not isinstance(each, Planned | Asked | Noted | Bumped)]
     last = since[-1]
-    assert fold(stored(events)).continued == (last.basis if isinstance(last, Continued) else None)
+    assert fold(stored(events)).continued == (last.grounds if isinstance(last, Continued) else None)
 
 
 @given(event)

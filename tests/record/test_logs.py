@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 from axiscal.exceptions import OvertakenError, RecordError
-from axiscal.record.events import Event, Finished, Noted, Undone, fold
+from axiscal.record.events import Event, Finished, Noted, Undone
 from axiscal.record.lines import EventText
 from axiscal.record.store import Record
 from benchmarks.reliability.record_faults import CREATED, recorded
@@ -28,34 +28,24 @@ def chain(rows: Sequence[EventText], before: str = 64 * "0") -> str:
     return before
 
 
-CASES: dict[str, Callable[[], list[list[Event]]]] = {
-    "nothing more": list,
-    "one reading": lambda: [[recorded(1e-6)]],
-    "taken back": lambda: [[recorded(1e-6)], [Undone(2)], [recorded(3e-6)]],
-    "ended and taken back": lambda: [[recorded(1e-6)], [Finished("by mistake")], [Undone(3)], [recorded(2e-6)]],
-    "every letter": lambda: [[Noted("Spindel 3: ±½ µm, “fett” \\ ' \" ; -- %s :name \x00 \n ☃ 𝛿")]],
-    "every digit": lambda: [[*map(recorded, (0.1 + 0.2, -0.0, 5e-324, -1.7976931348623157e5))]],
-    "a long text": lambda: [[Noted("µ" * 100_000)]],
-    "many at once": lambda: [[recorded(1e-9 * n) for n in range(500)]],
-}
+KEPT: list[list[Event]] = [
+    [recorded(1e-6)],
+    [Undone(2)],
+    [Noted("Spindel 3: ±½ µm, “fett” \\ ' \" ; -- %s :name \x00 \n ☃ 𝛿"), Noted("µ" * 100_000)],
+    [*map(recorded, (0.1 + 0.2, -0.0, 5e-324, -1.7976931348623157e5)), Finished("by mistake")],
+]
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_what_is_kept_is_read_again(log: Record, case: str) -> None:
+def test_what_is_kept_is_read_again(log: Record) -> None:
     kept: list[Event] = [CREATED]
-    for events in CASES[case]():
+    for events in KEPT:
         kept += events
         assert log.append(*events) == len(kept)
-    assert [stored.event for stored in log.events()] == kept
-    assert [stored.number for stored in log.events()] == list(range(1, len(kept) + 1))
-    state = log.state()
-    assert log.name == state.name == chain(log.rows)
+    assert log.name == log.state().name == chain(log.rows)
     with Record.open(log.path, write=False) as again:
-        assert again.state() == state
+        assert (again.state(), again.lines) == (log.state(), log.lines)
         assert repr([stored.event for stored in again.events()]) == repr(kept)  # to the last bit
-        assert again.events() == again.events()  # nothing is taken in twice
-        assert again.lines == log.lines
-        assert fold(again.events()).readings == state.readings
+        assert [stored.number for stored in again.events()] == list(range(1, len(kept) + 1))
 
 
 WRONG: dict[str, list[Event]] = {

@@ -14,11 +14,12 @@ import pytest
 
 from axiscal.document import durable
 from axiscal.document.durable import written
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import NewerError, RecordError
 from axiscal.record import store
 from axiscal.record.events import Created
+from axiscal.record.lines import EventText
+from axiscal.record.signing import rows_of
 from axiscal.record.store import Record, content_of
-from axiscal.record.story import rows_of
 from benchmarks.reliability.record_faults import CREATED, recorded
 
 
@@ -54,6 +55,15 @@ def test_a_newer_record_is_refused(record: Record) -> None:
         Record.open(record.path)
 
 
+@pytest.mark.parametrize("row", [("weighted", '{"weight":0.5}'), ("noted", '{"author":"Anna","text":"warm"}')])
+def test_an_entry_of_a_newer_version_is_named_and_nothing_is_written(record: Record, row: tuple[str, str]) -> None:
+    content = content_of([*record.rows, EventText("2028-03-01T08:00:00.000+00:00", *row)])
+    record.path.write_bytes(content)
+    with pytest.raises(NewerError, match=f"trial.axiscal: A newer version .* an entry here: .*{row[0]}"):
+        Record.open(record.path)
+    assert record.path.read_bytes() == content
+
+
 @pytest.mark.parametrize("at", ["x", "2026-13-01T00:00:00+00:00", "2026-01-01T00:00:00"])
 def test_an_entry_without_its_time_is_damage(path: Path, at: str) -> None:
     (created,) = rows_of([CREATED])
@@ -75,8 +85,9 @@ AS_NOBODY = """
 import os, sys
 from pathlib import Path
 from axiscal.record.events import Created
+from axiscal.record.lines import EventText
 from axiscal.record.store import Record, content_of
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import NewerError, RecordError
 folder = Path(sys.argv[1])
 if os.geteuid() == 0:
     os.setgroups([]); os.setgid(65534); os.setuid(65534)

@@ -34,8 +34,8 @@ from axiscal.measurement.readers.text_file import read_text
 from axiscal.ports.linuxcnc.configuring import export_into
 from axiscal.present.guide.question import answer
 from axiscal.record.lines import EventText
+from axiscal.record.signing import rows_of
 from axiscal.record.store import content_of
-from axiscal.record.story import rows_of
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export, exporter
 from axiscal.tables.rewriting import rewrite

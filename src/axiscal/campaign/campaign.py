@@ -19,7 +19,6 @@ from axiscal.campaign.ending import (
     FUTILE,
     Ended,
     Milestone,
-    Status,
     count_reached,
     out_of_reach,
     refuse_endless,
@@ -34,7 +33,7 @@ from axiscal.campaign.sources import Request, Skip, Source, answered
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.estimate import estimated, in_detail
-from axiscal.estimation.estimation import Estimation, path
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
@@ -270,12 +269,6 @@ class Campaign(AbstractContextManager["Campaign"]):
         self._take_in(self.log.state())
         return self.state
 
-    def status(self) -> Status:
-        """Return where the campaign stands; of one that has ended, what its report says."""
-        ended, known = self.state.finished is not None, self.so_far()
-        because = None if ended else self.reached()
-        return Status(self.state, known.accuracy, self._times().seconds, because, known.agreement)
-
     def so_far(self) -> Estimation:
         """Return what the readings make known; of a campaign that has ended, what its report says."""
         return self._said(self.state.finished is not None)
@@ -290,11 +283,6 @@ class Campaign(AbstractContextManager["Campaign"]):
     def seconds(self, places: Sequence[Place] = ()) -> float:
         """Return the machine time that the readings took, and places would take after them, s."""
         return elapsed(self.case(), self._times(), places)
-
-    def history(self) -> tuple[Milestone, ...]:
-        """Return how well the machine was known after each reading, from the first one on."""
-        pairs = zip(path(self.estimate()), (None, *self.state.readings), strict=True)
-        return tuple(Milestone(n, reading, at.accuracy, at.seconds) for n, (at, reading) in enumerate(pairs))
 
     def adopt(self, readings: tuple[Reading, ...], note: str = "") -> None:
         """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.

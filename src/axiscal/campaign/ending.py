@@ -1,7 +1,4 @@
-"""When a campaign has come to its end: a target is reached, or none will be, or its source is given up.
-
-The status of a campaign, and the way there.
-"""
+"""When a campaign has come to its end: a target is reached, or none will be, or its source is given up."""
 
 from __future__ import annotations
 
@@ -16,27 +13,12 @@ from axiscal.estimation.accuracy.expanded import expanded, known_to
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.known_rows import known_rows
-from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.exceptions import RecordError, SourceError
 from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
-from axiscal.record.events import State
-from axiscal.record.kept_result import NOT_SAID, KeptResult
+from axiscal.record.events import KeptResult
 from axiscal.units import format_quantity
-
-
-class Status(NamedTuple):
-    """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would.
-
-    agreement : whether the readings agree with each other
-    """
-
-    state: State
-    accuracy: Accuracy
-    seconds: float
-    reached: str | None
-    agreement: Agreement = NOTHING_READ
 
 
 class Milestone(NamedTuple):
@@ -206,7 +188,7 @@ def refuse_finished(finished: str | None, record: Path) -> None:
 def result_of(known: Estimation) -> KeptResult:
     """Return what the readings of a campaign that has ended come to, in the four digits that a record keeps."""
     if not known.readings:
-        return NOT_SAID
+        return KeptResult()
     if known.agreement.withheld:
         return KeptResult(None, None, "contradict")
     rms, expanded = (float(f"{size:.4g}") for size in (known.accuracy.rms, expanded_uncertainty(known).space))

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from axiscal.language.spoken import counted, said
 from axiscal.record.events import Note
-from axiscal.record.signing import is_known, people_file
+from axiscal.record.signing import is_own
 from axiscal.record.store import Record
 
 
@@ -18,10 +18,8 @@ def signed_text(record: Record) -> str:
         return ""
     person, computer, key, _ = found.by
     by = said("{person} on {computer}", person=person, computer=computer)
-    if not is_known(key):
-        people = people_file()
-        unknown = "{by}, whose key {key} is not in {file}" if people.exists() else "{by}, key {key}"
-        by = said(unknown, by=by, key=key[:16], file=people.name)
+    if not is_own(key):
+        by = said("{by}, key {key}", by=by, key=key[:16])
     if not found.holds:
         return said("changed since it was signed at event {number} by {by}", number=found.number, by=by)
     signed = said("signed by {by} until reading {reading}", by=by, reading=found.reading)

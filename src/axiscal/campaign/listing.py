@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import machine_from_text
-from axiscal.record.events import Finished
-from axiscal.record.kept_result import NOT_SAID, KeptResult
+from axiscal.record.events import Finished, KeptResult
 from axiscal.record.store import Record
 
 
@@ -49,7 +48,7 @@ def _standing(file: Path) -> Standing:
     state, events = record.state(), record.events()
     assert state.created is not None
     ends = [each.event.result for each in events if isinstance(each.event, Finished)]
-    result = ends[-1] if ends and state.finished is not None else NOT_SAID
+    result = ends[-1] if ends and state.finished is not None else KeptResult()
     machine = machine_from_text(state.created.machine_text).name
     counts = len(state.readings), len(state.coming)
     return Standing(file, machine, events[-1].at, *counts, state.finished, result)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import platform
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from axiscal.description.stated_type_b import takes_temperature
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import created_description
 from axiscal.estimation.known_rows import refuse_unmade
-from axiscal.exceptions import ReadingError, RecordError, UnitError
+from axiscal.exceptions import InputError, ReadingError, RecordError, UnitError
 from axiscal.language.spoken import said
 from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit, refuse_other_values
 from axiscal.measurement.setup import FINEST, Setup
@@ -27,7 +27,6 @@ from axiscal.record.door import restoring
 from axiscal.record.events import Asked, Created, Event, Mounted, Noted, Planned, Recorded, State, Warmed
 from axiscal.record.store import Record
 from axiscal.units import format_quantity, parse_quantity, within
-from axiscal_core.axes import Axis
 from axiscal_core.refusals import one
 
 LONGEST_TEXT = 2000
@@ -51,12 +50,13 @@ def described(record: Record) -> CampaignDescription:
     if state.created is None:
         raise RecordError("The record is empty", "Start a campaign with `axiscal step start`", record.path)
     description = created_description(state.created)
-    possible = Possible.at_start(description)
+    possible = Possible(description)
     for stored in record.events():
-        if fault := possible.fault(stored.event):
-            what = "The record is damaged: event {number} cannot be: {reason}"
-            raise RecordError(what, restoring(record.path), record.path, number=stored.number, reason=fault)
-        possible = possible.after(stored.event)
+        try:
+            possible.take(stored.event)
+        except InputError as fault:
+            what, number = "The record is damaged: event {number} cannot be: {reason}", stored.number
+            raise RecordError(what, restoring(record.path), record.path, number=number, reason=fault.what) from None
     bumps = *(carried_bumps(text) if (text := state.created.prior_text) else ()), *state.bumps
     return replace(with_mounted(description, state.mounted, state.warmed), bumps=bumps)
 
@@ -155,78 +155,60 @@ def _refuse_absurd(setup: Setup, values: Sequence[float], std: float | None) -> 
     refuse_other_values(setup, len(values))
 
 
-@dataclass(frozen=True, slots=True)
 class Possible:
-    """What can happen on a machine with these set-ups, by the names that they have had.
+    """What can happen on the machine of a campaign, with its set-ups by the names that they have had."""
 
-    bounds : of each axis, m or rad
-    """
+    def __init__(self, description: CampaignDescription) -> None:
+        self._axes = description.machine.axes
+        self._setups = {setup.name: setup for setup in description.setups}
 
-    axes: tuple[Axis, ...]
-    bounds: tuple[tuple[float, float], ...]
-    setups: Mapping[str, Setup]
-
-    @classmethod
-    def at_start(cls, description: CampaignDescription) -> Possible:
-        """Return what can happen at the beginning of a campaign."""
-        axes = description.machine.axes
-        bounds = ((*axis.travel, _SLACK * axis.length) for axis in axes)
-        widened = tuple((low - slack, high + slack) for low, high, slack in bounds)
-        return cls(axes, widened, {setup.name: setup for setup in description.setups})
-
-    def after(self, event: Event) -> Possible:
-        """Return what can happen behind an event that can."""
-        if isinstance(event, Mounted | Accepted) and event.name:
-            of = event.setup if isinstance(event, Mounted) else event.setups[0]
-            return replace(self, setups={**self.setups, event.name: self.setups[of]})
-        return self
-
-    def fault(self, event: Event) -> str:
-        """Return what is wrong with an event, "" if nothing is."""
+    def take(self, event: Event) -> None:
+        """Take an event in; raises RecordError, ReadingError where it cannot be."""
         match event:
             case Recorded(reading):
-                return self._of_place(reading) or _of_values(reading, self.setups[reading.setup])
+                self._refuse_place(reading)
+                _refuse_values(reading, self._setups[reading.setup])
             case Asked(place=place):
-                return self._of_place(place)
+                self._refuse_place(place)
             case Planned(places):
-                return next(filter(None, map(self._of_place, places)), "")
+                for place in places:
+                    self._refuse_place(place)
             case Warmed(setup):
-                return self._of_setups([setup])
+                self._setup(setup)
             case Mounted(setup, name):
-                return self._of_setups([setup]) or _of_new_name(name, name in self.setups)
+                self._mount(setup, name, name in self._setups)
             case Accepted(setups=setups, name=name):  # the same once more where that was taken back
-                given = name in self.setups and self.setups[name].name == name
-                return self._of_setups(setups) or _of_new_name(name, given)
-        return ""
+                for setup in setups:
+                    self._setup(setup)
+                if name:
+                    self._mount(setups[0], name, name in self._setups and self._setups[name].name == name)
 
-    def _of_setups(self, names: Sequence[str]) -> str:
-        missing = next((name for name in names if name not in self.setups), None)
-        return "" if missing is None else said('there is no set-up "{name}"', name=missing[:60])
+    def _setup(self, name: str) -> Setup:
+        if name not in self._setups:
+            raise RecordError('there is no set-up "{name}"', "", name=name[:60])
+        return self._setups[name]
 
-    def _of_place(self, at: Place | Reading) -> str:
-        if missing := self._of_setups([at.setup]):
-            return missing
-        if len(at.pose) != len(self.bounds):
+    def _mount(self, setup: str, name: str, taken: bool) -> None:
+        mounted = self._setup(setup)
+        if taken:
+            raise RecordError('there is a set-up "{name}" already', "", name=name[:60])
+        self._setups[name] = mounted
+
+    def _refuse_place(self, at: Place | Reading) -> None:
+        self._setup(at.setup)
+        if len(at.pose) != len(self._axes):
             what = "the place has {count} coordinates, and the machine {axes} axes"
-            return said(what, count=len(at.pose), axes=len(self.bounds))
-        for value, (low, high), axis in zip(at.pose, self.bounds, self.axes, strict=True):
-            if not low <= value <= high:
+            raise RecordError(what, "", count=len(at.pose), axes=len(self._axes))
+        for value, axis in zip(at.pose, self._axes, strict=True):
+            (low, high), slack = axis.travel, _SLACK * axis.length
+            if not low - slack <= value <= high + slack:
                 place = format_quantity(value, axis.unit, 9)
-                return said("{axis} = {shown} is outside the travel", axis=axis.name, shown=place)
-        return ""
+                raise RecordError("{axis} = {shown} is outside the travel", "", axis=axis.name, shown=place)
 
 
-def _of_new_name(name: str, taken: bool) -> str:
-    return said('there is a set-up "{name}" already', name=name[:60]) if taken else ""
-
-
-def _of_values(reading: Reading, setup: Setup) -> str:
-    try:
-        _refuse_absurd(setup, reading.values, reading.std)
-    except ReadingError as absurd:
-        return absurd.what
+def _refuse_values(reading: Reading, setup: Setup) -> None:
+    _refuse_absurd(setup, reading.values, reading.std)
     if reading.std is not None and reading.std < _LEAST:
-        return said("{std:g} m or rad is no standard deviation", std=reading.std)
+        raise RecordError("{std:g} m or rad is no standard deviation", "", std=reading.std)
     if reading.time is not None and not abs(reading.time) < _LATEST:
-        return said("{seconds:g} s after its beginning", seconds=reading.time)
-    return ""
+        raise RecordError("{seconds:g} s after its beginning", "", seconds=reading.time)

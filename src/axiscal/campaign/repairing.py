@@ -17,7 +17,7 @@ from typing import NamedTuple
 from axiscal.campaign.possible import Possible
 from axiscal.document.consent import asking
 from axiscal.estimation.inheritance import created_description
-from axiscal.exceptions import CodeError, NewerError, RecordError
+from axiscal.exceptions import CodeError, InputError, NewerError, RecordError
 from axiscal.language.spoken import counted, said
 from axiscal.record.accepted import Accepted
 from axiscal.record.door import refuse_existing
@@ -27,8 +27,8 @@ from axiscal.record.events import (
     Event,
     EventOrderError,
     Finished,
+    Folding,
     Lost,
-    Newer,
     Noted,
     Recorded,
     Signed,
@@ -37,9 +37,9 @@ from axiscal.record.events import (
     Undone,
 )
 from axiscal.record.lines import EMPTY, HEAD, DamageError, EventText, KeptLine, counts, entry, whole_lines
-from axiscal.record.payload import PayloadError, decode, encode, hand_of, stored
+from axiscal.record.payload import PayloadError, decode, encode, stored
+from axiscal.record.signing import hand_of, rows_of, signed_by
 from axiscal.record.store import Record, content_of_lines, said_hand
-from axiscal.record.story import Story, rows_of, signed_by
 
 _MOST = 20
 """So many stretches and entries are listed in the note; all are printed."""
@@ -102,11 +102,13 @@ def repaired(
         return Repaired(record.state(), len(trunk), missing, tuple(left))
 
 
-def _told(trunk: Mapping[int, KeptLine], path: Path, left: list[str]) -> tuple[list[EventText], Story, Possible | None]:
+def _told(
+    trunk: Mapping[int, KeptLine], path: Path, left: list[str]
+) -> tuple[list[EventText], Folding, Possible | None]:
     """Return the events of all numbers, those that are lost or cannot be as `Lost`; adds why to `left`."""
     undone, first = dict[int, str](), next(iter(trunk.values())).row.at if trunk else ""
     while True:
-        rows, story, possible, why, whole = list[EventText](), Story(), None, dict(undone), True
+        rows, story, possible, why, whole = list[EventText](), Folding(), None, dict(undone), True
         for number in range(1, max(trunk, default=0) + 1):
             if number in trunk and number not in why:
                 row = trunk[number].row
@@ -114,21 +116,19 @@ def _told(trunk: Mapping[int, KeptLine], path: Path, left: list[str]) -> tuple[l
                     each = stored(number, row)
                     _refuse_unfit(each.event, row, rows, whole, possible)
                     story.add(each)
-                    if story.stopped:
-                        newer = each if isinstance(each.event, Newer) else story.first_newer or each
-                        what, kind = "Event {number} is an entry of a newer version: {kind}", encode(newer.event)[0]
-                        raise NewerError(what, "Repair it with that one", path, number=newer.number, kind=kind)
                     rows.append(row)
-                    possible = _possible(each.event) if number == 1 else possible and possible.after(each.event)
+                    possible = _possible(each.event) if number == 1 else possible
                     continue
+                except NewerError as fault:
+                    raise fault.placed(path) from None
                 except EventOrderError as fault:
                     last, behind = story.undo[-1].number if story.undo else 0, story.finished is not None
                     if not whole and last and (behind or (isinstance(each.event, Undone) and each.event.event < last)):
                         undone[last] = "what follows shows that it was taken back"
                         break
                     why[number] = str(fault)
-                except ValueError as fault:
-                    why[number] = str(fault)
+                except (ValueError, InputError) as fault:
+                    why[number] = fault.what if isinstance(fault, InputError) else str(fault)
             lost, whole = Lost(why.get(number, "not whole")), False
             rows.append(EventText(rows[-1].at if rows else first, *encode(lost)))
             if story.created is not None:
@@ -146,19 +146,19 @@ def _refuse_unfit(
         raise DamageError("what it puts right may be missing; accept it anew")
     if isinstance(event, Signed) and not (whole and signed_by(row, event, before)[1]):
         raise DamageError("it answers for what is missing, or was changed; sign anew")
-    if possible is not None and (fault := possible.fault(event)):
-        raise DamageError(fault)
+    if possible is not None:
+        possible.take(event)
 
 
 def _possible(created: Event) -> Possible | None:
     """Return what can be on the machine of a campaign; None where only code of somebody's could tell."""
     with suppress(CodeError), asking(None):
-        return Possible.at_start(created_description(created)) if isinstance(created, Created) else None
+        return Possible(created_description(created)) if isinstance(created, Created) else None
     return None
 
 
 def _taken_in(
-    found: _Union, story: Story, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
+    found: _Union, story: Folding, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
 ) -> list[EventText]:
     """Return the readings of branches that a person wants, to come last; adds the others to `left`."""
     taken = list[EventText]()
@@ -167,7 +167,7 @@ def _taken_in(
         if not branch:
             left.append(f"event {every[0].number}: of an entry that nobody has finished")
             continue
-        readings = [row for row in _readings(branch) if possible is None or not possible.fault(decode(*row[1:]))]
+        readings = [row for row in _readings(branch) if possible is None or _can_be(possible, decode(*row[1:]))]
         number, by = branch[0].number - 1, said_hand(branch[0].row)
         words = counted(
             "two went on from event {number}: {count} reading of {by} stands beside",
@@ -186,6 +186,13 @@ def _taken_in(
     return taken
 
 
+def _can_be(possible: Possible, event: Event) -> bool:
+    with suppress(InputError):
+        possible.take(event)
+        return True
+    return False
+
+
 def _readings(branch: Sequence[KeptLine]) -> Iterator[EventText]:
     """Yield the readings that a branch leaves standing, without numbers: others may have been given the same."""
     standing = list[EventText | None]()
@@ -194,8 +201,8 @@ def _readings(branch: Sequence[KeptLine]) -> Iterator[EventText]:
         with suppress(PayloadError):
             event = decode(row.kind, row.payload)
         if isinstance(event, Recorded):
-            free = Recorded(replace(event.reading, number=None))
-            standing.append(row._replace(payload=encode(free, hand_of(row.payload))[1]))
+            by, free = hand_of(row.payload), Recorded(replace(event.reading, number=None))
+            standing.append(row._replace(payload=encode(free, **(by._asdict() if by else {}))[1]))
         elif isinstance(event, Undone) and standing:
             standing.pop()  # which is what came last of what can be taken back
         elif row.kind in ("skipped", "accepted", "warmed", "finished"):

@@ -12,8 +12,7 @@ from axiscal.answers.prediction import predict_poses
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, Zero, length_unit
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import say, say_document, say_either, tell
-from axiscal.cli.progress import tell_minds
+from axiscal.cli.printing import say, say_document, say_either, tell, tell_minds
 from axiscal.cli.record import placed_log
 from axiscal.description.campaign import read_campaign
 from axiscal.evaluation.standards import Positioning, figures_of

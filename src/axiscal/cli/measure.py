@@ -16,8 +16,8 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import ask, say
-from axiscal.cli.progress import mind_lines, tell_out_of_reach
+from axiscal.cli.printing import ask, mind_lines, say
+from axiscal.cli.progress import tell_out_of_reach
 from axiscal.cli.texts import help_text, opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now

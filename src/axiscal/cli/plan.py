@@ -12,8 +12,8 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, above_zero
-from axiscal.cli.printing import say, say_document, say_either
-from axiscal.cli.progress import tell_minds, tell_out_of_reach
+from axiscal.cli.printing import say, say_document, say_either, tell_minds
+from axiscal.cli.progress import tell_out_of_reach
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, as_exact, read_campaign
 from axiscal.document.durable import write_whole

@@ -11,6 +11,8 @@ from collections.abc import Iterable, Mapping
 from threading import current_thread, main_thread
 from typing import TextIO
 
+from axiscal.language.spoken import again, said
+
 WIDTH = 100
 """Columns; a matter of taste."""
 _KEPT = "\ufdd0"
@@ -56,6 +58,17 @@ def say_either(as_json: bool, schema: str, document: Mapping[str, object], lines
         say_document({"schema": schema, **document})
     else:
         say("\n".join(lines))
+
+
+def mind_lines(*sentences: str | None) -> list[str]:
+    """Return lines of the first two sentences to be minded: nobody minds more, so what weighs most comes first."""
+    return [said("Mind: {sentence}", sentence=again(each)) for each in [*filter(None, sentences)][:2]]
+
+
+def tell_minds(*sentences: str | None) -> None:
+    """Write these lines to stderr."""
+    for line in mind_lines(*sentences):
+        tell(line)
 
 
 def ask(prompt: str) -> str:

@@ -11,7 +11,7 @@ from axiscal.campaign.ending import Milestone
 from axiscal.cli.printing import rewrite, tell
 from axiscal.cli.texts import accuracy_text
 from axiscal.description.target import Target
-from axiscal.language.spoken import again, put, said
+from axiscal.language.spoken import put, said
 from axiscal.language.stages import listening
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
@@ -42,17 +42,6 @@ def progress_line(milestone: Milestone, target: Target) -> str:
     accuracy, passed = accuracy_text(milestone.accuracy, target), to_unit(milestone.seconds, "min")
     minutes = said("{minutes:.1f} min", minutes=passed)
     return put("{number}: {accuracy}, {minutes}", number=number, accuracy=accuracy, minutes=minutes)
-
-
-def mind_lines(*sentences: str | None) -> list[str]:
-    """Return lines of the first two sentences to be minded: nobody minds more, so what weighs most comes first."""
-    return [said("Mind: {sentence}", sentence=again(each)) for each in [*filter(None, sentences)][:2]]
-
-
-def tell_minds(*sentences: str | None) -> None:
-    """Write these lines to stderr."""
-    for line in mind_lines(*sentences):
-        tell(line)
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:

@@ -14,8 +14,7 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
-from axiscal.cli.printing import say_either, tell
-from axiscal.cli.progress import mind_lines
+from axiscal.cli.printing import mind_lines, say_either, tell
 from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings

@@ -18,7 +18,7 @@ from axiscal.cli.printing import agreed, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.description.campaign import read_campaign
 from axiscal.document.consent import asking
-from axiscal.exceptions import CodeError, NewerError, RecordError
+from axiscal.exceptions import CodeError, RecordError
 from axiscal.language.spoken import capital, counted, said
 from axiscal.record.signing import key_file, make_key
 from axiscal.record.store import Record
@@ -43,17 +43,11 @@ def copy_record(
     beside = record.with_name(f"{record.name}.copy")
     target = beside if to is None else to / record.name if to.is_dir() else to
     log = Record.open(record, write=False)
-    try:
-        with suppress(CodeError), asking(None):
-            described(log)  # checked
-        readings: int | None = len(log.state().readings)
-    except NewerError:  # only a newer version can know
-        readings = None
+    with suppress(CodeError), asking(None):
+        described(log)  # checked
     log.copy_to(target)
-    last, name = len(log.lines), log.name
-    count = counted("{count} reading", "{count} readings", readings or 0)
-    if readings is None:
-        count = counted("{count} event", "{count} events", last)
+    readings, last, name = len(log.state().readings), len(log.lines), log.name
+    count = counted("{count} reading", "{count} readings", readings)
     document = {"copy": str(target), "readings": readings, "event": last, "hash": name}
     words = said(
         "{copy} holds {count}, up to event {last} of the record, {digest}.",

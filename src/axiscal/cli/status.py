@@ -54,8 +54,6 @@ def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
     if details:
         say("\n".join(_lines(campaign)))
     say(standing_screen(campaign))
-    for each in campaign.state.newer:
-        say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
     for person, numbers in _by_others(campaign).items():
         readings = listed(", ", [str(number) for number in numbers])
         say(said("By {person}: readings {readings}.", person=person, readings=readings))
@@ -81,9 +79,8 @@ def _by_others(campaign: Campaign) -> dict[str, list[int]]:
 
 
 def _lines(campaign: Campaign) -> list[str]:
-    status = campaign.status()
-    state = status.state
-    accuracy = accuracy_text(status.accuracy, campaign.description.target)
+    state = campaign.state
+    accuracy = accuracy_text(campaign.so_far().accuracy, campaign.description.target)
     lines = [said("standard uncertainty {accuracy}", accuracy=accuracy)]
     if state.readings:
         lines.append(agreement_words(campaign.estimate(), campaign.path))
@@ -105,33 +102,32 @@ def _document(campaign: Campaign) -> dict[str, object]:
     target : limits that end the campaign; None for one that does not count
     reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
     planned : what is known after the plan, before the first reading
-    newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
+    skipped : readings that could not be taken
     signed : who answers for how much of the record, and whether it was changed since
     by : readings that others took than who began the campaign, by person
     """
-    status, planned = campaign.status(), coming_answer(campaign)
-    state, target = status.state, campaign.description.target
+    known, planned = campaign.so_far(), coming_answer(campaign)
+    state, target = campaign.state, campaign.description.target
     rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
     budget = None if target.budget is None else to_unit(target.budget, "min")
     return {
         "schema": "axiscal-status/1",
         "machine": campaign.description.machine.name,
         "readings": len(state.readings),
-        "minutes": to_unit(status.seconds, "min"),
-        "rms_um": to_unit(status.accuracy.rms, "um"),
-        "worst_um": to_unit(status.accuracy.worst, "um"),
+        "minutes": to_unit(campaign.seconds(), "min"),
+        "rms_um": to_unit(known.accuracy.rms, "um"),
+        "worst_um": to_unit(known.accuracy.worst, "um"),
         "answer": standing_answer(campaign).model_dump(mode="json"),
         "planned": None if planned is None else planned.model_dump(mode="json"),
         "target": {"rms_um": rms, "worst_um": worst, "readings": target.readings, "budget_min": budget},
-        "reached": status.reached,
+        "reached": None if state.finished is not None else campaign.reached(),
         "finished": state.finished,
-        "agreement": agreement_document(status.agreement),
+        "agreement": agreement_document(known.agreement),
         "mind": contradictions(campaign),
         "question": campaign.request(state.pending).message() if state.pending else None,
         "accepted": [change_words(each) for each in state.accepted],
         "by": _by_others(campaign),
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
-        "newer": [each.kind for each in state.newer],
         "signed": signed_text(campaign.log) or None,
         "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}

@@ -61,6 +61,8 @@ def record_errors(path: Path) -> Iterator[None]:
     """Turn what the file system or a foreign writer did into a RecordError."""
     try:
         yield
+    except NewerError as error:
+        raise error.placed(path) from None
     except DamageError as error:
         raise RecordError("The record is damaged: {reason}", restoring(path), path, reason=error) from error
     except FileExistsError:

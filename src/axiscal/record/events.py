@@ -12,7 +12,19 @@ from typing import Any, Self
 
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import Accepted, Bumped, put_right
-from axiscal.record.kept_result import NOT_SAID, KeptResult
+
+
+@dataclass(frozen=True, slots=True)
+class KeptResult:
+    """What the readings of a campaign came to, as its last event keeps it.
+
+    rms, expanded : RMS standard uncertainty over the volume and U, m, None where none is promised
+    agreement : whether the readings "agree" or "contradict" each other; "" where nobody has said
+    """
+
+    rms: float | None = None
+    expanded: float | None = None
+    agreement: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,10 +52,10 @@ class Created:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The readings to come, in the place of those before; basis : what they rest on besides places, in words."""
+    """The readings to come, in the place of those before; grounds : what they rest on besides places, in words."""
 
     places: tuple[Place, ...]
-    basis: str = ""
+    grounds: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,9 +99,9 @@ class Warmed:
 
 @dataclass(frozen=True, slots=True)
 class Continued:
-    """No limit is reached by the readings before it; basis : what a plan made now rests on, as of `Planned`."""
+    """No limit is reached by the readings before it; grounds : what a plan made now rests on, as of `Planned`."""
 
-    basis: str
+    grounds: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +129,7 @@ class Finished:
     """The campaign ends, and why; result : what it came to, which records of before could not say."""
 
     because: str
-    result: KeptResult = NOT_SAID
+    result: KeptResult = KeptResult()
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,23 +147,11 @@ class Lost:
     why: str
 
 
-@dataclass(frozen=True, slots=True)
-class Newer:
-    """An entry that a newer version wrote: of an unknown kind, or with a field that this version does not know.
-
-    kind, text : as they stand in the record, in JSON; of_readings : the readings cannot be known without it
-    """
-
-    kind: str
-    text: str
-    of_readings: bool = False
-
-
 Done = Recorded | Skipped | Accepted | Warmed | Finished
 """What can be taken back."""
-_ASIDE = Noted, Bumped, Signed, Lost, Newer  # what may come after the end, and says nothing of what is known
+_ASIDE = Noted, Bumped, Signed, Lost  # what may come after the end, and says nothing of what is known
 _SILENT = Planned, Asked, *_ASIDE
-Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Lost | Newer
+Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Lost
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,7 +215,7 @@ class State:
     continued : what a plan made now rests on, where no limit is reached by these readings; None where nobody has looked
     undo : what can be taken back, the latest last
     mounted : set-ups that were mounted anew for a branch, or whose zero jumped later
-    notes : what was noted; bumps : the latest last; newer : entries of a newer version, which say nothing of readings
+    notes : what was noted; bumps : the latest last
     name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
     """
 
@@ -233,7 +233,6 @@ class State:
     last: int = 0
     name: str = ""
     written: tuple[Reading, ...] = ()
-    newer: tuple[Newer, ...] = ()
     bumps: tuple[Bumped, ...] = ()
     continued: str | None = None
 
@@ -296,7 +295,6 @@ class Folding:
     undo: list[Undoable] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)
     mounted: list[Mounted] = field(default_factory=list)
-    newer: list[Newer] = field(default_factory=list)
     bumps: list[Bumped] = field(default_factory=list)
     highest: int = 0
     last: int = 0
@@ -321,7 +319,7 @@ class Folding:
         if isinstance(event, Created):
             self.created = event
         elif isinstance(event, Planned):
-            self.plan, self.plan_basis, self.renew = list(event.places), event.basis, False
+            self.plan, self.plan_basis, self.renew = list(event.places), event.grounds, False
         elif isinstance(event, Asked):
             self.pending = event
             if self.plan and self.plan[0] == event.place:
@@ -333,16 +331,17 @@ class Folding:
             warm = event if isinstance(event, Warmed) else None
             self.notes.append(Note(event.text, stored.at, after, warm))
             self.undo += [Undoable(stored.number, warm, self.pending, self.highest)] if warm else []
-        elif isinstance(event, (Mounted, Newer, Bumped)):
-            kept: Mapping[type, list[Any]] = {Mounted: self.mounted, Newer: self.newer, Bumped: self.bumps}
-            kept[type(event)].append(event)
+        elif isinstance(event, Mounted):
+            self.mounted.append(event)
+        elif isinstance(event, Bumped):
+            self.bumps.append(event)
         elif not isinstance(event, (Signed, Continued, Lost)):
             before = tuple(self.readings) if isinstance(event, Accepted) else ()
             step = Undoable(stored.number, event, self.pending, self.highest, before)
             self._accept(event) if isinstance(event, Accepted) else self._take(event)
             self.undo.append(step)
         if not isinstance(event, _SILENT):
-            self.continued = event.basis if isinstance(event, Continued) else None
+            self.continued = event.grounds if isinstance(event, Continued) else None
         self.last = stored.number
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:

@@ -15,14 +15,13 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, with_config
 
 from axiscal.document.quoting import shown
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import NewerError, RecordError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record import events
 from axiscal.record.accepted import ABSURD, Size
 from axiscal.record.lines import EventText
-from axiscal.record.signing import Hand
 
-_BESIDE = (*Hand._fields, "step")
+_BESIDE = ("person", "computer", "step")
 """What stands beside the fields of every kind."""
 
 
@@ -30,14 +29,12 @@ class PayloadError(ValueError):
     """Text in a record that is not an event."""
 
 
-def encode(event: events.Event, hand: Hand | None = None, step: str = "") -> tuple[str, str]:
+def encode(event: events.Event, **by: str) -> tuple[str, str]:
     """Return kind and JSON text; raise ValueError if a number is not finite, RecordError for what is no text.
 
-    hand : who writes it, where that is to be kept; step : the id of the step that it belongs to, "" for none
+    by : person, computer and step, as far as they are to be kept
     """
-    if isinstance(event, events.Newer):
-        return event.kind, event.text
-    said = _fields(event) | ({} if hand is None else hand._asdict()) | ({"step": step} if step else {})
+    said = _fields(event) | by
     text = json.dumps(said, allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
     try:
         text.encode()
@@ -49,17 +46,17 @@ def encode(event: events.Event, hand: Hand | None = None, step: str = "") -> tup
 
 
 def decode(kind: str, text: str) -> events.Event:
-    """Return the event, `Newer` for one that this version does not know; raise PayloadError if this is none."""
+    """Return the event; raise PayloadError if this is none, NewerError for one that this version does not know."""
     try:
         found = json.loads(text)
         beside = {name: found.pop(name, "") for name in _BESIDE}  # older records could not say it
         if not all(isinstance(each, str) for each in beside.values()):
             raise ValueError(f"{beside} are no texts")
         if kind not in _KINDS:
-            return events.Newer(kind, text, not _OF_READINGS.isdisjoint(found))
+            raise _newer(kind)
         known, needed, reader = _reader(kind)
         if not found.keys() <= known:
-            return events.Newer(kind, text, kind != "noted")
+            raise _newer(kind)
         if not needed <= found.keys():
             raise ValueError(f"it lacks {', '.join(sorted(needed - found.keys()))}")
         read = reader.validate_json(text)
@@ -71,6 +68,11 @@ def decode(kind: str, text: str) -> events.Event:
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {where}: {wrong['msg']}") from error
     except (AttributeError, TypeError, ValueError, RecursionError) as error:
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
+
+
+def _newer(kind: str) -> NewerError:
+    what = "A newer version of axiscal has written an entry here: {kind}"
+    return NewerError(what, "Install that version to go on; nothing was changed", kind=shown(kind))
 
 
 def stored(number: int, row: EventText) -> events.Stored:
@@ -85,19 +87,11 @@ def stored(number: int, row: EventText) -> events.Stored:
     return events.Stored(number, row.at, event)
 
 
-def hand_of(text: str) -> Hand | None:
-    """Return who wrote an event, by its JSON text; None where that does not say it."""
-    found = json.loads(text)
-    return Hand(*(found[name] for name in Hand._fields)) if found.keys() >= set(Hand._fields) else None
-
-
 def _fields(event: events.Event) -> dict[str, object]:
     """Return what the record keeps of an event."""
     match event:
         case events.Planned():
-            return {"places": [_place_fields(place) for place in event.places], "grounds": event.basis}
-        case events.Continued(basis):
-            return {"grounds": basis}
+            return {"places": [_place_fields(place) for place in event.places], "grounds": event.grounds}
         case events.Asked():
             return {"reading": event.reading, **_place_fields(event.place)}
         case events.Recorded(reading):
@@ -144,10 +138,6 @@ class _Planned(_Strict):
     grounds: str = ""  # plans of older records do not say what they rest on
 
 
-class _Continued(_Strict):
-    grounds: str
-
-
 class _Recorded(_At):
     value: Size
     std: Annotated[float, Field(gt=0, lt=ABSURD)] | None
@@ -166,11 +156,10 @@ def _reading(said: _Recorded) -> Reading:
 _READ: Mapping[type, Callable[[Any], events.Event]] = {
     _Asked: lambda said: events.Asked(said.reading, said.place()),
     _Planned: lambda said: events.Planned(tuple(place.place() for place in said.places), said.grounds),
-    _Continued: lambda said: events.Continued(said.grounds),
     _Recorded: lambda said: events.Recorded(_reading(said)),
 }
 """Kinds whose fields are written otherwise than those of their class."""
-_KINDS = {kind.__name__.lower(): kind for kind in get_args(events.Event) if kind != events.Newer} | {
+_KINDS = {kind.__name__.lower(): kind for kind in get_args(events.Event)} | {
     kind.__name__.lower()[1:]: kind for kind in _READ
 }
 """Classes by the names of their kinds: what the record has, and of `_READ` how it is written."""
@@ -191,7 +180,3 @@ def _reader(name: str) -> tuple[frozenset[str], frozenset[str], TypeAdapter[Any]
 
 _LATER = frozenset(("prior_text", "usual_doubts", "fine_knots", "whole_lengths", "rest", "last", "result"))
 """What older records could not say."""
-_OF_READINGS = frozenset(
-    ("setup", "position", "approach", "check", "reading", "readings", "event", "events", "setups", "value", "values")
-)
-"""An unknown kind with one of these fields says something of readings. A kind to come keeps to that."""

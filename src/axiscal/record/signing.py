@@ -9,22 +9,27 @@ from __future__ import annotations
 
 import contextlib
 import getpass
+import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextvars import ContextVar
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from axiscal.document.consent import user_folder
 from axiscal.exceptions import RecordError
+from axiscal.record.events import Event, Signed, Stored, fold
+from axiscal.record.lines import EMPTY, EventText, chained
+from axiscal.record.payload import encode
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
-PERSON, KEY, PEOPLE = "AXISCAL_PERSON", "AXISCAL_KEY", "AXISCAL_PEOPLE"
-"""Variables of the environment: the name of who writes, the file of the key, and that of the keys of people."""
+PERSON, KEY = "AXISCAL_PERSON", "AXISCAL_KEY"
+"""Variables of the environment: the name of who writes, and the file of the key."""
 
 
 class Hand(NamedTuple):
@@ -70,6 +75,23 @@ def step_now() -> str:
     return _STEP.get()
 
 
+def rows_of(events: Sequence[Event]) -> list[EventText]:
+    """Return events as this person writes them now; raises ValueError for one that cannot be kept."""
+    at, by, step = now(), own_hand()._asdict(), step_now()
+    return [EventText(at, *encode(event, **by, **({"step": step} if step else {}))) for event in events]
+
+
+def now() -> str:
+    """Return the time as a record has it: ISO 8601, UTC."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def hand_of(text: str) -> Hand | None:
+    """Return who wrote an event, by its JSON text; None where that does not say it."""
+    found = json.loads(text)
+    return Hand(*(found[name] for name in Hand._fields)) if found.keys() >= set(Hand._fields) else None
+
+
 def key_file() -> Path:
     """Return where the key of this person is, or would be."""
     if named := os.environ.get(KEY):
@@ -77,16 +99,8 @@ def key_file() -> Path:
     return user_folder() / "key.pem"
 
 
-def people_file() -> Path:
-    """Return where the keys of the people are that this one knows: lines of a public key in hex and a name."""
-    return Path(os.environ.get(PEOPLE) or key_file().with_name("people.txt"))
-
-
-def is_known(key: str) -> bool:
-    """Return whether a public key is this person's own, or of somebody in the file of people."""
-    with contextlib.suppress(OSError, UnicodeDecodeError):
-        if key in (line.split()[0].lower() for line in people_file().read_text("utf-8").splitlines() if line.strip()):
-            return True
+def is_own(key: str) -> bool:
+    """Return whether a public key is this person's."""
     with contextlib.suppress(RecordError):
         own = _own_key()
         return own is not None and own.public_key().public_bytes_raw().hex() == key
@@ -154,3 +168,43 @@ def _own_key() -> Ed25519PrivateKey | None:
     if not isinstance(key, Ed25519PrivateKey):
         raise RecordError("This is no key of Ed25519", "Name another file by {key}", path, key=KEY)
     return key
+
+
+class SignedUntil(NamedTuple):
+    """How far a log is signed: the number of the event, whose it is, whether every signature is of what was before.
+
+    reading : the number of the last reading that stood then
+    """
+
+    number: int
+    by: Signature
+    holds: bool
+    reading: int
+
+
+def signed_until(events: Sequence[Stored], rows: Sequence[EventText]) -> SignedUntil | None:
+    """Return the last signature of a record, or the first that does not hold; None where nobody has signed."""
+    found = None
+    for number, event in ((each.number, each.event) for each in events if isinstance(each.event, Signed)):
+        found = number, *signed_by(rows[number - 1], event, rows[: number - 1])
+        if not found[2]:
+            break
+    if found is None:
+        return None
+    readings = fold(events[: found[0]]).readings
+    return SignedUntil(*found, readings[-1].numbered(len(readings) - 1) if readings else 0)
+
+
+def signed_by(row: EventText, event: Signed, before: Sequence[EventText]) -> tuple[Signature, bool]:
+    """Return whose signature one is, and whether it is of the events before it."""
+    by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
+    return by, holds(signable(row.at, before), by)
+
+
+def signable(at: str, rows: Sequence[EventText]) -> dict[str, object]:
+    """Return the document that a signature is of: its time, and time and chain of all events before it."""
+    digest, chain = hashlib.sha256(), EMPTY
+    for row in rows:
+        chain = chained(chain, row)
+        digest.update(f"{row.at} {chain}\n".encode())
+    return {"at": at, "before": digest.hexdigest()}

@@ -10,7 +10,6 @@ lines of one number are a branch, which is named until `repair` has asked what b
 from __future__ import annotations
 
 import contextlib
-import gc
 import hashlib
 import os
 import uuid
@@ -20,12 +19,11 @@ from pathlib import Path
 from typing import Self
 
 from axiscal.document.durable import alone, clear_drafts, read_at, sync, write_at, write_whole
-from axiscal.document.quoting import shown
-from axiscal.exceptions import NewerError, OvertakenError, RecordError
+from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said
 from axiscal.record.door import ALL, BINARY, opened, record_errors, refuse_other_form, repairing
 from axiscal.record.earlier import told_anew
-from axiscal.record.events import Created, Event, EventOrderError, Signed, State, Stored
+from axiscal.record.events import Created, Event, EventOrderError, Folding, Signed, State, Stored
 from axiscal.record.lines import (
     EMPTY,
     HEAD,
@@ -41,13 +39,21 @@ from axiscal.record.lines import (
     is_earlier,
     whole_lines,
 )
-from axiscal.record.payload import PayloadError, encode, hand_of, stored
-from axiscal.record.signing import Hand, key_file, signature
-from axiscal.record.story import SignedUntil, Story, now, rows_of, signable, signed_until
+from axiscal.record.payload import PayloadError, encode, stored
+from axiscal.record.signing import (
+    Hand,
+    SignedUntil,
+    hand_of,
+    key_file,
+    now,
+    rows_of,
+    signable,
+    signature,
+    signed_until,
+)
 
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
-_READ_IT = "This one can read and copy the record; nothing was written"
 
 
 class Record(contextlib.AbstractContextManager["Record"]):
@@ -60,7 +66,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
     def __init__(self, path: Path, *, write: bool = True) -> None:
         self.path, self._file, self._write = path, path.absolute(), write
         self.lines, self.name = list[KeptLine](), EMPTY
-        self._events, self._story = list[Stored](), Story()
+        self._events, self._story = list[Stored](), Folding()
         self._end, self._earlier, self._writer = HEAD, -1, uuid.uuid4().hex[:16]
 
     @classmethod
@@ -92,13 +98,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
                 clear_drafts(record.path.parent, record.path.name)
                 if record.path.is_file():
                     os.close(os.open(record.path, os.O_RDWR))
-            collecting = gc.isenabled()
-            gc.disable()  # events are no garbage, and there may be a hundred thousand
-            try:
-                record._catch_up()
-            finally:
-                if collecting:
-                    gc.enable()
+            record._catch_up()
         signed = None if changed else record.signed()
         if signed is not None and not signed.holds:
             what = "The record was changed since {person} signed it at event {number}"
@@ -110,9 +110,8 @@ class Record(contextlib.AbstractContextManager["Record"]):
         """Keep `events`, all or none, and return the number of the last one.
 
         after : number of the last event the caller knows of; OvertakenError if another one has written since
-        Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
+        Raises ValueError for an event that cannot be kept.
         """
-        self._refuse_newer(self._story.first_newer is not None, _READ_IT)
         return self.extend(rows_of(events), after)
 
     def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
@@ -172,9 +171,8 @@ class Record(contextlib.AbstractContextManager["Record"]):
     def sign(self) -> bool:
         """Let this person answer for all events so far, and return whether; not without a key, nor twice.
 
-        Raises NewerError as `append`, OvertakenError if another process writes meanwhile.
+        Raises OvertakenError if another process writes meanwhile.
         """
-        self._refuse_newer(self._story.first_newer is not None, _READ_IT)
         if not key_file().exists():
             return False
         self.last()
@@ -182,7 +180,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
         by = signature(signable(at, self.rows))
         if by is None or (last.kind == "signed" and by.key in last.payload):
             return False
-        row = EventText(at, *encode(Signed(by.key, by.signature), Hand(by.person, by.computer)))
+        row = EventText(at, *encode(Signed(by.key, by.signature), person=by.person, computer=by.computer))
         self.extend([row], after=len(self.lines))
         return True
 
@@ -212,19 +210,9 @@ class Record(contextlib.AbstractContextManager["Record"]):
         return tuple(self._events)
 
     def state(self) -> State:
-        """Return the state folded from all events; raises NewerError where one of a newer version may change it."""
+        """Return the state folded from all events."""
         self.last()
-        self._refuse_newer(self._story.stopped, "This one can copy the record, no more")
         return replace(self._story.state(), name=self.name)
-
-    def _refuse_newer(self, hinders: bool, still: str) -> None:
-        """Raise NewerError where what a newer version wrote hinders.  still : what can be done all the same"""
-        newer = self._story.first_newer
-        if hinders and newer is not None:
-            what = "Event {number} is an entry of a newer version of axiscal: {kind}"
-            remedy = "Install that version to go on with it. {still}"
-            kind = shown(encode(newer.event)[0])
-            raise NewerError(what, remedy, self.path, number=newer.number, kind=kind, still=still)
 
     def holds(self, step: str) -> bool:
         """Return whether a step wrote more than a plan.  step : its id, hex digits; "" for none"""

@@ -10,10 +10,9 @@ import queue
 import shlex
 import signal
 import subprocess
-import sys
 import threading
 import time
-from collections import Counter, deque
+from collections import Counter
 from typing import IO, Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
@@ -33,10 +32,6 @@ _LOOK = 0.25
 """Seconds between two looks whether the command still runs; any time that a person does not notice would do."""
 _AHEAD = 100
 """Lines that are kept before they are wanted; one is right, and a flood is not to fill the memory."""
-_PASSED = 1000
-"""Lines of its stderr that are passed on for each reading; a flood is not to fill the terminal or its file."""
-_WORDS = 300
-"""Characters of each line of its stderr that is passed on, or said as its last words."""
 WIDEST = 1e6
 """A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
@@ -44,7 +39,7 @@ _REMEDY = later('Answer each line with one such as {"value": 1.7, "unit": "um"} 
 
 
 class ExecSource:
-    """A command, started once without a shell; its stderr is passed through.
+    """A command, started once without a shell; its stderr is that of axiscal.
 
     command : split as a shell would, but not run by one; timeout : s for each answer
     Raises SourceError if the command cannot be started.
@@ -54,13 +49,12 @@ class ExecSource:
         self._command, self._timeout = command, timeout
         self._process = _start(command)
         self._lines: queue.Queue[str] = queue.Queue(_AHEAD)
-        self._last_words: deque[str] = deque(maxlen=3)
-        self._wanted, self._passed = True, 0
-        self._listeners = [self._listen(self._hear), self._listen(self._pass_on)]
+        self._wanted = True
+        self._listener = threading.Thread(target=self._hear, daemon=True)
+        self._listener.start()
 
     def read(self, request: Request) -> Answer | Skip:
         """Send the request and return the answer; raises SourceError if the command dies, stalls or talks nonsense."""
-        self._passed = 0
         with contextlib.suppress(queue.Empty):
             line = self._lines.get_nowait()
             if not line:
@@ -87,15 +81,9 @@ class ExecSource:
             except subprocess.TimeoutExpired:
                 _signal(self._process, farewell)
         self._process.wait()
-        if any(listener.is_alive() for listener in self._listeners):  # it has left something behind that still runs
+        if self._listener.is_alive():  # it has left something behind that still runs
             _signal(self._process, signal.SIGKILL)
-        for listener in self._listeners:
-            listener.join(GRACE)
-
-    def _listen(self, hear: Any) -> threading.Thread:
-        thread = threading.Thread(target=hear, daemon=True)
-        thread.start()
-        return thread
+        self._listener.join(GRACE)
 
     def _hear(self) -> None:
         with _pipe(self._process.stdout) as stream:
@@ -109,15 +97,6 @@ class ExecSource:
             with contextlib.suppress(queue.Full):
                 self._lines.put(line, timeout=_LOOK)
                 return
-
-    def _pass_on(self) -> None:
-        with _pipe(self._process.stderr) as stream:
-            while line := stream.readline(LONGEST + 1):
-                self._last_words.append(shortened(line.strip(), _WORDS))
-                self._passed += 1
-                if self._passed <= _PASSED:
-                    sys.stderr.write(shortened(line.rstrip(), _WORDS) + "\n")  # no terminal obeys an instrument
-                    sys.stderr.flush()
 
     def _send(self, line: str) -> None:
         stream = _pipe(self._process.stdin)
@@ -146,13 +125,10 @@ class ExecSource:
     def _died(self, patience: float) -> SourceError:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(patience)
-        self._listeners[1].join(patience)
         status = self._process.returncode
-        what = "the command `{command}` ended with status {status} before it answered"
+        what = "the command `{command}` ended with status {status} before it answered; see what it said above"
         what = "the command `{command}` closed its output before it answered" if status is None else what
-        ended, words = said(what, command=shortened(self._command), status=status), " / ".join(self._last_words)
-        last = said('{ended}; its last words were "{words}"', ended=ended, words=words)
-        return self._failure(last if self._last_words else ended, "Mend it, then go on with --resume")
+        return self._failure(what, "Mend it, then go on with --resume", status=status)
 
     def _failure(self, what: str, remedy: str, **values: object) -> SourceError:
         return SourceError(what, remedy, None, None, command=shortened(self._command), **values)
@@ -236,7 +212,6 @@ def _start(command: str) -> subprocess.Popen[str]:
             words,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
             text=True,
             encoding="utf-8",
             errors="replace",
@@ -249,7 +224,7 @@ def _start(command: str) -> subprocess.Popen[str]:
 
 
 def _pipe(stream: IO[str] | None) -> IO[str]:
-    assert stream is not None  # all three were asked for
+    assert stream is not None  # both were asked for
     return stream
 
 

@@ -20,7 +20,7 @@ from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times
 from axiscal.measurement.travel import feet_of
 from axiscal.measurement.type_b import Read, TypeB, rows_of
 from axiscal.numerics import Array
-from axiscal_core import causes
+from axiscal_core.causes import WAY, WAYS, OfOneSetup, absent
 from axiscal_core.theta import Kind
 
 _ONE_WAY = 0.5
@@ -41,13 +41,13 @@ def passing_columns(
         mine = np.flatnonzero(np.isin(reading, which))
         of, part = np.searchsorted(which, reading[mine]), mine - np.searchsorted(reading, reading[mine])
         sigma = np.full(len(mine), setup.noise)
-        read = causes.OfOneSetup(setup.name, len(reading), mine, part, clock[reading[mine]], sigma, setup.drift)
+        read = OfOneSetup(setup.name, len(reading), mine, part, clock[reading[mine]], sigma, setup.drift)
         if usual:
             poses, order, open_yet = places.poses[which], np.argsort(clock[which], kind="stable"), []
             for turn in turning(observation, index, poses, places.approaches[which]):
                 missing, unsure = turn.absent(poses, order)
-                lacking.setdefault(turn.name, np.zeros((len(places), len(causes.WAYS))))[which] = missing
-                open_yet.append((turn.name, causes.WAY * turn.effects[part, of, None] * unsure[of]))
+                lacking.setdefault(turn.name, np.zeros((len(places), len(WAYS))))[which] = missing
+                open_yet.append((turn.name, WAY * turn.effects[part, of, None] * unsure[of]))
             found += read.passing((axis[part, of] for axis in growing(observation, index, poses)), open_yet)
         elif setup.drift > 0:
             course = Course.over(setup.drift, np.sort(read.clock).tolist())
@@ -86,10 +86,10 @@ def at_feed(observation: Observation, readings: Sequence[Reading]) -> Iterator[A
             continue
         order, numbers = np.argsort(times[which], kind="stable"), last[which] - 1
         one, other = (turn.effects[0] / np.abs(turn.effects).max() for turn in seen)
-        missing = [turn.missing(places.poses[which], order, way)[0] for turn in seen for way in range(len(causes.WAYS))]
+        missing = [turn.missing(places.poses[which], order, way)[0] for turn in seen for way in range(len(WAYS))]
         lag, late = np.zeros((1, last[-1])), np.zeros((len(missing), last[-1]))
         lag[0, numbers] = setup.noise * one * np.abs(other)
-        late[:, numbers] = 2 / causes.WAY * np.array(missing)
+        late[:, numbers] = 2 / WAY * np.array(missing)
         ways = lag[0, numbers] * one * seen[0].sides * other * seen[1].sides
         yield AtFeed(setup.name, bool(abs(ways.sum()) < _ONE_WAY * np.abs(ways).sum()), lag, late)
 
@@ -131,12 +131,12 @@ class Turning:
 
         poses : (r, q); order : (r,) in which they are taken; way : which of the parts it is
         """
-        missing: Array = -causes.WAY * self.absent(poses, order)[0, :, way] * self.effects
+        missing: Array = -WAY * self.absent(poses, order)[0, :, way] * self.effects
         return missing
 
     def absent(self, poses: Array, order: NDArray[np.intp]) -> Array:
         """Return what `axiscal_core.causes.absent` says, (2, r, ways).  poses : (r, q); order : (r,)"""
-        return causes.absent(poses[:, self.axis], self.sides, order, self.overrun)
+        return absent(poses[:, self.axis], self.sides, order, self.overrun)
 
 
 def turning(observation: Observation, index: int, poses: Array, approaches: Array) -> list[Turning]:
