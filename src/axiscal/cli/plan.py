@@ -38,6 +38,7 @@ from axiscal.present.plan_words import open_questions, plan_list, plan_screen
 from axiscal.present.schematic import plan_picture
 from axiscal.programs import write_programs
 from axiscal.programs.dialects import dialect
+from axiscal.tables.exporter import unasked
 from axiscal.units import to_unit
 
 
@@ -162,7 +163,7 @@ def start(
     with Campaign.create(path, description) as begun:
         try:
             tell_out_of_reach(begun)
-            tell_minds(*open_questions(description))
+            tell_minds(unasked(description), *open_questions(description))
             planned = begun.prepared()
         except BaseException:  # nothing stays of one that cannot be planned
             begun.close()
