@@ -17,11 +17,6 @@ FONT = "Libertinus Serif"
 """One of the letters that the typesetter brings along."""
 
 
-def alone(svg: str) -> str:
-    """Return an SVG element of a page as the text of a file."""
-    return on_paper(svg).replace("<svg ", f'<svg xmlns="http://www.w3.org/2000/svg" font-family="{FONT}" ', 1)
-
-
 class Drawing(NamedTuple):
     """What a file shows at one width.  width, height : pixels; body : SVG elements"""
 
@@ -32,7 +27,7 @@ class Drawing(NamedTuple):
     def on_paper(self) -> str:
         """Return the text of an SVG file for paper."""
         size = f'viewBox="0 0 {self.width:g} {self.height:g}" width="{self.width:g}" height="{self.height:g}"'
-        return alone(f"<svg {size}>{self.body}</svg>")
+        return f'<svg xmlns="http://www.w3.org/2000/svg" font-family="{FONT}" {size}>{on_paper(self.body)}</svg>'
 
 
 def picture_file(drawings: Sequence[Drawing], label: str) -> str:
