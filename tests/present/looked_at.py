@@ -105,11 +105,9 @@ def figures(picture: str) -> Figures:
 def pictures(campaigns: list[Placed]) -> dict[str, Figures]:
     """Return all of them: machines alone, plans of campaigns, and bent volumes."""
     found = {f"{n} {each.chain}": machine_schematic(each).svg(400.0, 300.0) for n, each in enumerate(MACHINES)}
-    found |= {name: plan_picture(of.machine.name, of, places, (1400.0,)) for name, of, places in campaigns}
-    _, of, places = max(campaigns, key=lambda each: len(each[1].setups))
-    found["at every width"] = plan_picture(of.machine.name, of, places)
-    volumes = {name: _volume(load_machine(name)) for name in builtin_names()}
-    found |= {f"bent {name}": found_and_left_drawing(each, 1110.0).body for name, each in volumes.items()}
+    found |= {name: plan_picture(of.machine.name, of, places) for name, of, places in campaigns}
+    machines = {name: load_machine(name) for name in builtin_names()}
+    found |= {f"bent {n}": found_and_left_drawing(_volume(each), each, 1110.0).body for n, each in machines.items()}
     return {name: figures(picture) for name, picture in found.items()}
 
 

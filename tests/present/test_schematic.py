@@ -13,7 +13,14 @@ import pytest
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import RIGHT, UP, Arrow, RoundMark
-from axiscal.present.schematic import DrawnMachine, frame_seen, machine_schematic, plan_picture, setup_schematic
+from axiscal.present.schematic import (
+    DrawnMachine,
+    frame_seen,
+    machine_schematic,
+    plan_picture,
+    setup_picture,
+    setup_schematic,
+)
 from axiscal_core.machine import Machine
 from tests.generators.kinematics import shifted, tip, turned
 from tests.present.drawn_words import Box, boxes_of, held_inside
@@ -140,19 +147,19 @@ def _heads(drawing: ElementTree.Element) -> list[Box]:
     return found
 
 
-Drawn = tuple[float, list[tuple[str, ElementTree.Element]]]
+Drawn = list[tuple[str, ElementTree.Element]]
 
 
-@pytest.fixture(scope="module", params=[1400.0, 768.0, 390.0])
-def drawn(request: pytest.FixtureRequest, campaigns: list[Placed]) -> Drawn:
-    """A width, and the plan of every campaign drawn on it."""
-    width: float = request.param
-    made = ((name, plan_picture(of.machine.name, of, places, (width,))) for name, of, places in campaigns)
-    return width, [(name, ElementTree.fromstring(picture)) for name, picture in made]
+@pytest.fixture(scope="module")
+def drawn(campaigns: list[Placed]) -> Drawn:
+    """The plan of every campaign as a file has it, and its first set-up on a telephone."""
+    made = [(name, plan_picture(of.machine.name, of, places)) for name, of, places in campaigns]
+    made += [(name, setup_picture(setup_schematic(of, of.setups[0], places), 360)) for name, of, places in campaigns]
+    return [(name, ElementTree.fromstring(picture)) for name, picture in made]
 
 
 def test_heads_of_arrows_lie_apart_and_no_word_over_them(drawn: Drawn) -> None:
-    for name, root in drawn[1]:
+    for name, root in drawn:
         heads = _heads(root)
         assert heads
         assert [name for one, other in itertools.combinations(heads, 2) if one.over(other)] == []
@@ -160,30 +167,9 @@ def test_heads_of_arrows_lie_apart_and_no_word_over_them(drawn: Drawn) -> None:
 
 
 def test_words_are_inside_of_the_picture_and_none_lies_over_another(drawn: Drawn) -> None:
-    width, pictures = drawn
-    for _, root in pictures:
-        (drawing,) = root.findall(f"{SVG}svg")
-        _, _, wide, high = map(float, drawing.get("viewBox", "").split())
-        assert wide == width
-        held_inside(boxes_of(drawing), width, high)
-
-
-def test_a_file_shows_one_drawing_at_each_width(campaigns: list[Placed]) -> None:
-    root = ElementTree.fromstring(plan_picture(*campaigns[0]))
-    style = root.findtext(f"{SVG}style") or ""
-    assert [each.get("class") for each in root.findall(f"{SVG}svg")] == ["w1400", "w768", "w390"]
-    for width, shown in ((2000, "w1400"), (1400, "w1400"), (1399, "w768"), (768, "w768"), (767, "w390"), (200, "w390")):
-        assert _shown_at(style, width) == {shown}
-
-
-def _shown_at(style: str, width: int) -> set[str]:
-    """Return the classes that a sheet shows at a width: rules are taken in order, and the last one counts."""
-    always, *narrower = style.split("@media(max-width:")
-    sheets = [always, *(sheet for sheet in narrower if width <= int(sheet.partition("px")[0]))]
-    shown = dict.fromkeys(("w1400", "w768", "w390"), "inline")
-    for sheet in sheets:
-        shown |= dict(re.findall(r"\.(w\d+)\{display:(\w+)\}", sheet))
-    return {name for name, how in shown.items() if how != "none"}
+    for _, root in drawn:
+        _, _, wide, high = map(float, root.get("viewBox", "").split())
+        held_inside(boxes_of(root), wide, high)
 
 
 def test_pictures_are_those_that_somebody_has_looked_at(campaigns: list[Placed]) -> None:

@@ -12,15 +12,12 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import PrintingError
 from axiscal.language.spoken import resaid, spoken_now
 from axiscal.present.drawing.svg_picture import Drawing
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.result import Result
 from axiscal.present.schematic import read_schematics
-from axiscal.present.volume_error import bent_volume
-from axiscal.tables.offer import Export
 
 _PAPER = 840
 """Pixels that the picture of the volume is drawn in: its words are then as large as the notes of the report."""
@@ -36,17 +33,17 @@ def pdf(result: Result, pictures: Mapping[str, str]) -> bytes:
     return printed(resaid(result).model_dump(mode="json", by_alias=True), pictures)
 
 
-def drawn_pictures(campaign: Campaign, known: Estimation, best: Export | None) -> dict[str, str]:
-    """Return the pictures of each set-up that was read, and of the volume.  best : the tables, None without them"""
+def drawn_pictures(campaign: Campaign, result: Result) -> dict[str, str]:
+    """Return the pictures of each set-up that was read, and of the volume."""
     readings = campaign.state.readings
-    if not readings:
+    if result.volume is None:
         return {}
     shown = read_schematics(campaign.description, [reading.place for reading in readings])
     wide = max(_LEAST, _PAPER / max(2, len(shown)))
     drawings = (Drawing(wide, _FLAT * wide, each.svg(wide, _FLAT * wide)) for each in shown)
-    volume = bent_volume(known) if best is None else bent_volume(known, best.controller, best.control)
     pictures = {f"setup-{n}.svg": each.on_paper() for n, each in enumerate(drawings)}
-    return pictures | {"volume.svg": found_and_left_drawing(volume, _PAPER).on_paper()}
+    volume = found_and_left_drawing(result.volume, campaign.description.machine, _PAPER)
+    return pictures | {"volume.svg": volume.on_paper()}
 
 
 def printed(document: Mapping[str, Any], pictures: Mapping[str, str]) -> bytes:

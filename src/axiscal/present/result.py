@@ -108,6 +108,7 @@ class VolumeFigures(AnswerDocument):
     """`volume`: its error at places spread over it, one shift taken off."""
 
     axes: Sequence[str] = Field(description="that move from place to place")
+    counts: Sequence[int] = Field(description="places along each of them, the last of which moves first")
     parked: Text = Field(description="where the others stand")
     tcp_mm: Sequence[Sequence[Figure]] = Field(description="places of the tool point, workpiece frame")
     found_um: Sequence[Sequence[Figure]] = Field(description="deviation along x, y, z, mean of both sides")
