@@ -23,7 +23,7 @@ from axiscal.answers.answer import (
     AnswerLine,
     AnswerRow,
     NextStep,
-    ResultAnswer,
+    Outcome,
     SignedNumber,
     StepCode,
     Verdict,
@@ -181,7 +181,7 @@ def answer_of(
     *,
     written: bool = False,
     anyway: bool = False,
-) -> ResultAnswer:
+) -> Outcome:
     """Return the answer.
 
     controls : what the tables of each control that is offered do; written : whether the results are, with these tables
@@ -200,7 +200,7 @@ def answer_of(
     offset = offset_each(known.stated.description)
     withheld = known.agreement.withheld and not anyway
     parts = () if withheld or verdict in ("more", "nothing") else known.estimate().half_read
-    return ResultAnswer(
+    return Outcome(
         verdict=verdict,
         rows=[] if withheld else [_row(row, known) for row in rows],
         aims=[*aims.volume, *aims.lines],
@@ -224,7 +224,7 @@ def answer_of(
     )
 
 
-def standing_answer(campaign: Campaign) -> ResultAnswer:
+def standing_answer(campaign: Campaign) -> Outcome:
     """Return the answer of a campaign as it stands, with what tables would leave that are made of it."""
     known = campaign.so_far()
     written = campaign.state.finished is not None and (results_of(campaign.path) / "result.json").exists()

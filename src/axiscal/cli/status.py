@@ -120,7 +120,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "minutes": to_unit(status.seconds, "min"),
         "rms_um": to_unit(status.accuracy.rms, "um"),
         "worst_um": to_unit(status.accuracy.worst, "um"),
-        "answer": standing_answer(campaign).model_dump(mode="json"),
+        "answer": answer.model_dump(mode="json") | {"rows": [row.model_dump(mode="json") for row in answer.rows]},
         "planned": None if planned is None else planned.model_dump(mode="json"),
         "target": {"rms_um": rms, "worst_um": worst, "readings": target.readings, "budget_min": budget},
         "reached": status.reached,

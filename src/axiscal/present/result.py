@@ -11,7 +11,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, ResultAnswer, Text
+from axiscal.answers.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, Text
 
 
 def _left_out(text: str) -> bool:
@@ -278,8 +278,3 @@ class Result(AnswerDocument):
     versions: Mapping[str, str] = Field(description="of axiscal and of what it computes with")
     inputs: Mapping[str, str] = Field(description="SHA-256 by file")
     record: RecordState = Field(description="what all of it is made from")
-
-    @property
-    def answered(self) -> ResultAnswer:
-        """The answer with its rows."""
-        return ResultAnswer(**{**dict(self.answer), "rows": self.rows})

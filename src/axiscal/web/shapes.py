@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, AnswerWords, BoughtAccuracy, PlannedAnswer, ResultAnswer
+from axiscal.answers.answer import AnswerDocument, AnswerWords, BoughtAccuracy, Outcome, PlannedAnswer
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
@@ -33,10 +33,10 @@ Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
 class AnswerShape(AnswerWords):
     """The result, or the plan, in words and as their document."""
 
-    document: ResultAnswer | PlannedAnswer
+    document: Outcome | PlannedAnswer
 
     @classmethod
-    def of_campaign(cls, campaign: Campaign, answer: ResultAnswer | PlannedAnswer) -> Self:
+    def of_campaign(cls, campaign: Campaign, answer: Outcome | PlannedAnswer) -> Self:
         """Return the answer of a campaign with its words."""
         if isinstance(answer, PlannedAnswer):
             text = plan_text(answer)
