@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from shlex import quote
 
-from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.agreement_words import agreement_document, agreement_words, change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
@@ -109,7 +108,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
     signed : who answers for how much of the record, and whether it was changed since
     by : readings that others took than who began the campaign, by person
     """
-    status, planned = campaign.status(), coming_answer(campaign)
+    status, planned, answer = campaign.status(), coming_answer(campaign), standing_answer(campaign)
     state, target = status.state, campaign.description.target
     rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
     budget = None if target.budget is None else to_unit(target.budget, "min")
