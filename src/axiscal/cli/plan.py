@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -15,7 +14,7 @@ from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.progress import tell_minds, tell_out_of_reach
 from axiscal.description.artefacts import unused_artefacts
-from axiscal.description.campaign import CampaignDescription, as_exact, read_campaign
+from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.document.durable import write_whole
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
@@ -39,7 +38,6 @@ from axiscal.present.schematic import plan_picture
 from axiscal.programs import write_programs
 from axiscal.programs.dialects import dialect
 from axiscal.tables.exporter import unasked
-from axiscal.units import to_unit
 
 
 def plan(
@@ -104,10 +102,6 @@ def plan(
         written.append(f"{out} ({count} files, README.txt there)")
     buys = bought(case, plan.places, plan.seconds, candidates) if details or json else ()
     answer = plan_answer(case, plan, limits, buys, ends=ends)
-    if details and limits.accurate:
-        with suppress(PlanError):
-            exact = proposed(case_of(as_exact(case.description)), limits, candidates)
-            answer = answer.model_copy(update={"certain_minutes": to_unit(exact.seconds, "min")})
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
         return

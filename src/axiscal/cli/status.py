@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from shlex import quote
 
+from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.agreement_words import agreement_document, agreement_words, change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text

@@ -166,9 +166,6 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
     if bound := bound_sentence(answer):
         yield bound
-    if answer.certain_minutes is not None:
-        minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
-        yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
 
 
 def _curve(bought: Sequence[BoughtAccuracy]) -> str:
