@@ -71,8 +71,8 @@ def _figures(case: Case) -> Array:
     found = [*known.accuracy, *uniform_parts(own), *tables.effect, tables.known.rms, tables.certain, tables.expected]
     for each in (expanded(own, known.printed.belief), expanded_floor(own)):
         found += [each.space, *each.axes, each.worst]
-    for row in answered(known, {"csv": tables.control}):
-        found += [row.known, row.floor or 0.0, row.found, row.largest, row.before, *row.left.values()]
+    for row, shown in answered(known, {"csv": tables.control}):
+        found += [row.known, row.floor or 0.0, shown.found, shown.largest, row.before, *shown.left.values()]
     return np.array(found)
 
 
