@@ -10,12 +10,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import RIGHT, UP, Arrow, RoundMark
+from axiscal.present.drawing.scene import Arrow, RoundMark
 from axiscal.present.schematic import (
     DrawnMachine,
-    frame_seen,
     machine_schematic,
     plan_picture,
     setup_picture,
@@ -91,17 +89,6 @@ def test_an_axis_is_drawn_along_the_way_on_which_its_part_moves(machine: Machine
             way = room.upright @ step[:3, 3] / 1e-6
             drawn = arrow.points[-1] - arrow.points[0]
             np.testing.assert_allclose(drawn / np.linalg.norm(drawn), way, atol=1e-5)
-
-
-@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
-def test_the_frame_beside_a_question_is_turned_as_the_picture_is(machine: Machine) -> None:
-    pose = tuple(0.0 if axis.rotary else sum(axis.travel) / 2 for axis in machine.axes)
-    seen, arrows = np.array(frame_seen(machine, Place("any", pose, (0,) * len(pose)))), _arrows(machine)
-    for axis in (axis for axis in machine.axes if not axis.rotary):
-        arrow = arrows[axis.name + ("′" if axis.workpiece_side else "")]
-        way = (arrow.points[-1] - arrow.points[0]) / np.linalg.norm(arrow.points[-1] - arrow.points[0])
-        moved = (-1 if axis.workpiece_side else 1) * np.array(axis.direction) @ seen
-        np.testing.assert_allclose([way @ RIGHT, -(way @ UP)], moved, atol=1e-9)
 
 
 def _turns_with(room: DrawnMachine, arrow: Arrow, step: Array) -> None:

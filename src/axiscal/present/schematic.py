@@ -27,7 +27,6 @@ from axiscal.present.drawing.scene import (
     Stroke,
     Viewport,
     drawn,
-    flat,
 )
 from axiscal.present.drawing.strokes import text, wrapped
 from axiscal.present.drawing.svg_picture import Drawing, picture_file
@@ -334,12 +333,6 @@ def _outlines(campaign: CampaignDescription, room: DrawnMachine) -> Iterator[Par
         for kept_out in artefact.keep_out:
             low, high = np.clip(np.array(kept_out), -1.0, 1.0).T
             yield from _edges(room.on_table(_corners(low, high)), "beam", "2 4")
-
-
-def frame_seen(machine: Machine, place: Place) -> list[tuple[float, float]]:
-    """Return unit vectors along x, y, z of the workpiece as a picture of the machine has them, right and down."""
-    room = DrawnMachine(machine, place.pose)
-    return [(right, down) for right, down in flat(np.array([*map(room.along, np.eye(3))])).tolist()]
 
 
 def setup_picture(shown: Schematic, width: float) -> str:

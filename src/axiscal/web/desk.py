@@ -21,7 +21,7 @@ from axiscal.language.spoken import said, spoken_now
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import Question, asked_text, measured, stands
 from axiscal.present.plan_answer import coming_answer
-from axiscal.present.schematic import frame_seen, setup_picture, setup_schematic
+from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.record.signing import step_now
@@ -233,7 +233,6 @@ class Desk:
             ended=None if ended is None else spelt(because_text(ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
             jog=slips.jog(campaign),
-            seen=() if state.pending is None else frame_seen(campaign.description.machine, state.pending.place),
             shows="" if question is None else slips.shown_on(campaign, self.virtual),
             trouble=trouble,
             readings=list(progress.latest(campaign)),

@@ -54,7 +54,6 @@ class StateShape(AnswerDocument):
     minds : what to mind about the last reading; named : whether it names a mistake that can be put right
     asks : whether a zero was set anew before some reading, "" for nothing; choices : of answers, in words
     jog : the test with which the mounting begins, null where it is done
-    seen : unit vectors along x, y, z of the workpiece in the picture of the machine, right and down; none at the end
     shows : what the instrument on a virtual machine shows at the question, "" on a real one
     answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
     controls : all that tables can be made for
@@ -71,7 +70,6 @@ class StateShape(AnswerDocument):
     ended: str | None
     finished: str | None
     jog: Jog | None
-    seen: Sequence[tuple[float, float]]
     shows: str
     trouble: str
     readings: list[KeptReading]
