@@ -14,6 +14,9 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal_core.threads import hold_loaded_libraries
+
+hold_loaded_libraries()  # those of numpy: a command opens its door before numpy is there
 Array = NDArray[np.float64]
 """Numbers in m, rad and s. What `Instrument.sees` is given is complex while rows are found."""
 Given = TypeVar("Given")

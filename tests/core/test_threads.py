@@ -45,9 +45,9 @@ reach = { X = ["0 mm", "600 mm"], Y = ["0 mm", "400 mm"], Z = ["0 mm", "400 mm"]
 """
 
 
-def said(script: str, folder: Path) -> str:
+def said(script: str, folder: Path, before: str = TWO_THREADS) -> str:
     """Return what a program prints: the limit is one of the process, and this one has its own."""
-    command = [sys.executable, "-c", TWO_THREADS + script]
+    command = [sys.executable, "-c", before + script]
     return subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder).stdout.strip()
 
 
@@ -101,11 +101,24 @@ print(threads())
     assert said(script, tmp_path).split("\n") == ["[1]", "[2]"]
 
 
+def test_a_door_that_is_opened_before_numpy_is_loaded_holds_it(tmp_path: Path) -> None:
+    script = """
+import os, sys
+os.environ["OPENBLAS_NUM_THREADS"] = "2"
+from axiscal_core.threads import one_thread
+with one_thread():
+    assert "numpy" not in sys.modules
+    import axiscal.numerics
+    from threadpoolctl import threadpool_info
+    print([library["num_threads"] for library in threadpool_info()])
+"""
+    assert said(script, tmp_path, "") == "[1]"
+
+
 @pytest.mark.long
 def test_every_command_computes_with_one_thread(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     script = """
-import axiscal_core.splines
 from axiscal.cli.app import run
 for command in (
     "machine check three-axis-mill",

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from axiscal_core.refusals import Array as Array
 
 
 def even_subset(points: Array, count: int) -> NDArray[np.intp]:
