@@ -9,13 +9,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import Aims, AnsweredRow, answered, missing_readings
+from axiscal.answers.answer import AnswerRow
+from axiscal.answers.answer_of_campaign import Aims, answered, missing_readings
 from axiscal.description.target import Want
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import asked_rows
+from axiscal.estimation.known_rows import KnownRow
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Limits
@@ -43,25 +45,25 @@ def _known(both: bool) -> Estimation:
     return concluded(CASE, _readings(BOTH if both else ONE_SIDE))
 
 
-def _rows(known: Estimation) -> dict[str, AnsweredRow]:
-    return {row.row.name: row for row in answered(known, {})}
+def _rows(known: Estimation) -> dict[str, tuple[KnownRow, AnswerRow]]:
+    return {row.row: (known, row) for known, row in answered(known, {})}
 
 
 def test_backlash_read_from_one_side_is_not_measured_and_one_reading_would_do() -> None:
     exact = Case(replace(CASE.description, sure="exactly"))  # what readings teach of sizes is not known beforehand
-    row = _rows(concluded(exact, _readings(ONE_SIDE)))["backlash X"]
+    row, shown = _rows(concluded(exact, _readings(ONE_SIDE)))["backlash X"]
     assert not row.measured
     assert row.known > 0.9 * row.before
     assert (len(row.lines[0].plus), len(row.lines[0].minus), len(row.lines[0].both)) == (10, 0, 0)
     last = ONE_SIDE[-1][0]
-    more = _rows(concluded(exact, _readings([*ONE_SIDE, (last, -1)])))["backlash X"]
+    more, _ = _rows(concluded(exact, _readings([*ONE_SIDE, (last, -1)])))["backlash X"]
     assert more.measured
-    assert row.then == pytest.approx(more.known, rel=0.3)
-    assert row.then is not None
-    target = replace(CASE.description.target, wants=(Want(row.row, 1.2 * row.then),))
+    assert shown.one_more is not None
+    assert 1e-6 * shown.one_more == pytest.approx(more.known, rel=0.3)
+    target = replace(CASE.description.target, wants=(Want(row.row, 1.2e-6 * shown.one_more),))
     wanted = concluded(Case(replace(exact.description, target=target)), _readings(ONE_SIDE))
     rows = answered(wanted, {})
-    aims = Aims.from_case(wanted.case, wanted.printed.belief, wanted.case.yardstick_as_sized, rows)
+    aims = Aims.from_case(wanted.case, wanted.printed.belief, wanted.case.yardstick_as_sized, [row for row, _ in rows])
     assert missing_readings(wanted, aims, rows)[0] == 1
     assert more.known < 0.5 * row.known
 
@@ -82,17 +84,18 @@ def test_the_first_readings_do_not_tell_of_hundreds_more(taken: int) -> None:
 
 def test_backlash_read_from_both_sides_is_measured_over_the_places_read_from_both() -> None:
     known = _known(True)
-    row = _rows(known)["backlash X"]
+    _, row = _rows(known)["backlash X"]
     assert row.measured
-    assert row.then is None
-    assert len(row.lines[0].both) == 10
+    assert row.one_more is None
+    assert row.lines[0].places["both"] == 10
     poses = np.array([[x] for x, _ in ONE_SIDE])
     true = np.mean(DRAWN.deviation(poses, np.ones_like(poses)) - DRAWN.deviation(poses, -np.ones_like(poses)), axis=0)
-    ((direction, value, known_to),) = row.signed
-    assert direction == "X"
-    assert abs(value - true[0]) <= known_to == pytest.approx(row.known, rel=1e-12)
-    assert abs(value) > 3 * abs(value - true[0])  # so that a turned sign fails
-    assert row.found**2 == pytest.approx(_of(known, "backlash X")[0] ** 2 + (row.known / BAND) ** 2, rel=1e-3)
+    (signed,) = row.signed
+    assert signed.direction == "X"
+    assert abs(signed.value - 1e6 * true[0]) <= signed.U == row.known_to
+    assert abs(signed.value) > 3 * abs(signed.value - 1e6 * true[0])  # so that a turned sign fails
+    at = 1e6 * _of(known, "backlash X")[0]
+    assert row.found**2 == pytest.approx(at**2 + (row.known_to / BAND) ** 2, rel=1e-3)
 
 
 def _of(known: Estimation, name: str) -> Array:
@@ -110,8 +113,8 @@ def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:
     def nothing(poses: Array, sides: Array) -> Array:
         return np.zeros_like(poses)
 
-    for row in answered(known, {"all": control, "none": nothing}):
-        assert row.left["none"] == pytest.approx(row.found, rel=1e-9)
+    for _, row in answered(known, {"all": control, "none": nothing}):
+        assert row.left["none"] == row.found
         assert row.left["all"] < row.found
-        missing = row.known / BAND if row.signed else known.estimate().unknown.rms
+        missing = row.known_to / BAND if row.signed else 1e6 * known.estimate().unknown.rms
         assert row.left["all"] == pytest.approx(missing, rel=1e-3)

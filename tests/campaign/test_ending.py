@@ -116,7 +116,7 @@ def wanting(wants: Sequence[Want], expanded: float | None = None, taken: int = 2
 def test_the_volume_and_the_rows_are_wanted_together() -> None:
     few = 10  # endless readings would leave a tenth less
     _, known = wanting([Want(POSITIONING, 1.0)], taken=few)
-    (row,), u = answered(known, {}), expanded_uncertainty(known).space
+    ((row, _),), u = answered(known, {}), expanded_uncertainty(known).space
     for volume, limit, said in ((1.01, 1.01, ALL_REACHED), (0.99, 1.01, None), (1.01, 0.99, None)):
         target, known = wanting([Want(POSITIONING, limit * row.known)], volume * u, few)
         assert standing(target, known) == said
@@ -141,7 +141,7 @@ def test_an_unreachable_volume_ends_no_job_whose_rows_are_missing(monkeypatch: p
 
 
 def test_a_volume_that_stands_still_ends_no_job_while_rows_come_nearer() -> None:
-    (row,) = answered(wanting([Want(POSITIONING, 1.0)], taken=16)[1], {})
+    ((row, _),) = answered(wanting([Want(POSITIONING, 1.0)], taken=16)[1], {})
     wants = [Want(POSITIONING, 0.98 * row.known)]
     (target, few), (_, many) = wanting(wants, taken=8), wanting(wants, taken=16)
     endless, path = replace(target, readings=None, budget=None), [few.accuracy] * (FUTILE + 1)

@@ -21,7 +21,7 @@ from axiscal.measurement.reading import Place
 from axiscal.present.drawing.svg_picture import picture_file
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.schematic import plan_picture
-from axiscal.present.volume_error import bent_volume
+from axiscal.present.volume_error import volume_error
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 
@@ -29,8 +29,6 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 PAGES = sorted(set((DOCS / "howto").glob("*.md")) - {DOCS / "howto" / "a-port-of-your-own.md"})
 _BLOCK = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```', re.MULTILINE | re.DOTALL)
 _SHOWN = 12
-_WIDTHS = (800.0, 380.0)
-"""Pixels of a picture on a page, and on a telephone."""
 
 
 def files(page: Path) -> dict[str, str]:
@@ -79,7 +77,7 @@ def draw(page: Path, folder: Path) -> None:
     lattice = spread(campaign.machine, (setup,), _SHOWN)
     rows = zip(lattice.poses.tolist(), lattice.approaches.astype(int).tolist(), strict=True)
     places = [Place(setup.name, tuple(pose), tuple(side)) for pose, side in rows]
-    _keep(f"{page.stem}.svg", plan_picture(campaign.machine.name, campaign, places, _WIDTHS))
+    _keep(f"{page.stem}.svg", plan_picture(campaign.machine.name, campaign, places))
 
 
 def draw_demo(folder: Path) -> None:
@@ -88,9 +86,9 @@ def draw_demo(folder: Path) -> None:
     controller = "linuxcnc-volumetric"
     with Campaign.open(folder / "campaign.axiscal", write=False) as campaign:
         known = campaign.estimate(ended=True)
-        bent = bent_volume(known, controller, export(known.estimate(), controller, ExportOptions()).control)
-        drawings = [found_and_left_drawing(bent, width) for width in _WIDTHS]
-        _keep("demo.svg", picture_file(drawings, "The error of the volume, found and left"))
+        volume = volume_error(known, controller, export(known.estimate(), controller, ExportOptions()).control)
+        drawing = found_and_left_drawing(volume, campaign.description.machine, 1110.0)
+        _keep("demo.svg", picture_file(drawing, "The error of the volume, found and left"))
 
 
 def _keep(name: str, svg: str) -> None:

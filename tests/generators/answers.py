@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from axiscal.answers.answer import Aim, AnswerLine, AnswerRow, ResultAnswer, SignedNumber
+from axiscal.answers.answer import Aim, AnswerLine, AnswerRow, Outcome, SignedNumber
 from axiscal.description.target import Kind, RowName, dimension
 from axiscal_core.machine import Machine
 
@@ -17,7 +17,7 @@ _SIGNED: dict[Kind, tuple[str, ...]] = {
 }
 
 
-def answer(**changes: Any) -> ResultAnswer:
+def answer(**changes: Any) -> Outcome:
     """Return the answer of 32 readings that agree, without rows, with changes."""
     usual: dict[str, Any] = {
         "verdict": "measured",
@@ -34,7 +34,7 @@ def answer(**changes: Any) -> ResultAnswer:
         "withheld": False,
         "steps": [],
     }
-    return ResultAnswer(**(usual | changes))
+    return Outcome(**(usual | changes))
 
 
 def answer_row(

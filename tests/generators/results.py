@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.answers.answer import NextStep, ResultAnswer
+from axiscal.answers.answer import NextStep, Outcome
 from axiscal.answers.answer_words import answer_text
 from axiscal.answers.row_words import row_names
 from axiscal.description.target import rows_of
@@ -119,7 +119,7 @@ def _history(rng: np.random.Generator, readings: int) -> list[HistoryRow]:
     return rows
 
 
-def _answered(readings: int) -> ResultAnswer:
+def _answered(readings: int) -> Outcome:
     built = load_machine("dmu60")
     rows = [answer_row(row, built, row.kind != "backlash") for row in rows_of(built)]
     steps = [NextStep(code="load", control="linuxcnc"), NextStep(code="verify")]

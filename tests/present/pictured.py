@@ -1,4 +1,4 @@
-"""Machines and campaigns whose pictures are looked at."""
+"""Machines of every kind of chain, and every campaign of the documents, as they are drawn."""
 
 from __future__ import annotations
 

@@ -75,8 +75,4 @@ def test_the_sign_is_said_in_words() -> None:
     assert sense(DIAL).sign == "+ where the tool stands too far towards -y, seen from the workpiece"
     assert sense(LEVEL).sign == "+ where the tool is turned too far about +x by the right hand, seen from the workpiece"
     assert "+x, +y, +z" in sense(NEST).sign
-
-
-def test_the_way_drawn_is_the_way_in_words() -> None:
-    assert (sense(DIAL).ways, sense(LEVEL).ways, len(sense(NEST).ways)) == (((0.0, -1.0, 0.0),), ((1.0, 0.0, 0.0),), 3)
     assert [sense(each).reads for each in (DIAL, LEVEL, NEST)] == ["along -y", "about x", "x, y and z"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import re
-from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -15,61 +14,80 @@ from axiscal.machine import builtin_names, load_machine
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import flat
 from axiscal.present.found_and_left import found_and_left_drawing, magnification
-from axiscal.present.schematic import DrawnMachine
-from axiscal.present.volume_error import MACHINES, BentVolume, bent_volume
+from axiscal.present.result import VolumeFigures
+from axiscal.present.schematic import upright
+from axiscal.present.volume_error import volume_error
+from axiscal.tables.surface import Control
 from axiscal_core.machine import Machine
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.kinematics import tip
 from tests.present.drawn_words import boxes_of, held_inside
 
 
-def _volume(machine: Machine, size: float = 2e-5, seed: int = 0) -> BentVolume:
-    """Return a volume with errors by chance over the linear travels of a machine, three places along each."""
+def _volume(machine: Machine, size: float = 20.0, seed: int = 0) -> VolumeFigures:
+    """Return a volume with errors by chance, um, over the linear travels of a machine, three places along each."""
     free = [k for k, axis in enumerate(machine.axes) if not axis.rotary][:3]
     lines = [np.linspace(*machine.axes[k].travel, 3) for k in free]
-    shape = (*(3,) * len(free), *(1,) * (3 - len(free)), 3)
     poses = np.zeros((3 ** len(free), len(machine.axes)))
     poses[:, free] = np.stack([each.ravel() for each in np.meshgrid(*lines, indexing="ij")], axis=1)
-    tcp = np.array([tip(machine, pose) for pose in poses]).reshape(shape)
     rng = np.random.default_rng(seed)
-    found, left = (scale * rng.standard_normal(shape) for scale in (size, size / 10))
-    return BentVolume(machine, tcp, found, left, size / 20 * rng.standard_normal((MACHINES, *shape)), True, "linuxcnc")
+    return VolumeFigures(
+        axes=[machine.axes[k].name for k in free],
+        counts=[3] * len(free),
+        parked="",
+        tcp_mm=[(1e3 * np.array(tip(machine, pose))).tolist() for pose in poses],
+        found_um=(size * rng.standard_normal((len(poses), 3))).tolist(),
+        half_um=(size / 20 * np.abs(rng.standard_normal((len(poses), 3)))).tolist(),
+        left_um=(size / 10 * rng.standard_normal((len(poses), 3))).tolist(),
+        controller="linuxcnc",
+    )
 
 
-def test_found_is_the_deviation_that_is_expected_without_a_motion_of_the_part() -> None:
+def test_found_is_the_deviation_that_is_expected_without_a_shift_of_the_part() -> None:
     case = mixed()
     known = concluded(case, drawn(case))
-    bent, estimate = bent_volume(known), known.estimate()
-    tcp, found = bent.tcp.reshape(-1, 3), bent.found.reshape(-1, 3)
-    np.testing.assert_allclose(found.sum(axis=0), 0, atol=1e-12)
-    if bent.aligned:
-        np.testing.assert_allclose(np.cross(tcp - tcp.mean(axis=0), found).sum(axis=0), 0, atol=1e-12)
-    assert bent.left is None
-    spread = np.linalg.norm(bent.allowed, axis=-1).max()
-    assert 0 < spread < 1e-2
-    assert estimate.machine is bent.machine
+    idle: Control = lambda poses, approaches: np.zeros_like(poses)  # noqa: E731
+    volume = volume_error(known, "none", idle)
+    assert math.prod(volume.counts) == len(volume.tcp_mm) == len(volume.found_um)
+    np.testing.assert_allclose(np.sum(volume.found_um, axis=0), 0, atol=1e-3)
+    np.testing.assert_allclose(volume.left_um, volume.found_um, atol=1e-9)
+    assert np.min(volume.half_um) > 0
+
+
+@pytest.mark.parametrize("name", builtin_names())
+@pytest.mark.parametrize("size", [0.3, 11.0, 270.0])
+def test_the_largest_is_about_a_tenth_of_the_shortest_side(name: str, size: float) -> None:
+    volume = _volume(load_machine(name), size)
+    times = magnification(volume)
+    leading = 10 ** (math.log10(times) % 1)
+    assert min(abs(leading - step) for step in (1, 2, 5, 10)) < 1e-9
+    ends = [np.linalg.norm(each, axis=1) for each in (volume.found_um, volume.left_um, volume.half_um)]
+    largest = 1e-3 * max((ends[0] + ends[2]).max(), (ends[1] + ends[2]).max())
+    sides = np.ptp(np.array(volume.tcp_mm), axis=0)
+    shortest = min(side for side in sides.tolist() if side > 0)
+    assert 1 / 17 < times * largest / shortest < 1 / 6
 
 
 @pytest.mark.parametrize("name", builtin_names())
 @pytest.mark.parametrize("width", [1110.0, 700.0, 360.0])
 def test_deviations_are_drawn_to_scale_and_both_panels_on_one(name: str, width: float) -> None:
-    volume = _volume(load_machine(name))
-    body, times = ElementTree.fromstring(f"<g>{found_and_left_drawing(volume, width).body}</g>"), magnification(volume)
-    home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
-    room = DrawnMachine(volume.machine, home)
+    machine, volume = load_machine(name), _volume(load_machine(name))
+    drawing, times = found_and_left_drawing(volume, machine, width), magnification(volume)
+    body = ElementTree.fromstring(f"<g>{drawing.body}</g>")
+    shape = (*volume.counts, *(1,) * (3 - len(volume.counts)), 3)
+    tcp, found, left = (np.array(x).reshape(shape) for x in (volume.tcp_mm, volume.found_um, volume.left_um))
     panels = body.findall("svg")
     assert len(panels) == 2
     scales = []
-    for panel, values, colour in zip(panels, (volume.found, volume.left), ("beam", "read"), strict=True):
-        assert values is not None
+    for panel, values, colour in zip(panels, (found, left), ("beam", "read"), strict=True):
         lines = {
             kind: [_ends(p.get("d", "")) for p in panel.iter("path") if _is(p, kind, colour)]
             for kind in ("nominal", "bent")
         }
-        grids = {"nominal": volume.tcp, "bent": volume.tcp + times * values}
+        grids = {"nominal": tcp, "bent": tcp + times * 1e-3 * values}
         pixels = {kind: np.array(ends).reshape(-1, 2) for kind, ends in lines.items()}
         seen = {
-            kind: np.array([flat(room.on_table(e, turned=False)) for e in _edges(grid)]).reshape(-1, 2)
+            kind: np.array([flat(e @ upright(machine).T) for e in _edges(grid)]).reshape(-1, 2)
             for kind, grid in grids.items()
         }
         whole, metres = np.vstack([pixels["nominal"], pixels["bent"]]), np.vstack([seen["nominal"], seen["bent"]])
@@ -81,7 +99,7 @@ def test_deviations_are_drawn_to_scale_and_both_panels_on_one(name: str, width: 
     bar = next(p for p in body.findall("path") if (p.get("d") or "").count("v") == 2)
     pixels_of_bar = float(re.findall(r"h([\d.]+)", bar.get("d", ""))[0])
     said = next(t.text or "" for t in body.findall("text") if re.fullmatch(r"[\d.e+-]+ µm", t.text or ""))
-    assert pixels_of_bar == pytest.approx(float(said.split()[0]) * 1e-6 * times * scales[0], rel=0.02, abs=0.1)
+    assert pixels_of_bar == pytest.approx(float(said.split()[0]) * 1e-3 * times * scales[0], rel=0.02, abs=0.1)
 
 
 def _is(path: ElementTree.Element, kind: str, colour: str) -> bool:
@@ -112,8 +130,9 @@ def _edges(grid: Array) -> list[Array]:
 @pytest.mark.parametrize("name", builtin_names())
 @pytest.mark.parametrize("width", [1400.0, 1110.0, 768.0, 360.0])
 def test_words_are_inside_and_none_lies_over_another(name: str, width: float) -> None:
-    volume = replace(_volume(load_machine(name)), controller="linuxcnc-volumetric")
-    drawing = found_and_left_drawing(volume, width)
+    machine = load_machine(name)
+    volume = _volume(machine).model_copy(update={"controller": "linuxcnc-volumetric"})
+    drawing = found_and_left_drawing(volume, machine, width)
     covered = boxes_of(ElementTree.fromstring(f"<svg>{drawing.body}</svg>"))
     held_inside(covered, width, drawing.height)
     assert "found" in {words for words, _ in covered}

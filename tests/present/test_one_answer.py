@@ -8,7 +8,7 @@ from typing import get_args
 
 import pytest
 
-from axiscal.answers.answer import ResultAnswer, Verdict
+from axiscal.answers.answer import Outcome, Verdict
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
@@ -51,6 +51,6 @@ def test_the_page_counts_the_open_question_and_the_clock_as_every_screen_does(tm
         desk.think()
         assert desk.state.answer is not None
         found, progress = desk.state.answer.document, desk.state.progress
-        assert isinstance(found, ResultAnswer)
+        assert isinstance(found, Outcome)
         assert (found.more, found.clocked) == (progress.coming, True) == (8, True)
         assert [found.minutes, found.more_minutes] == pytest.approx([progress.minutes, progress.left_minutes], rel=1e-5)

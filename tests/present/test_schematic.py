@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import RIGHT, UP, Arrow, RoundMark
-from axiscal.present.schematic import DrawnMachine, frame_seen, machine_schematic, plan_picture, setup_schematic
+from axiscal.present.drawing.scene import Arrow, RoundMark
+from axiscal.present.schematic import (
+    DrawnMachine,
+    machine_schematic,
+    plan_picture,
+    setup_picture,
+    setup_schematic,
+)
 from axiscal_core.machine import Machine
 from tests.generators.kinematics import shifted, tip, turned
-from tests.present.drawn_words import boxes_of, held_inside
+from tests.present.drawn_words import Box, boxes_of, held_inside
 from tests.present.pictured import MACHINES, Placed, placed_campaigns
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -83,17 +90,6 @@ def test_an_axis_is_drawn_along_the_way_on_which_its_part_moves(machine: Machine
             np.testing.assert_allclose(drawn / np.linalg.norm(drawn), way, atol=1e-5)
 
 
-@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
-def test_the_frame_beside_a_question_is_turned_as_the_picture_is(machine: Machine) -> None:
-    pose = tuple(0.0 if axis.rotary else sum(axis.travel) / 2 for axis in machine.axes)
-    seen, arrows = np.array(frame_seen(machine, Place("any", pose, (0,) * len(pose)))), _arrows(machine)
-    for axis in (axis for axis in machine.axes if not axis.rotary):
-        arrow = arrows[axis.name + ("′" if axis.workpiece_side else "")]
-        way = (arrow.points[-1] - arrow.points[0]) / np.linalg.norm(arrow.points[-1] - arrow.points[0])
-        moved = (-1 if axis.workpiece_side else 1) * np.array(axis.direction) @ seen
-        np.testing.assert_allclose([way @ RIGHT, -(way @ UP)], moved, atol=1e-9)
-
-
 def _turns_with(room: DrawnMachine, arrow: Arrow, step: Array) -> None:
     """An arc is about the line of its axis, and a point of it moves along it as the axis turns."""
     inside = room.upright.T @ arrow.points.T
@@ -127,24 +123,39 @@ def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[Place
                 assert min(np.linalg.norm(there - dot) for dot in dots) < 1e-9
 
 
-Drawn = tuple[float, list[tuple[str, ElementTree.Element]]]
+def _heads(drawing: ElementTree.Element) -> list[Box]:
+    """Return what the heads of the arrows of linear axes cover."""
+    found = []
+    for path in drawing.iter(f"{SVG}path"):
+        numbers = [float(each) for each in re.findall(r"-?[\d.]+", path.get("d", ""))]
+        if path.get("fill") == "var(--ink)" and len(numbers) == 6:
+            found.append(Box(min(numbers[::2]), min(numbers[1::2]), max(numbers[::2]), max(numbers[1::2])))
+    return found
 
 
-@pytest.fixture(scope="module", params=[1400.0, 768.0, 390.0])
-def drawn(request: pytest.FixtureRequest, campaigns: list[Placed]) -> Drawn:
-    """A width, and the plan of every campaign drawn on it."""
-    width: float = request.param
-    made = ((name, plan_picture(of.machine.name, of, places, (width,))) for name, of, places in campaigns)
-    return width, [(name, ElementTree.fromstring(picture)) for name, picture in made]
+Drawn = list[tuple[str, ElementTree.Element]]
+
+
+@pytest.fixture(scope="module")
+def drawn(campaigns: list[Placed]) -> Drawn:
+    """The plan of every campaign as a file has it, and its first set-up on a telephone."""
+    made = [(name, plan_picture(of.machine.name, of, places)) for name, of, places in campaigns]
+    made += [(name, setup_picture(setup_schematic(of, of.setups[0], places), 360)) for name, of, places in campaigns]
+    return [(name, ElementTree.fromstring(picture)) for name, picture in made]
+
+
+def test_heads_of_arrows_lie_apart_and_no_word_over_them(drawn: Drawn) -> None:
+    for name, root in drawn:
+        heads = _heads(root)
+        assert heads
+        assert [name for one, other in itertools.combinations(heads, 2) if one.over(other)] == []
+        assert [(name, words) for words, box in boxes_of(root) for head in heads if box.over(head)] == []
 
 
 def test_words_are_inside_of_the_picture_and_none_lies_over_another(drawn: Drawn) -> None:
-    width, pictures = drawn
-    for _, root in pictures:
-        (drawing,) = root.findall(f"{SVG}svg")
-        _, _, wide, high = map(float, drawing.get("viewBox", "").split())
-        assert wide == width
-        held_inside(boxes_of(drawing), width, high)
+    for _, root in drawn:
+        _, _, wide, high = map(float, root.get("viewBox", "").split())
+        held_inside(boxes_of(root), wide, high)
 
 
 def test_a_name_stays_a_name(campaigns: list[Placed]) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.answers.answer import NextStep, ResultAnswer, TablesChecked, Verdict
+from axiscal.answers.answer import NextStep, Outcome, TablesChecked, Verdict
 from axiscal.answers.answer_words import LINES, WIDTH, screen
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
@@ -33,7 +33,7 @@ AT = {"C": 180.0, "B": -75.5}
 CHECKED = TablesChecked(places=12, found=27.1, left=4.93, expected=4.42, farthest=9.2, at=AT, verdict="promised")
 
 
-def _screen(found: ResultAnswer) -> str:
+def _screen(found: Outcome) -> str:
     agreement = CONTRADICTING if found.verdict == "contradict" else UNUSED
     return screen(found.model_copy(update={"steps": STEPS}), agreement, "mill.axiscal", "demo-out", "demo-out/r.pdf")
 

@@ -21,11 +21,8 @@ def known() -> ac.Known:
 def test_every_curve_has_its_picture() -> None:
     found = known()
     drawn = ac.plot(found)
-    assert [each.name for each in drawn.plots] == [
-        term.name for term in found.case.machine.curves if term.spline.size > 1
-    ]
     tags = [ElementTree.fromstring(svg).tag for svg in drawn.svg]
-    assert tags == ["{http://www.w3.org/2000/svg}svg"] * len(drawn.plots)
+    assert tags == ["{http://www.w3.org/2000/svg}svg"] * sum(term.spline.size > 1 for term in found.case.machine.curves)
     assert drawn._repr_html_() == "".join(drawn.svg)
 
 

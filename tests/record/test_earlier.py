@@ -126,5 +126,5 @@ def test_a_record_of_halved_lengths_says_what_it_said(tmp_path: Path) -> None:
 @pytest.mark.long
 def test_what_it_leaves_the_next_campaign_is_the_same(tmp_path: Path) -> None:
     (tmp_path / "square.axiscal").write_bytes(SQUARE)
-    (row, *_) = answered(last_estimation(carried_text(tmp_path / "square.axiscal")), {})
-    assert (1e6 * row.signed[0].value, 1e6 * row.signed[0].known) == SAID
+    ((_, row), *_) = answered(last_estimation(carried_text(tmp_path / "square.axiscal")), {})
+    assert (row.signed[0].value, row.signed[0].U) == SAID

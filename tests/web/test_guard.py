@@ -7,7 +7,7 @@ import re
 import socket
 import tomllib
 from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from importlib import resources
 from pathlib import Path
 
@@ -143,24 +143,9 @@ def test_requests_that_never_end_do_not_stop_the_others(page: Served, kind: str)
     )
     said = {"silent": "", "of half a head": "GET / HTTP/1.1\r\nHost: 127", "of half a body": body}[kind]
     with ExitStack() as stack:
-        slow = list[socket.socket]()
         for _ in range(120):
-            slow.append(stack.enter_context(socket.create_connection(("127.0.0.1", page.port))))
-            with suppress(ConnectionError):
-                slow[-1].sendall(said.encode())
+            stack.enter_context(socket.create_connection(("127.0.0.1", page.port))).sendall(said.encode())
         assert page.state()["machine"] == "One axis"
-        slow[-1].setblocking(False)
-        with pytest.raises(BlockingIOError):  # nobody waited until it was cut
-            slow[-1].recv(1)
-        slow[0].settimeout(2)  # it has made room
-        with suppress(ConnectionError):
-            assert slow[0].recv(1) == b""
-
-
-@pytest.mark.long
-def test_a_request_that_takes_too_long_is_cut(page: Served) -> None:
-    with socket.create_connection(("127.0.0.1", page.port), timeout=20) as slow:
-        assert slow.recv(1) == b""
 
 
 def test_a_large_head_is_refused_before_it_ends(page: Served) -> None:

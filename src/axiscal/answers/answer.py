@@ -255,6 +255,7 @@ class Outcome(AnswerDocument):
         description="set-ups that were read although their test failed; else left out",
     )
     asks: bool = Field(False, exclude_if=lambda asks: not asks, description="a zero may be new; else left out")
+    rows: Sequence[AnswerRow] = Field((), exclude=True, description="`rows` of the result")
 
 
 class AnswerWords(AnswerDocument):
@@ -263,9 +264,3 @@ class AnswerWords(AnswerDocument):
     first: Sequence[Text] = Field(description="first line, in parts")
     rows: Sequence[Sequence[Text]] = Field(description="heading and cells")
     sentences: Sequence[Text] = Field(description="below them")
-
-
-class ResultAnswer(Outcome):
-    """The answer with its rows."""
-
-    rows: Sequence[AnswerRow]

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,7 +22,7 @@ from axiscal.answers.answer import (
     AnswerLine,
     AnswerRow,
     NextStep,
-    ResultAnswer,
+    Outcome,
     SignedNumber,
     StepCode,
     Verdict,
@@ -38,7 +37,7 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
-from axiscal.estimation.functionals.functional import AxisLine, SignedSize, signed_numbers
+from axiscal.estimation.functionals.functional import AxisLine, signed_numbers
 from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, warmth, with_one_more
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
@@ -61,45 +60,34 @@ _TARGETS = 5
 """Readings that a line asks for of which there are none: ISO 230-2 wants five targets at least."""
 
 
-@dataclass(frozen=True)
-class AnsweredRow(KnownRow):
-    """A row of an answer, all sizes m or rad.
-
-    found, largest : RMS and largest size of the error over the places, with what is not known of it
-    left : RMS that the tables of each control leave, by its name; of rotations only those that an axis makes itself
-    signed : its numbers that have a sign
-    then : U of a row that is not measured, after one reading from the other side; None where that tells no more
-    """
-
-    found: float
-    largest: float
-    left: Mapping[str, float]
-    signed: tuple[SignedSize, ...]
-    then: float | None = None
+Answered = Sequence[tuple[KnownRow, AnswerRow]]
+"""How well each row is known, and what is said of it."""
 
 
 @one_thread()
-def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[AnsweredRow, ...]:
+def answered(known: Estimation, controls: Mapping[str, Control]) -> Answered:
     """Return the rows of a campaign.  controls : what the tables of each control that is offered do"""
-    described = known.stated.description
+    described, prior = known.stated.description, known.without_readings
     asked = asked_rows(described, known.readings, whole=bool(described.target.lines))
-    found = [row for row in (_answered(each, known, controls) for each in asked) if row.described]
-    open_rows = (row for row in found if row.row.kind == "backlash" and not row.measured)
-    one_sided = [row for row in open_rows if row.lines[0].read > 0 and not len(row.lines[0].both)]
+    belief, read = known.printed.belief, bool(known.readings)
+    found = [(each, known_row(each, known.case, belief, read, prior)) for each in asked]
+    open_rows = [row for _, row in found if row.described and row.row.kind == "backlash" and not row.measured]
+    one_sided = [row for row in open_rows if row.lines[0].read and not len(row.lines[0].both)]
     turned = with_one_more(known, [row.lines[0] for row in one_sided])
-    if turned is None:
-        return tuple(found)
-    maps = {each.want.row: each.map for each in asked}
-    then = {
-        row.row: reach(functional.spectra(known.case.errors, turned.factor), turned.degrees)
-        for row in one_sided
-        if (functional := maps[row.row]) is not None
-    }
-    return tuple(replace(row, then=then.get(row.row)) for row in found)
+
+    def then(asked: AskedRow, row: KnownRow) -> float | None:
+        """Return U after one reading from the other side, None where that tells no more."""
+        if turned is None or asked.map is None or row not in one_sided:
+            return None
+        return reach(asked.map.spectra(known.case.errors, turned.factor), turned.degrees)
+
+    return [(row, _answered(each, row, known, controls, then(each, row))) for each, row in found if row.described]
 
 
-def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
-    """Return a row along lines, or that of the volume."""
+def _answered(
+    asked: AskedRow, row: KnownRow, known: Estimation, controls: Mapping[str, Control], then: float | None
+) -> AnswerRow:
+    """Return a row along lines, or that of the volume.  then : its U after one reading from the other side"""
     estimate, errors, belief, functional = known.estimate(), known.case.errors, known.printed.belief, asked.own
     shown: Callable[[Array], Array]
     if functional is None:
@@ -110,7 +98,7 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
         variances = functional.spectra(errors, belief.factor).sum(axis=1)
     if functional is not None and functional.angular:
         at, left = functional.rows(errors) @ estimate.mean, dict[str, Array]()
-        if asked.want.row.kind in ("positioning", "backlash"):  # which tables of the axis itself take away
+        if row.row.kind in ("positioning", "backlash"):  # which tables of the axis itself take away
             turns = partial(turned_by, estimate.machine, estimate.rotation)
             left = {name: shown(turns(each, *where)) for name, each in controls.items()}
     else:
@@ -118,17 +106,24 @@ def _answered(asked: AskedRow, known: Estimation, controls: Mapping[str, Control
         at = shown(estimate.deviation(*where))
         left = {name: shown(after(each, *where)) for name, each in controls.items()}
 
-    def squares(row: Array) -> Array:
-        """Return the squared length of each vector of a row, with what is not known of it."""
-        found: Array = np.sum(row.reshape(-1, dimensions) ** 2, axis=1) + variances
-        return found
+    def size(values: Array, of: Callable[[Array], Any]) -> float:
+        """Return the mean or largest size of vectors of a row, with what is not known of it, as the row is shown."""
+        squares = np.sum(values.reshape(-1, dimensions) ** 2, axis=1) + variances
+        return to_unit(float(np.sqrt(of(squares))), row.unit)
 
-    return AnsweredRow(
-        **vars(known_row(asked, known.case, belief, bool(known.readings), known.without_readings)),
-        found=float(np.sqrt(np.mean(squares(at)))),
-        largest=float(np.sqrt(np.max(squares(at)))),
-        left={name: float(np.sqrt(np.mean(squares(each)))) for name, each in left.items()},
-        signed=() if functional is None else signed_numbers(functional, at, errors, belief),
+    signed = () if functional is None else signed_numbers(functional, at, errors, belief)
+    scale = signed and row.row.kind == "scale" and (row.measured or row.settled)
+    return AnswerRow(
+        **known_figures(row, known.stated.description.machine.axes),
+        found=size(at, np.mean),
+        largest=size(at, np.max),
+        left={name: size(each, np.mean) for name, each in left.items()},
+        signed=[
+            SignedNumber(direction=name, value=to_unit(value, row.unit), U=to_unit(u, row.unit))
+            for name, value, u in signed
+        ],
+        one_more=None if then is None else to_unit(then, row.unit),
+        kelvin=warmth(known, row.row.axes[0], signed[0].value) if scale else None,
     )
 
 
@@ -181,17 +176,18 @@ def answer_of(
     *,
     written: bool = False,
     anyway: bool = False,
-) -> ResultAnswer:
+) -> Outcome:
     """Return the answer.
 
     controls : what the tables of each control that is offered do; written : whether the results are, with these tables
     anyway : rows are there although readings contradict each other
     """
-    rows = answered(known, controls)
+    found = answered(known, controls)
+    rows, shown = [row for row, _ in found], [row for _, row in found]
     aims = Aims.from_case(known.case, known.printed.belief, known.case.yardstick_as_sized, rows)
     coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, aims, rows)
-    more, minutes = missing_readings(known, aims, rows) if verdict == "more" and not coming else (0, 0.0)
+    more, minutes = missing_readings(known, aims, found) if verdict == "more" and not coming else (0, 0.0)
     if verdict == "more" and not coming and not more:
         verdict = "unreachable"
     if coming and verdict in ("measured", "unmeasured", "more"):
@@ -200,9 +196,9 @@ def answer_of(
     offset = offset_each(known.stated.description)
     withheld = known.agreement.withheld and not anyway
     parts = () if withheld or verdict in ("more", "nothing") else known.estimate().half_read
-    return ResultAnswer(
+    return Outcome(
         verdict=verdict,
-        rows=[] if withheld else [_row(row, known) for row in rows],
+        rows=[] if withheld else shown,
         aims=[*aims.volume, *aims.lines],
         more=more,
         more_minutes=minutes,
@@ -215,7 +211,7 @@ def answer_of(
         minutes=to_unit(seconds, "min"),
         clocked=campaign.state.clocked is not None,
         withheld=withheld,
-        steps=list(_steps(campaign, known, verdict, best_control(rows, list(controls)), written)),
+        steps=list(_steps(campaign, known, verdict, best_control(shown, list(controls)), written)),
         offset=None if offset is None else to_unit(offset, "um"),
         half_read={axis.name: (to_unit(ends[0], axis.unit), to_unit(ends[1], axis.unit)) for axis, ends in parts},
         screws=[] if withheld else screw_turns(known),
@@ -224,7 +220,7 @@ def answer_of(
     )
 
 
-def standing_answer(campaign: Campaign) -> ResultAnswer:
+def standing_answer(campaign: Campaign) -> Outcome:
     """Return the answer of a campaign as it stands, with what tables would leave that are made of it."""
     known = campaign.so_far()
     written = campaign.state.finished is not None and (results_of(campaign.path) / "result.json").exists()
@@ -235,7 +231,7 @@ def advised_control(campaign: Campaign) -> str:
     """Return the control of the campaign whose tables leave the least, "csv" where it has none."""
     known = campaign.so_far()
     controls = dict(_controls(known))
-    return best_control(answered(known, controls), list(controls)) or "csv"
+    return best_control([row for _, row in answered(known, controls)], list(controls)) or "csv"
 
 
 def results_of(record: Path) -> Path:
@@ -255,7 +251,7 @@ def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:
             yield name, offered_control(known, name)
 
 
-def best_control(rows: Sequence[AnsweredRow], names: Sequence[str]) -> str:
+def best_control(rows: Sequence[AnswerRow], names: Sequence[str]) -> str:
     """Return the control whose tables leave the least of all rows, to two digits; of equals the first, "" of none."""
 
     def share(name: str) -> float:
@@ -305,14 +301,14 @@ def _verdict(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> Verdict
     return "unreachable" if aims.hopeless else "more"
 
 
-def missing_readings(known: Estimation, aims: Aims, rows: Sequence[AnsweredRow]) -> tuple[int, float]:
+def missing_readings(known: Estimation, aims: Aims, rows: Answered) -> tuple[int, float]:
     """Return about how many readings are missing, one at least, and their minutes; noughts where no number helps."""
     count = len(known.readings)
-    then = {row.row.name: to_unit(row.then, row.unit) for row in rows if row.then is not None}
+    then = {row.row: row.one_more for _, row in rows if row.one_more is not None}
     left = [aim.missing for aim in aims.volume if aim.floor < aim.limit]
     turned = [aim.model_copy(update={"now": then.get(aim.name, aim.now)}) for aim in aims.lines if not aim.unread]
     shares = [min(left, default=0.0), *(aim.missing for aim in turned)]
-    new = sum(not line.read for row in rows if row.open for line in row.lines) if aims.lines else 0
+    new = sum(not line.read for row, _ in rows if row.open for line in row.lines) if aims.lines else 0
     readings = max(math.ceil(count * max(shares)) + _TARGETS * new, 1)
     if readings > count:
         from axiscal.planning.enough import evenly_until_reached  # whoever is nearly there need not load it
@@ -338,23 +334,6 @@ def known_figures(row: KnownRow, axes: Sequence[Axis]) -> dict[str, Any]:
         "measured": row.measured,
         "lines": [_line(line, axes) for line in row.lines],
     }
-
-
-def _row(row: AnsweredRow, known: Estimation) -> AnswerRow:
-    scale = row.row.kind == "scale" and (row.measured or row.settled)
-    warm = warmth(known, row.row.axes[0], row.signed[0].value) if scale and row.signed else None
-    return AnswerRow(
-        **known_figures(row, known.stated.description.machine.axes),
-        found=to_unit(row.found, row.unit),
-        signed=[
-            SignedNumber(direction=name, value=to_unit(at, row.unit), U=to_unit(u, row.unit))
-            for name, at, u in row.signed
-        ],
-        largest=to_unit(row.largest, row.unit),
-        left={name: to_unit(size, row.unit) for name, size in row.left.items()},
-        one_more=None if row.then is None else to_unit(row.then, row.unit),
-        kelvin=warm,
-    )
 
 
 def _line(line: AxisLine, axes: Sequence[Axis]) -> AnswerLine:

@@ -13,9 +13,9 @@ from axiscal.answers.answer import (
     AnswerRow,
     AnswerWords,
     NextStep,
+    Outcome,
     PlannedAnswer,
     PlannedRow,
-    ResultAnswer,
     TablesChecked,
 )
 from axiscal.answers.row_words import (
@@ -56,7 +56,7 @@ _UNTOLD = later(
 _AIMS = WORDS["aims"]
 
 
-def answer_text(answer: ResultAnswer, agreement: str, evidence: str = "", *, cut: bool = False) -> AnswerWords:
+def answer_text(answer: Outcome, agreement: str, evidence: str = "", *, cut: bool = False) -> AnswerWords:
     """Return an answer in words.
 
     agreement : said of readings that contradict or are not used; evidence : who answers for the record, "" for nobody
@@ -81,7 +81,7 @@ def answer_text(answer: ResultAnswer, agreement: str, evidence: str = "", *, cut
     return AnswerWords(first=_first_line(answer), rows=rows, sentences=[sentence for sentence in found if sentence])
 
 
-def _first_line(answer: ResultAnswer) -> list[str]:
+def _first_line(answer: Outcome) -> list[str]:
     """Return what became of what was asked for, with the readings and minutes it took."""
     if answer.verdict == "more":
         coming = minutes_text(answer.more_minutes)
@@ -98,7 +98,7 @@ def _first_line(answer: ResultAnswer) -> list[str]:
     return [part for part in (verdict, aims, put("{taken}, {time}", taken=taken, time=time)) if part]
 
 
-def _unchecked(answer: ResultAnswer) -> bool:
+def _unchecked(answer: Outcome) -> bool:
     """Return whether a target is reached by so few readings that none is a check."""
     return answer.verdict == "reached" and not answer.checks and answer.compared < MANY
 
@@ -108,7 +108,7 @@ def minutes_text(minutes: float) -> str:
     return put("{minutes:.0f}", minutes=max(minutes, 1.0) if minutes else 0.0)
 
 
-def aims_text(answer: ResultAnswer | PlannedAnswer) -> str:
+def aims_text(answer: Outcome | PlannedAnswer) -> str:
     """Return the figure that decides: what no reading reaches, else what is missing, else the nearest."""
     aims = answer.aims
     volume = [aim for aim in aims if aim.name in _AIMS]
@@ -137,7 +137,7 @@ def aim_text(aim: Aim, rows: Sequence[PlannedRow]) -> str:
     return said("{name} {now} of {limit} {unit}", name=said_row(aim.name), **sizes)
 
 
-def measured_rows(answer: ResultAnswer, room: int) -> list[list[AnswerRow]]:
+def measured_rows(answer: Outcome, room: int) -> list[list[AnswerRow]]:
     """Return the rows that are measured, each by itself; those of one kind together where there are more than room."""
     rows = [row for row in answer.rows if row.measured]
     return [[row] for row in rows] if len(rows) <= room else by_kind(rows)
@@ -191,7 +191,7 @@ def by_kind(rows: Sequence[_Row]) -> list[list[_Row]]:
     return list(groups.values())
 
 
-def _agreement(answer: ResultAnswer, words: str) -> str:
+def _agreement(answer: Outcome, words: str) -> str:
     """Return how many readings agree, "" before the first.  words : sentence where there is more to say"""
     if not answer.readings:
         return ""
@@ -204,7 +204,7 @@ def _agreement(answer: ResultAnswer, words: str) -> str:
     return put("{agree} {checks}", agree=agree, checks=kept)
 
 
-def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
+def _unmeasured(answer: Outcome, cut: bool) -> str:
     """Return what is not measured, why, and what one reading would bring; "" for nothing.  cut : as far as lines go"""
     rows = [] if answer.verdict == "contradict" else [row for row in answer.rows if not row.measured]
     if not rows:
@@ -221,7 +221,7 @@ def _unmeasured(answer: ResultAnswer, cut: bool) -> str:
     return text
 
 
-def _beside(answer: ResultAnswer) -> str:
+def _beside(answer: Outcome) -> str:
     """Return what pitch and yaw that nobody described add beside the line that was read; "" for nothing."""
     if answer.offset is None or not any(row.measured for row in answer.rows):
         return ""
@@ -230,7 +230,7 @@ def _beside(answer: ResultAnswer) -> str:
     )
 
 
-def _best(answer: ResultAnswer) -> str:
+def _best(answer: Outcome) -> str:
     """Return what endless readings leave of the limit that is missed most, where no number reaches it; else ""."""
     missed = [aim for aim in answer.aims if not aim.reached] if answer.verdict == "unreachable" else []
     if not missed:
@@ -300,7 +300,7 @@ def limit_text(value: float) -> str:
 
 
 def screen(
-    answer: ResultAnswer,
+    answer: Outcome,
     agreement: str,
     record: str,
     results: str,

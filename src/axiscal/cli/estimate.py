@@ -26,6 +26,7 @@ from axiscal.present.findings import OF_THE_READING, of_readings
 from axiscal.present.plan_words import open_questions
 from axiscal.present.result_of_campaign import Extras
 from axiscal.present.result_set import RECORD, mend
+from axiscal.tables.exporter import unasked
 from axiscal.units import to_unit
 
 
@@ -104,7 +105,7 @@ def estimate(
         kept, again = out / RECORD, "give the command again"
         result = write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
     seen = [each.text for code in OF_THE_READING if not details for each in result.warnings if each.code == code]
-    tell_minds(*seen, *open_questions(description))
+    tell_minds(unasked(description), *seen, *open_questions(description))
 
 
 def iso230(

@@ -91,7 +91,7 @@ def written_screen(result: Result, record: Path, out: Path, signed: str = "") ->
     record : where it stays; signed : who answers for it, "" for nobody
     """
     none = "" if result.answer.withheld or any(each.file for each in result.tables) else _offered(result.tables[0])
-    return screen(result.answered, result.agreement.text, str(record), str(out), str(out / "report.pdf"), signed, none)
+    return screen(result.answer, result.agreement.text, str(record), str(out), str(out / "report.pdf"), signed, none)
 
 
 def standing_screen(campaign: Campaign) -> str:

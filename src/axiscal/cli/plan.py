@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -15,7 +14,7 @@ from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document, say_either, tell_minds
 from axiscal.cli.progress import tell_out_of_reach
 from axiscal.description.artefacts import unused_artefacts
-from axiscal.description.campaign import CampaignDescription, as_exact, read_campaign
+from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.document.durable import write_whole
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
@@ -38,7 +37,7 @@ from axiscal.present.plan_words import open_questions, plan_list, plan_screen
 from axiscal.present.schematic import plan_picture
 from axiscal.programs import write_programs
 from axiscal.programs.dialects import dialect
-from axiscal.units import to_unit
+from axiscal.tables.exporter import unasked
 
 
 def plan(
@@ -103,10 +102,6 @@ def plan(
         written.append(f"{out} ({count} files, README.txt there)")
     buys = bought(case, plan.places, plan.seconds, candidates) if details or json else ()
     answer = plan_answer(case, plan, limits, buys, ends=ends)
-    if details and limits.accurate:
-        with suppress(PlanError):
-            exact = proposed(case_of(as_exact(case.description)), limits, candidates)
-            answer = answer.model_copy(update={"certain_minutes": to_unit(exact.seconds, "min")})
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
         return
@@ -162,7 +157,7 @@ def start(
     with Campaign.create(path, description) as begun:
         try:
             tell_out_of_reach(begun)
-            tell_minds(*open_questions(description))
+            tell_minds(unasked(description), *open_questions(description))
             planned = begun.prepared()
         except BaseException:  # nothing stays of one that cannot be planned
             begun.close()

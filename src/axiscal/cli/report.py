@@ -49,7 +49,7 @@ def report(
         known = campaign.estimate(ended=True)
         result, _ = result_of(campaign, known, Extras(answer=standing_answer(campaign)))
         target.parent.mkdir(parents=True, exist_ok=True)
-        write_report(campaign, known, result, target, language_of_report(campaign.description.particulars, language))
+        write_report(campaign, result, target, language_of_report(campaign.description.particulars, language))
     say(said("The report is in {file}.", file=target))
 
 

@@ -106,7 +106,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
     signed : who answers for how much of the record, and whether it was changed since
     by : readings that others took than who began the campaign, by person
     """
-    known, planned = campaign.so_far(), coming_answer(campaign)
+    known, planned, answer = campaign.so_far(), coming_answer(campaign), standing_answer(campaign)
     state, target = campaign.state, campaign.description.target
     rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
     budget = None if target.budget is None else to_unit(target.budget, "min")
@@ -117,7 +117,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "minutes": to_unit(campaign.seconds(), "min"),
         "rms_um": to_unit(known.accuracy.rms, "um"),
         "worst_um": to_unit(known.accuracy.worst, "um"),
-        "answer": standing_answer(campaign).model_dump(mode="json"),
+        "answer": answer.model_dump(mode="json") | {"rows": [row.model_dump(mode="json") for row in answer.rows]},
         "planned": None if planned is None else planned.model_dump(mode="json"),
         "target": {"rms_um": rms, "worst_um": worst, "readings": target.readings, "budget_min": budget},
         "reached": None if state.finished is not None else campaign.reached(),

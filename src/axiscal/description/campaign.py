@@ -240,13 +240,6 @@ def _with_line(described: CampaignDescription, line: int, said: str) -> Campaign
     return campaign_from_texts(text, described.source, machine.text, described.machine_source, prior_text=prior, **kept)
 
 
-def as_exact(described: CampaignDescription) -> CampaignDescription:
-    """Return the campaign if all that is stated were exact, and nothing besides went wrong: the model of the paper."""
-    before = described.machine
-    machine = machine_from_text(before.text, described.machine_source, fine_knots=before.fine_knots)
-    return replace(described, machine=machine, sure="exactly", usual=False)
-
-
 def _machine_name(document: Document) -> str:
     name = document.data.get("machine")
     if isinstance(name, str) and name.strip() and name.isprintable():

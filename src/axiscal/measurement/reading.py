@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.setup import Reads, Setup, Vector
+from axiscal.measurement.setup import Reads, Setup
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
@@ -254,32 +254,29 @@ class Sense(NamedTuple):
     """What a set-up reads, of the tool, seen from the workpiece.
 
     reads : "x, y and z", "the distance from its station", "along x" or "about -y"; sign : when a reading is positive
-    ways : the directions along or about which it is; none where it is a distance
     """
 
     reads: str
     sign: str
-    ways: tuple[Vector, ...]
 
 
 def sense(setup: Setup) -> Sense:
     """Return what a set-up reads."""
     direction = direction_text(setup)
     if setup.written:
-        return Sense(", ".join(setup.names), said("+ as the instrument counts"), ())
+        return Sense(", ".join(setup.names), said("+ as the instrument counts"))
     towards = "+ where the tool stands too far towards {way}, seen from the workpiece"
     if len(setup.numbers) > 1:
-        every = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-        return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"), every)
+        return Sense(said("x, y and z"), said(towards, way="+x, +y, +z"))
     if not setup.directed:
         several, one = "the distances from its {count} stations, in their order", "the distance from its station"
         reads = said(several, count=len(setup.stations)) if setup.stations else said(one)
-        return Sense(reads, said("+ where the distance is longer than it should be"), ())
+        return Sense(reads, said("+ where the distance is longer than it should be"))
     way = direction if direction[0] in "-(" else f"+{direction}"
     if setup.reads == "angle":
         turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
-        return Sense(said("about {way}", way=direction), said(turned, way=way), (setup.direction,))
-    return Sense(said("along {way}", way=direction), said(towards, way=way), (setup.direction,))
+        return Sense(said("about {way}", way=direction), said(turned, way=way))
+    return Sense(said("along {way}", way=direction), said(towards, way=way))
 
 
 def value_columns(setup: Setup) -> tuple[str, ...]:

@@ -125,7 +125,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         written(folder / "result.json", f"{document}\n".encode())
         with stage("the report", 2, 2):
             language = language_of_report(described.particulars, None, extras.spoken)
-            write_report(campaign, estimation, result, folder / "report.pdf", language, best)
+            write_report(campaign, result, folder / "report.pdf", language)
         (folder / "data").mkdir()
         write_whole(folder / "data" / READINGS, readings)
         write_manifest(folder, result.record, result.versions)
@@ -137,14 +137,12 @@ def language_of_report(particulars: Particulars, wanted: str | None, spoken: str
     return named_language(wanted) or particulars.language or spoken
 
 
-def write_report(
-    campaign: Campaign, known: Estimation, result: Result, path: Path, language: str, best: Export | None = None
-) -> None:
-    """Write the report as PDF; raises OSError.  best : the tables that its picture shows, None without them"""
+def write_report(campaign: Campaign, result: Result, path: Path, language: str) -> None:
+    """Write the report as PDF; raises OSError."""
     with speaking(language):
         from axiscal.present.rendering import drawn_pictures, pdf  # pictures, which only a report needs
 
-        content = pdf(result, drawn_pictures(campaign, known, best))
+        content = pdf(result, drawn_pictures(campaign, result))
     write_whole(path, content)
 
 

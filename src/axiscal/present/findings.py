@@ -121,9 +121,9 @@ _MATTERS = 0.1
 
 
 def observability(case: Case) -> list[str]:
-    """Return what no allowed reading can see, in sentences, and what is not in the model at all."""
+    """Return what moves the tool point and no allowed reading can see, in sentences, and what is not in the model."""
     absent = undescribed(case.description.machine)
-    return [*(part.text for part in hidden_of(case)), *([absent] if absent else [])]
+    return [*(part.text for part in hidden_of(case) if part.effect), *([absent] if absent else [])]
 
 
 def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:

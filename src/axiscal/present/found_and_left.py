@@ -1,8 +1,8 @@
 """The picture that a report begins with: the machine's errors as bent axes, found beside left, enlarged on one scale.
 
-    picture = found_and_left_drawing(volume, 1110)
+    picture = found_and_left_drawing(result.volume, machine, 1110)
 
-Thin lines are machines that the readings still allow: without them what is left would look like a perfect box.
+Thin lines hold 95 % between them: without them what is left would look like a perfect box.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,8 +19,9 @@ from axiscal.numerics import Array
 from axiscal.present.drawing.scene import EYE, Arrow, Fit, Part, Stroke, Viewport, drawn, points_of
 from axiscal.present.drawing.strokes import rounded_down, rounded_up, short_number, text, wrapped
 from axiscal.present.drawing.svg_picture import Drawing
-from axiscal.present.schematic import DrawnMachine
-from axiscal.present.volume_error import MACHINES, BentVolume, sides_of
+from axiscal.present.result import VolumeFigures
+from axiscal.present.schematic import upright
+from axiscal_core.machine import Machine
 
 _FLAT = 0.05
 """Of the longest side: a shorter one is the height of something flat."""
@@ -34,76 +35,89 @@ _BAR = 60.0
 """Pixels of the bar that shows the scale, at most."""
 
 
-def found_and_left_drawing(volume: BentVolume, width: float) -> Drawing:
+@dataclass(frozen=True, eq=False, slots=True)
+class _Grids:
+    """A volume in the room, mm: nominal places, ± of deviations outwards, and deviations, (a, b, c, 3) each."""
+
+    nominal: Array
+    half: Array
+    bent: list[Array]
+
+    @classmethod
+    def of(cls, volume: VolumeFigures, machine: Machine) -> _Grids:
+        shape = (*volume.counts, *(1,) * (3 - len(volume.counts)), 3)
+        tcp = np.array(volume.tcp_mm)
+        away = tcp - (tcp.min(axis=0) + tcp.max(axis=0)) / 2
+        outwards = np.where(np.ptp(tcp, axis=0) > 0, np.sign(away), 1.0) * np.array(volume.half_um)
+        bent = [each for each in (volume.found_um, volume.left_um) if len(each)]
+        nominal, half, *others = (
+            (np.array(each) @ upright(machine).T).reshape(shape)
+            for each in (tcp, 1e-3 * outwards, *(1e-3 * np.array(each) for each in bent))
+        )
+        return cls(nominal, half, others)
+
+    @property
+    def shown(self) -> list[Array]:
+        """Each deviation that is drawn."""
+        return [each + side * self.half for each in self.bent for side in (-1, 0, 1)]
+
+
+def found_and_left_drawing(volume: VolumeFigures, machine: Machine, width: float) -> Drawing:
     """Return the picture for a width, pixels."""
-    home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
-    times, room = magnification(volume), DrawnMachine(volume.machine, home)
-    panels = [(said("found"), volume.found, "beam")]
-    if volume.left is not None:
-        title = said("left with the tables for {controller}", controller=volume.controller)
-        panels.append((title, volume.left, "read"))
+    grids, times = _Grids.of(volume, machine), magnification(volume)
+    titles = [said("found"), said("left with the tables for {controller}", controller=volume.controller)]
+    panels = list(zip(titles, grids.bent, ("beam", "read"), strict=False))
     beside = width >= _BESIDE
     across = width / len(panels) if beside else width
     high = round(across * (0.72 if len(panels) > 1 or not beside else 0.5))
-    moved = [volume.tcp + times * (each + one) for each in _of_all(volume) for one in (*volume.allowed, 0.0)]
-    arrows = points_of(list(_triad(volume, room)))
-    around = np.vstack([*(_in_room(room, each).reshape(-1, 3) for each in moved), arrows])  # of both: one scale
+    triad = list(_triad(volume, machine))
+    moved = [(grids.nominal + times * each).reshape(-1, 3) for each in grids.shown]
+    around = np.vstack([*moved, points_of(triad)])  # of both: one scale
     heads = [wrapped(title, across - 2 * _SIDE, "title") for title, _, _ in panels]
     panel = Viewport(0, 0, across - 2 * _SIDE, high)
     body, head = "", _LINE * max(map(len, heads)) + 10
-    for n, (_, values, colour) in enumerate(panels):
+    for n, (_, bent, colour) in enumerate(panels):
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
         for line, each in enumerate(heads[n]):
             body += text(x + _SIDE, y + 18 + _LINE * line, each, "title")
         frame = replace(panel, left=x + _SIDE, top=y + head)
-        shown = [*_bent(volume, room, values, times, colour), *_triad(volume, room)]
-        body += drawn(shown, frame, around)
+        body += drawn([*_bent(grids, bent, times, colour), *triad], frame, around)
     scale, top = Fit.into(around, panel).scale, (high + head) * (1 if beside else len(panels))
-    parts = [said("errors × {times}", times=f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}")]
-    if volume.aligned:
-        parts.append(said("part aligned"))
-    parts += [said("dashed: without errors"), said("thin: {count} machines that fit", count=MACHINES)]
+    size = f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}"
+    parts = [said("errors × {times}", times=size), said("dashed: without errors"), said("between thin lines: 95 %")]
     lines = wrapped(" · ".join(parts), width - 2 * _SIDE)
-    body += _scale_bar(scale * times, top + 8)
+    body += _scale_bar(1e-3 * scale * times, top + 8)
     body += "".join(text(_SIDE, top + 37 + _LINE * n, each, "soft") for n, each in enumerate(lines))
     return Drawing(width, top + 32 + _LINE * len(lines), body)
 
 
-def magnification(volume: BentVolume) -> float:
+def magnification(volume: VolumeFigures) -> float:
     """Return by how many times deviations are enlarged: the nearest 1, 2 or 5 times a power of ten.
 
     The largest of all that are drawn is then about a tenth of the shortest side; of a bed its height is none.
     """
-    drawn_ones = [each + one for each in _of_all(volume) for one in (*volume.allowed, 0.0)]
-    largest = max(float(np.linalg.norm(each, axis=-1).max()) for each in drawn_ones)
-    sides = sides_of(volume.tcp)
-    shortest = min((side for side in sides if side > _FLAT * max(sides)), default=1.0)
-    wanted = _SHARE * shortest / max(largest, 1e-12)
+    half = np.linalg.norm(volume.half_um, axis=1)
+    ends = [np.linalg.norm(each, axis=1) + half for each in (volume.found_um, volume.left_um) if len(each)]
+    largest, sides = 1e-3 * max(float(each.max()) for each in ends), np.ptp(np.array(volume.tcp_mm), axis=0)
+    shortest = min((side for side in sides.tolist() if side > _FLAT * max(sides)), default=1.0)
+    wanted = _SHARE * shortest / max(largest, 1e-9)
     return min(rounded_down(wanted), rounded_up(wanted), key=lambda step: abs(math.log10(step / wanted)))
 
 
-def _of_all(volume: BentVolume) -> list[Array]:
-    return [volume.found] if volume.left is None else [volume.found, volume.left]
-
-
-def _in_room(room: DrawnMachine, grid: Array) -> Array:
-    return room.on_table(grid.reshape(-1, 3), turned=False).reshape(grid.shape)
-
-
-def _bent(volume: BentVolume, room: DrawnMachine, values: Array, times: float, colour: str) -> Iterator[Part]:
-    """Yield the volume as drawn, machines that the readings allow, and the bent one over them."""
-    nominal = _in_room(room, volume.tcp)
+def _bent(grids: _Grids, bent: Array, times: float, colour: str) -> Iterator[Part]:
+    """Yield the volume as drawn, between which it is, and the bent one over them."""
+    nominal = grids.nominal
     yield from (Stroke(each, "soft", 1.0, "4 4", 0.9) for each in _lines(nominal, nominal, edges=True))
-    for one in volume.allowed:
-        bent = _in_room(room, volume.tcp + times * (values + one))
-        yield from (Stroke(each, colour, 1.0, opacity=0.5) for each in _lines(nominal, bent, edges=True))
-    bent = _in_room(room, volume.tcp + times * values)
-    yield from (Stroke(each, colour, 0.8, opacity=0.8) for each in _lines(nominal, bent, edges=False))
-    yield from (Stroke(each, colour, 1.9) for each in _lines(nominal, bent, edges=True))
+    for side in (-1, 1):
+        between = nominal + times * (bent + side * grids.half)
+        yield from (Stroke(each, colour, 1.0, opacity=0.5) for each in _lines(nominal, between, edges=True))
+    whole = nominal + times * bent
+    yield from (Stroke(each, colour, 0.8, opacity=0.8) for each in _lines(nominal, whole, edges=False))
+    yield from (Stroke(each, colour, 1.9) for each in _lines(nominal, whole, edges=True))
 
 
 def _lines(nominal: Array, grid: Array, edges: bool) -> Iterator[Array]:
-    """Yield the lines of a grid, (a, b, c, 3) m: its edges, or those between them on the faces that are seen into.
+    """Yield the lines of a grid, (a, b, c, 3) mm: its edges, or those between them on the faces that are seen into.
 
     nominal : the grid before it is bent, which says what lies behind
     """
@@ -127,20 +141,20 @@ def _behind(grid: Array, way: int) -> int:
     return 0 if near <= far else grid.shape[way] - 1
 
 
-def _triad(volume: BentVolume, room: DrawnMachine) -> Iterator[Arrow]:
+def _triad(volume: VolumeFigures, machine: Machine) -> Iterator[Arrow]:
     """Yield x, y and z of the workpiece beside the front corner on the left."""
-    size = max(sides_of(volume.tcp), default=1.0)
-    low = volume.tcp.reshape(-1, 3).min(axis=0)
-    ends = _in_room(room, np.array([low, *(low + 0.12 * size * np.eye(3))]))
+    low, sides = np.min(volume.tcp_mm, axis=0), np.ptp(np.array(volume.tcp_mm), axis=0)
+    size = float(sides.max()) or 1.0
+    foot, *ends = np.array([low, *(low + 0.12 * size * np.eye(3))]) @ upright(machine).T
     away = size * np.array([-0.24, -0.06, 0.0])
-    for name, end in zip("xyz", ends[1:], strict=True):
-        yield Arrow(np.array([ends[0], end]) + away, name)
+    for name, end in zip("xyz", ends, strict=True):
+        yield Arrow(np.array([foot, end]) + away, name)
 
 
-def _scale_bar(per_metre: float, y: float) -> str:
-    """Return a bar of a round length with that length.  per_metre : pixels for a metre of deviation"""
-    size = rounded_down(_BAR / per_metre * 1e6)
-    pixels = size * 1e-6 * per_metre
+def _scale_bar(per_um: float, y: float) -> str:
+    """Return a bar of a round length with that length.  per_um : pixels for a micrometre of deviation"""
+    size = rounded_down(_BAR / per_um)
+    pixels = size * per_um
     d = f"M{short_number(_SIDE)} {short_number(y)}v8h{short_number(pixels)}v-8"
     bar = f'<path d="{d}" fill="none" stroke="var(--ink)" stroke-width="1.6"/>'
     return bar + text(_SIDE + pixels + 8, y + 9, f"{size:g} µm")

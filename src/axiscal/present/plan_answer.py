@@ -69,12 +69,10 @@ class PlanAnswer(PlannedAnswer):
 
     `points`, `J`, `rms_um` and `worst_um` leave out what no reading shows, such as the error of a wavelength
     units : of the axes
-    certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
     bound_rms_um : RMS that no plan of as many readings can beat; None where it is below half of `rms_um`
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
-    certain_minutes: float | None = None
     criterion: str
     points: Sequence[PlanPoint]
     units: Mapping[str, str]

@@ -26,7 +26,6 @@ from axiscal.measurement.type_b import MEASURED_TEMPERATURE
 from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.sentences import cause_words
-from axiscal.tables.exporter import unasked
 from axiscal.units import digits, said_quantity, um_text
 
 LINES = 16
@@ -61,13 +60,9 @@ def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
     return text if reach.helps is None else put("{text} {helps}", text=text, helps=helping_words(reach.helps))
 
 
-def open_questions(description: CampaignDescription, *, asked: bool = False) -> list[str]:
-    """Return what descriptions leave open: sizes that can hardly be meant, a compensation that may be active.
-
-    asked : whether a person has been asked about a compensation already
-    """
-    open_yet = ["" if asked else unasked(description), unused_artefacts(description.text)]
-    open_yet += [each.words for each in description.unsourced]
+def open_questions(description: CampaignDescription) -> list[str]:
+    """Return what descriptions leave open besides a compensation that may be active: sizes that can hardly be meant."""
+    open_yet = [unused_artefacts(description.text), *(each.words for each in description.unsourced)]
     beside = (
         'How far does the probe of "{setup}" stand beside the nozzle? Write it as offset = ["-33 mm", "-46 mm", '
         '"0 mm"], from the nozzle; until then it is taken to stand at the nozzle, where no axis that rolls deceives it.'
@@ -171,9 +166,6 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
     if bound := bound_sentence(answer):
         yield bound
-    if answer.certain_minutes is not None:
-        minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
-        yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
 
 
 def _curve(bought: Sequence[BoughtAccuracy]) -> str:

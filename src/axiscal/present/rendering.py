@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal
+from typing import Any
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import PrintingError
 from axiscal.language.spoken import resaid, spoken_now
 from axiscal.present.drawing.svg_picture import Drawing
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.result import Result
 from axiscal.present.schematic import read_schematics
-from axiscal.present.volume_error import bent_volume
-from axiscal.tables.offer import Export
 
 _PAPER = 840
 """Pixels that the picture of the volume is drawn in: its words are then as large as the notes of the report."""
@@ -35,17 +33,17 @@ def pdf(result: Result, pictures: Mapping[str, str]) -> bytes:
     return printed(resaid(result).model_dump(mode="json", by_alias=True), pictures)
 
 
-def drawn_pictures(campaign: Campaign, known: Estimation, best: Export | None) -> dict[str, str]:
-    """Return the pictures of each set-up that was read, and of the volume.  best : the tables, None without them"""
+def drawn_pictures(campaign: Campaign, result: Result) -> dict[str, str]:
+    """Return the pictures of each set-up that was read, and of the volume."""
     readings = campaign.state.readings
-    if not readings:
+    if result.volume is None:
         return {}
     shown = read_schematics(campaign.description, [reading.place for reading in readings])
     wide = max(_LEAST, _PAPER / max(2, len(shown)))
     drawings = (Drawing(wide, _FLAT * wide, each.svg(wide, _FLAT * wide)) for each in shown)
-    volume = bent_volume(known) if best is None else bent_volume(known, best.controller, best.control)
     pictures = {f"setup-{n}.svg": each.on_paper() for n, each in enumerate(drawings)}
-    return pictures | {"volume.svg": found_and_left_drawing(volume, _PAPER).on_paper()}
+    volume = found_and_left_drawing(result.volume, campaign.description.machine, _PAPER)
+    return pictures | {"volume.svg": volume.on_paper()}
 
 
 def printed(document: Mapping[str, Any], pictures: Mapping[str, str]) -> bytes:
@@ -53,29 +51,50 @@ def printed(document: Mapping[str, Any], pictures: Mapping[str, str]) -> bytes:
 
     pictures : the text of SVG files, by name
     """
+    day = datetime.fromisoformat(document["identity"]["begun"]).replace(tzinfo=UTC)
+    with _laid_out("report.typ", document, pictures) as compilers:
+        return _set(compilers, int(day.timestamp()))
+
+
+def curve_pictures(document: Mapping[str, Any]) -> list[str]:
+    """Return each curve of a result document as the report draws it: the text of an SVG file."""
+    if not document["errors"]:
+        return []
+    with _laid_out("curves.typ", document, {}) as compilers:
+        made = compilers[-1].compile(format="svg")
+    return [each.decode() for each in (made if isinstance(made, list) else [made]) if each is not None]
+
+
+@contextmanager
+def _laid_out(layout: str, document: Mapping[str, Any], pictures: Mapping[str, str]) -> Iterator[list[Any]]:
+    """Give typst with a document before it: without the fonts of the system, and with them for what its own lack."""
+    import typst
+
     own = resources.files("axiscal.present").joinpath("paper")
     texts = {file.name: file.read_text(encoding="utf-8") for file in own.iterdir()}
     texts |= {"result.json": json.dumps(document), **pictures}
+    inputs = {"language": spoken_now(), "pictures": " ".join(pictures)}
     with TemporaryDirectory(prefix="axiscal-", ignore_cleanup_errors=True) as name:
         for file, text in texts.items():
             (Path(name) / file).write_bytes(text.encode("utf-8", "replace"))
-        day = datetime.fromisoformat(document["identity"]["begun"]).replace(tzinfo=UTC)
-        return _set(Path(name), {"language": spoken_now(), "pictures": " ".join(pictures)}, int(day.timestamp()))
+        yield [
+            typst.Compiler(
+                str(Path(name) / layout),
+                root=name,
+                font_paths=typst.Fonts(include_system_fonts=system),
+                sys_inputs=inputs,
+            )
+            for system in (False, True)
+        ]
 
 
-def _set(folder: Path, inputs: dict[str, str], moment: int) -> bytes:
-    """Return what typst makes of a folder.
-
-    The system's fonts give the signs that its own fonts lack. A sign in no font becomes a box, and the PDF is then
-    none for archives, which forbid boxes.
-    """
+def _set(compilers: Sequence[Any], moment: int) -> bytes:
+    """Return the PDF of a document; where a sign is in no font, a box stands for it, which archives forbid."""
     import typst
 
+    plain, whole = compilers
     reason = ""
-    tries: tuple[tuple[bool, Literal["a-2b"] | None], ...] = ((False, "a-2b"), (True, "a-2b"), (True, None))
-    for system, standard in tries:
-        fonts = typst.Fonts(include_system_fonts=system)
-        compiler = typst.Compiler(str(folder / "report.typ"), root=str(folder), font_paths=fonts, sys_inputs=inputs)
+    for compiler, standard in ((plain, "a-2b"), (whole, "a-2b"), (whole, None)):
         try:
             made = compiler.compile(pdf_standards=standard, timestamp=moment)
             assert isinstance(made, bytes)  # one document, in one file

@@ -11,7 +11,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, ResultAnswer, Text
+from axiscal.answers.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, Text
 
 
 def _left_out(text: str) -> bool:
@@ -108,6 +108,7 @@ class VolumeFigures(AnswerDocument):
     """`volume`: its error at places spread over it, one shift taken off."""
 
     axes: Sequence[str] = Field(description="that move from place to place")
+    counts: Sequence[int] = Field(description="places along each of them, the last of which moves first")
     parked: Text = Field(description="where the others stand")
     tcp_mm: Sequence[Sequence[Figure]] = Field(description="places of the tool point, workpiece frame")
     found_um: Sequence[Sequence[Figure]] = Field(description="deviation along x, y, z, mean of both sides")
@@ -277,8 +278,3 @@ class Result(AnswerDocument):
     versions: Mapping[str, str] = Field(description="of axiscal and of what it computes with")
     inputs: Mapping[str, str] = Field(description="SHA-256 by file")
     record: RecordState = Field(description="what all of it is made from")
-
-    @property
-    def answered(self) -> ResultAnswer:
-        """The answer with its rows."""
-        return ResultAnswer(**{**dict(self.answer), "rows": self.rows})

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from axiscal.answers.answer import ResultAnswer, TablesChecked
+from axiscal.answers.answer import Outcome, TablesChecked
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.answers.answer_words import answer_text
 from axiscal.answers.budget import BudgetShare, budget
@@ -86,7 +86,7 @@ class Extras:
     anyway: bool = False
     checked: TablesChecked | None = None
     best: Export | None = None
-    answer: ResultAnswer | None = None
+    answer: Outcome | None = None
     spoken: str = "en"
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,10 +27,9 @@ from axiscal.present.drawing.scene import (
     Stroke,
     Viewport,
     drawn,
-    flat,
 )
 from axiscal.present.drawing.strokes import text, wrapped
-from axiscal.present.drawing.svg_picture import SCREENS, Drawing, picture_file
+from axiscal.present.drawing.svg_picture import Drawing, picture_file
 from axiscal_core import rigid
 from axiscal_core.axes import Axis, from_frame, to_frame
 from axiscal_core.machine import Machine
@@ -40,6 +40,8 @@ _SIDE = 10.0
 """Pixels between the picture and its edge."""
 _LYING: Array = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """Machine frame to room of a lathe: z to the right, x towards who stands there."""
+_WIDE, _COLUMNS = 1110.0, 3
+"""Pixels of a plan, and set-ups beside each other; a matter of taste."""
 _LEAST = 1e-2
 """m, that a picture is wide at least; a matter of taste."""
 _Z: Array = np.eye(3)[2]
@@ -49,6 +51,23 @@ _PAD, _ASIDE, _STEP, _TOOL, _ROUND, _WAY, _NEAR = 0.07, 0.28, 0.17, 0.3, 0.13, 0
 of axes that turn the tool, so far goes the arrow of what is read, and so near stands a
 station that is shown; a matter of taste.
 """
+
+
+def upright(machine: Machine) -> Array:
+    """Return the rotation from the machine frame to the room, (3, 3).
+
+    ISO 841 calls the direction of the main spindle Z; without a Y nothing reaches around a standing one.
+    """
+    ways, turns = (
+        {int(np.argmax(np.abs(axis.direction))) for axis in machine.axes if axis.rotary is rotary}
+        for rotary in (False, True)
+    )
+    return _LYING if ways == {0, 2} and turns <= {2} else np.eye(3)
+
+
+def _at_home(machine: Machine) -> list[float]:
+    """Return the pose with linear axes amid their travels, rotary ones at 0."""
+    return [0.0 if axis.rotary else sum(axis.travel) / 2 for axis in machine.axes]
 
 
 class DrawnMachine:
@@ -63,13 +82,7 @@ class DrawnMachine:
 
     def __init__(self, machine: Machine, pose: ArrayLike) -> None:
         self.machine, self.pose, axes = machine, np.asarray(pose, dtype=float), machine.axes
-        ways, turns = (
-            {int(np.argmax(np.abs(axis.direction))) for axis in axes if axis.rotary is rotary}
-            for rotary in (False, True)
-        )
-        # ISO 841 calls the direction of the main spindle Z; without a Y nothing reaches around a standing one.
-        self.upright = _LYING if ways == {0, 2} and turns <= {2} else np.eye(3)
-        self.home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
+        self.upright, self.home = upright(machine), np.array(_at_home(machine))
         self.work, self.tool = (
             [k for k, axis in enumerate(axes) if axis.workpiece_side is carries] for carries in (True, False)
         )
@@ -226,15 +239,11 @@ def _readings(room: DrawnMachine, setup: Setup, places: Sequence[Place], colour:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Schematic:
-    """A set-up on its machine, ready to be drawn at any width.
-
-    parts : of the scene; title, legend : in words; note : what lines mean that all set-ups of a machine show
-    """
+    """A set-up on its machine, ready to be drawn at any width.  parts : of the scene; title, legend : in words"""
 
     parts: Sequence[Part]
     title: str
     legend: str
-    note: str
 
     def svg(self, width: float, height: float, left: float = 0.0, top: float = 0.0, titled: bool = True) -> str:
         """Return the picture as SVG elements within a frame, pixels."""
@@ -242,12 +251,10 @@ class Schematic:
         lines = wrapped(self.legend, width - 2 * _SIDE) if self.legend else []
         over, beneath = _LINE * len(heads) + 4, _LINE * len(lines) + 6
         frame = Viewport(left + _SIDE, top + over, width - 2 * _SIDE, height - over - beneath)
-        words = _lines(heads, left + _SIDE, top + 16, "title")
-        return drawn(self.parts, frame) + words + _lines(lines, left + _SIDE, top + height - beneath + 18, "soft")
-
-
-def _lines(lines: Sequence[str], left: float, top: float, kind: str) -> str:
-    return "".join(text(left, top + _LINE * n, line, kind) for n, line in enumerate(lines))
+        words = "".join(text(left + _SIDE, top + 16 + _LINE * n, line, "title") for n, line in enumerate(heads))
+        foot = top + height - beneath + 18
+        words += "".join(text(left + _SIDE, foot + _LINE * n, line, "soft") for n, line in enumerate(lines))
+        return drawn(self.parts, frame) + words
 
 
 def setup_schematic(
@@ -263,7 +270,7 @@ def setup_schematic(
     at : where the machine stands, None for one of the places
     """
     own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
-    shown = at or _best_seen(campaign, setup, own)
+    shown = at or max(own, key=partial(_seen_well, campaign.machine), default=None)
     room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts = [
@@ -274,27 +281,31 @@ def setup_schematic(
         *_readings(room, setup, own, "read", size),
     ]
     one_line = len(setup.moves) == 1 and not campaign.machine.axes[setup.moves[0]].rotary
-    tails = one_line and any(any(place.approach) for place in own)
-    read = put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else ""
-    legend = _dotted(read, said("grey: {count} to come", count=len(later)) if later else "")
-    note = _dotted(_reach_note(room), said("tail: the side it comes from") if tails else "")
-    return Schematic(parts, setup.name, legend, note)
+    legend = [
+        put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else "",
+        said("grey: {count} to come", count=len(later)) if later else "",
+        _reach_note(room),
+        said("tail: the side it comes from") if one_line and any(any(place.approach) for place in own) else "",
+    ]
+    return Schematic(parts, setup.name, listed(" · ", [each for each in legend if each]))
 
 
-def _dotted(*parts: str) -> str:
-    return listed(" · ", [part for part in parts if part])
+def _seen_well(machine: Machine, place: Place) -> tuple[float, float]:
+    """Return how well a place shows all: rotary axes near 0, then the tool to the right."""
+    off = sum(abs(np.sin(at / 2)) for at, axis in zip(place.pose, machine.axes, strict=True) if axis.rotary)
+    return round(-float(off), 3), float(machine.frames(np.array([place.pose])).tcp[0] @ upright(machine).T @ RIGHT)
 
 
 def machine_schematic(machine: Machine, *, lengths: bool = True) -> Schematic:
     """Return a machine at home.  lengths : whether its axes say how far they travel, in mm"""
     axes = machine.axes
-    room = DrawnMachine(machine, [0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
+    room = DrawnMachine(machine, _at_home(machine))
     named = {room.named(k): _travel(room.named(k), axis) for k, axis in enumerate(axes) if lengths and not axis.rotary}
     parts = [
         replace(part, name=named.get(part.name, part.name)) if isinstance(part, Arrow) else part
         for part in _machine(room, range(len(axes)))
     ]
-    return Schematic(parts, machine.name, "", _reach_note(room) if lengths else "")
+    return Schematic(parts, machine.name, _reach_note(room) if lengths else "")
 
 
 def _travel(name: str, axis: Axis) -> str:
@@ -306,18 +317,6 @@ def _travel(name: str, axis: Axis) -> str:
 def _reach_note(room: DrawnMachine) -> str:
     spans = " × ".join(f"{1e3 * span:.0f}" for span in room.reach[1] - room.reach[0] if span > 1e-9)
     return said("dashed: where the tool reaches, {size} mm", size=spans) if spans else ""
-
-
-def _best_seen(campaign: CampaignDescription, setup: Setup, places: Sequence[Place]) -> Place | None:
-    """Return the place that shows all best: rotary axes near 0, the tool to the right."""
-    turned = [k for k, axis in enumerate(campaign.machine.axes) if axis.rotary]
-    right = DrawnMachine(campaign.machine, setup.park).upright.T @ RIGHT
-
-    def merit(place: Place) -> tuple[float, float]:
-        off = sum(abs(float(np.sin(place.pose[k] / 2))) for k in turned)
-        return round(-off, 3), float(campaign.machine.frames(np.array([place.pose])).tcp[0] @ right)
-
-    return max(places, key=merit, default=None)
 
 
 def _outlines(campaign: CampaignDescription, room: DrawnMachine) -> Iterator[Part]:
@@ -336,29 +335,10 @@ def _outlines(campaign: CampaignDescription, room: DrawnMachine) -> Iterator[Par
             yield from _edges(room.on_table(_corners(low, high)), "beam", "2 4")
 
 
-def frame_seen(machine: Machine, place: Place) -> list[tuple[float, float]]:
-    """Return unit vectors along x, y, z of the workpiece as a picture of the machine has them, right and down."""
-    room = DrawnMachine(machine, place.pose)
-    return [(right, down) for right, down in flat(np.array([*map(room.along, np.eye(3))])).tolist()]
-
-
 def setup_picture(shown: Schematic, width: float) -> str:
     """Return the text of an SVG file with one set-up, without its title, for a width in pixels."""
-    ratio = 0.66 if width > 500 else 0.95
-    whole = replace(shown, legend=_dotted(shown.legend, shown.note))
-    drawing = Drawing(width, round(ratio * width), whole.svg(width, round(ratio * width), titled=False))
-    return picture_file([drawing], shown.title)
-
-
-def plan_picture(
-    title: str, campaign: CampaignDescription, places: Sequence[Place], widths: Sequence[float] = SCREENS
-) -> str:
-    """Return the text of an SVG file: each set-up that is read, on the machine.
-
-    places : in any order; widths : of screens, pixels, the widest first
-    """
-    drawings = [beside_each_other(read_schematics(campaign, places), title, width) for width in widths]
-    return picture_file(drawings, title)
+    height = round((0.66 if width > 500 else 0.95) * width)
+    return picture_file(Drawing(width, height, shown.svg(width, height, titled=False)), shown.title)
 
 
 def read_schematics(campaign: CampaignDescription, places: Sequence[Place]) -> list[Schematic]:
@@ -367,19 +347,13 @@ def read_schematics(campaign: CampaignDescription, places: Sequence[Place]) -> l
     return [setup_schematic(campaign, campaign.setup(name), places) for name in used]
 
 
-def beside_each_other(shown: Sequence[Schematic], title: str, width: float) -> Drawing:
-    """Return the pictures of set-ups beside and below each other, and once what the dashed lines are."""
-    columns = max(1, min(len(shown), 1 if width < 700 else 2 if width < 1100 else 3))
-    across = width / columns
-    alone = len(shown) == 1
-    high = round(across * (0.6 if across > 600 else 0.9))
-    note = shown[0].note if shown else ""
-    heads = wrapped(f"{title}: {shown[0].title}" if alone else title, width - 2 * _SIDE, "title")
-    feet = wrapped(_dotted(shown[0].legend, note) if alone else note, width - 2 * _SIDE)
-    top = _LINE * len(heads) + 12
-    foot = top + high * -(-len(shown) // columns)
-    body = _lines(heads, _SIDE, 20, "title")
+def plan_picture(title: str, campaign: CampaignDescription, places: Sequence[Place]) -> str:
+    """Return the text of an SVG file: each set-up that is read, on the machine.  places : in any order"""
+    shown = read_schematics(campaign, places)
+    columns = max(1, min(len(shown), _COLUMNS))
+    across = _WIDE / columns
+    high, top = round(across * (0.65 if columns == 1 else 0.9)), 2 * _LINE
+    body = text(_SIDE, _LINE, title, "title")
     for n, each in enumerate(shown):
-        one = replace(each, legend="") if alone else each
-        body += one.svg(across, high, across * (n % columns), top + high * (n // columns), titled=not alone)
-    return Drawing(width, foot + 10 + _LINE * len(feet), body + _lines(feet, _SIDE, foot + 18, "soft"))
+        body += each.svg(across, high, across * (n % columns), top + high * (n // columns))
+    return picture_file(Drawing(_WIDE, top + high * -(-len(shown) // columns), body), title)

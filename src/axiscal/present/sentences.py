@@ -8,15 +8,9 @@ from axiscal.language.spoken import WORDS, later, said
 
 U_OF_TABLES = later("U of the tables: U² of the volume and (k times what they leave)² add up to its square.")
 
-UNITS = {"um": "µm", "urad": "µrad", "um/m": "µm/m", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
 _SHOWN = {"um": "µm", "urad": "µrad", "degC": "°C"}
 _UNIT = re.compile(r"(?<=[0-9])[ \u00a0](?:(um|urad|degC)\b|%)")
 _NO_BREAK = "\u00a0"
-
-
-def unit_text(unit: str) -> str:
-    """Return a unit as people write it: um -> µm."""
-    return UNITS.get(unit, unit)
 
 
 def spelt(text: str) -> str:

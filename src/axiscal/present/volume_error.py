@@ -5,13 +5,12 @@ One error of two axes as plain data in display units.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.errors.volume import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
@@ -88,13 +87,6 @@ def _map(values: Array, unit: str) -> list[list[float]]:
     return shown
 
 
-MACHINES = 6
-"""Machines that the readings allow; a matter of taste."""
-_SEED = 4
-"""The same campaign gives the same picture."""
-_SMOOTH = {1: (33,), 2: (13, 9), 3: (9, 7, 7)}
-"""Places along the axes that move, the longest first: enough for a line to look smooth; a matter of taste."""
-
 _COUNTS = {1: (11,), 2: (7, 7), 3: (5, 5, 3)}
 """Places along the axes that move, the longest first: enough to see a shape; a matter of taste."""
 
@@ -105,9 +97,12 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     One shift of all places is taken off. control : what the tables of `controller` do, None where there are none
     """
     estimate = estimation.estimate()
-    moving, poses, _ = places_over(estimate, _COUNTS)
+    moving, poses, counts = _places_over(estimate)
     found = _shifted(_either_way(estimate.deviation, poses))
-    left = () if control is None else to_unit(_shifted(_left(estimate, control, poses)), "um").tolist()
+    left = ()
+    if control is not None:
+        after = partial(left_by, estimate.machine, estimate.deviation, control)
+        left = to_unit(_shifted(_either_way(after, poses)), "um").tolist()
     axes = estimate.machine.axes
     at = {axis.name: said_quantity(float(poses[0, k]), axis.unit, 4) for k, axis in enumerate(axes) if k not in moving}
     parked = listed(", ", [put("{axis} {at}", axis=name, at=at[name]) for name in sorted(at)])
@@ -118,6 +113,7 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
     return VolumeFigures(
         axes=names,
+        counts=counts,
         parked=parked,
         tcp_mm=places,
         found_um=to_unit(found, "um").tolist(),
@@ -127,10 +123,9 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     )
 
 
-def places_over(estimate: Estimate, counts: Mapping[int, Sequence[int]]) -> tuple[list[int], Array, tuple[int, ...]]:
+def _places_over(estimate: Estimate) -> tuple[list[int], Array, tuple[int, ...]]:
     """Return the axes that span a picture, a grid over them, (m, q), and its places along each.
 
-    counts : places by the number of axes that move, the longest first
     Linear axes span it, or else those that turn; rotary ones stand as near to zero as the volume lets them, otherwise.
     """
     box, rotary = np.array(estimate.box), [axis.rotary for axis in estimate.machine.axes]
@@ -139,7 +134,7 @@ def places_over(estimate: Estimate, counts: Mapping[int, Sequence[int]]) -> tupl
     linear = [k for k in free if not rotary[k]]
     moving = sorted(sorted(linear or free, key=lambda k: -sides[k])[:3])
     order = np.argsort(np.argsort(-sides[moving], kind="stable"), kind="stable")
-    along = tuple(counts[len(moving)][rank] for rank in order) if moving else ()
+    along = tuple(_COUNTS[len(moving)][rank] for rank in order) if moving else ()
     lines = [np.linspace(box[k, 0], box[k, 1], count) for k, count in zip(moving, along, strict=True)]
     poses = np.tile(middle, (int(np.prod(along)), 1))
     for k, each in zip(moving, np.meshgrid(*lines, indexing="ij"), strict=True):
@@ -152,59 +147,7 @@ def _either_way(of: Callable[[Array, Array], Array], poses: Array) -> Array:
     return (of(poses, np.ones_like(poses)) + of(poses, -np.ones_like(poses))) / 2
 
 
-def _left(estimate: Estimate, control: Control, poses: Array) -> Array:
-    return _either_way(lambda p, s: left_by(estimate.machine, estimate.deviation, control, p, s), poses)
-
-
 def _shifted(mean: Array) -> Array:
     """Return deviations, or their rows, less one shift of all places, (m, ...)."""
     shifted: Array = mean - mean.mean(axis=0)
     return shifted
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class BentVolume:
-    """Deviations of the tool point on a grid over the volume, m, the motion of the part that probing finds taken off.
-
-    tcp : (a, b, c, 3) nominal places in the workpiece frame, 1 for directions in which nothing moves
-    found : (a, b, c, 3) as estimated; left : with the tables of `controller`, None where there are none
-    allowed : (MACHINES, a, b, c, 3) what draws of the posterior add to both
-    aligned : whether turns of the part are taken off, too, and not its shift alone
-    """
-
-    machine: Machine
-    tcp: Array
-    found: Array
-    left: Array | None
-    allowed: Array
-    aligned: bool
-    controller: str = ""
-
-
-def bent_volume(estimation: Estimation, controller: str = "", control: Control | None = None) -> BentVolume:
-    """Return the bent volume; both sides from which an axis may come count alike.
-
-    control : what the tables of `controller` do, None where there are none
-    """
-    estimate = estimation.estimate()
-    _, poses, counts = places_over(estimate, _SMOOTH)
-    shape = (*counts, *(1,) * (3 - len(counts)), 3)
-    tcp = estimate.machine.frames(poses).tcp
-    aligned, part = estimate.alignment is not None, Alignment(estimate.model, poses)
-
-    def off(deviations: Array) -> Array:
-        left = part.left(poses, deviations) if aligned else _shifted(deviations)
-        return left.reshape(shape)
-
-    found = off(_either_way(estimate.deviation, poses))
-    left = None if control is None else off(_left(estimate, control, poses))
-    chances = np.random.default_rng(_SEED).standard_normal((MACHINES, estimate.factor.shape[1]))
-    draws = np.einsum("mij,nj->nmi", _either_way(estimate.model.rows_at, poses), chances @ estimate.factor.T)
-    allowed = np.stack([off(each) for each in draws])
-    return BentVolume(estimate.machine, tcp.reshape(shape), found, left, allowed, aligned, controller)
-
-
-def sides_of(tcp: Array) -> Sequence[float]:
-    """Return the lengths of the grid along its directions that are not of one place alone, m.  tcp : (a, b, c, 3)"""
-    lengths = [np.linalg.norm(tcp.take(-1, axis=k) - tcp.take(0, axis=k), axis=-1).mean() for k in range(3)]
-    return [float(length) for length, count in zip(lengths, tcp.shape, strict=False) if count > 1 and length > 0]

@@ -51,7 +51,7 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
     out = Path(folder)
     out.mkdir(parents=True, exist_ok=True)
     with speaking(named_language(language) or "en"):
-        write_whole(out / "report.pdf", printed(_document(known, known.readings, title), {}))
+        write_whole(out / "report.pdf", printed(document_of(known, title), {}))
     lines = io.StringIO()
     table = known.table()
     csv.writer(lines, lineterminator="\n").writerows([[*table], *zip(*table.values(), strict=True)])
@@ -59,7 +59,7 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
     return out / "report.pdf"
 
 
-def _document(known: Known, readings: Readings, title: str) -> dict[str, Any]:
+def document_of(known: Known, title: str) -> dict[str, Any]:
     """Return what is known as the result document has it, as far as a machine that was made in Python has it."""
     drawn = [term for term in known.case.machine.curves if term.spline.size > 1]
     words = {"first": [said(WORDS["verdicts"]["measured"])], "rows": _figures(known), "sentences": [*_sentences(known)]}
@@ -72,7 +72,7 @@ def _document(known: Known, readings: Readings, title: str) -> dict[str, Any]:
         "setups": [*_instruments(known)],
         "errors": {term.name: _error(known, term) for term in drawn},
         "constants": dict(_constants(known, drawn)),
-        "history": [*_history(known, readings)],
+        "history": [] if known.readings is None else [*_history(known, known.readings)],
         "versions": {"axiscal": __version__},
     }
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from axiscal.answers.answer import PlannedAnswer, ResultAnswer
+from axiscal.answers.answer import Outcome, PlannedAnswer
 from axiscal.answers.answer_of_campaign import results_beside, standing_answer
 from axiscal.campaign.agreement_words import change_words
 from axiscal.campaign.campaign import Campaign
@@ -21,7 +21,7 @@ from axiscal.language.spoken import said, spoken_now
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import Question, asked_text, measured, stands
 from axiscal.present.plan_answer import coming_answer
-from axiscal.present.schematic import frame_seen, setup_picture, setup_schematic
+from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.record.signing import step_now
@@ -38,7 +38,7 @@ class Desk:
     def __init__(self, campaign: Campaign, publish: Callable[[], None]) -> None:
         self.campaign, self.publish, self.virtual = campaign, publish, virtual_in(campaign.state.notes)
         self._minds = list[str]()
-        self._answer: ResultAnswer | PlannedAnswer | None = None
+        self._answer: Outcome | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
         self._before: frozenset[int] | None = None
         self._named: progress.Named | None = None
@@ -192,7 +192,7 @@ class Desk:
         self.campaign.finish()
         try:
             result = deliver(self.campaign, known, self.results, Extras(spoken=spoken_now()))
-            self._answer, self._answers = result.answered, self._stands
+            self._answer, self._answers = result.answer, self._stands
         finally:
             self._show()
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
@@ -233,7 +233,6 @@ class Desk:
             ended=None if ended is None else spelt(because_text(ended)),
             finished=None if state.finished is None else spelt(because_text(state.finished)),
             jog=slips.jog(campaign),
-            seen=() if state.pending is None else frame_seen(campaign.description.machine, state.pending.place),
             shows="" if question is None else slips.shown_on(campaign, self.virtual),
             trouble=trouble,
             readings=list(progress.latest(campaign)),

@@ -101,7 +101,7 @@ def plan(here: Path) -> shapes.PlanShape:
     answer = coming_answer(campaign)
     if answer is None:
         raise PlanError("No reading of these set-ups is worth its time", "Choose other instruments")
-    minds = open_questions(campaign.description, asked=True)
+    minds = open_questions(campaign.description)
     return shapes.PlanShape(
         answer=shapes.AnswerShape.of_campaign(campaign, answer),
         rows={row.row: [spelt(figure) for figure in planned_figures([row])] for row in answer.rows},

@@ -18,7 +18,6 @@ from typing import Annotated, TypeVar
 import uvicorn
 from fastapi import Body, FastAPI, Query, Response
 from fastapi.responses import FileResponse
-from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
@@ -230,8 +229,8 @@ def _documented(made: _Answering) -> Callable[..., Awaitable[Response]]:
     return answer
 
 
-_ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024
-"""Connections that have not asked to the end; those taken in at once; seconds to ask in; bytes of a request's head."""
+_HEAD = 16 * 1024
+"""Bytes of a request's head; any that a browser sends is smaller."""
 
 
 @lost_interruptions()
@@ -250,14 +249,13 @@ def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> 
             page = application(counter, int(listener.getsockname()[1]), Path.cwd())
             config = uvicorn.Config(
                 page,
-                http=_Caller,
+                http="h11",
                 ws="none",
                 log_level="error",
                 access_log=False,
                 server_header=False,
                 proxy_headers=False,
                 timeout_graceful_shutdown=1,
-                backlog=_BURST,
                 h11_max_incomplete_event_size=_HEAD,
             )
             server = _Server(config, counter.end, lambda: ready(page.address))
@@ -282,38 +280,6 @@ def _listening(port: int) -> socket.socket:
         what, remedy = "Port {port} cannot be used: {reason}", "Name another one with --port"
         raise InputError(what, remedy, port=port, reason=failure.strerror) from failure
     return listener
-
-
-class _Caller(H11Protocol):
-    """A connection. One that takes too long to ask is cut, and the longest waiting one where there are too many."""
-
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Take it in."""
-        super().connection_made(transport)
-        self._since = self.loop.time()
-        self._watch = self.loop.call_later(_PATIENCE, self._look)
-        asking = [line for line in self.connections if isinstance(line, _Caller) and line._asks()]
-        if len(asking) > _ASKING:
-            min(asking, key=lambda line: line._since).transport.abort()
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """Watch it no longer."""
-        self._watch.cancel()
-        super().connection_lost(exc)
-
-    def on_response_complete(self) -> None:
-        """Let the next request begin."""
-        self._since = self.loop.time()
-        super().on_response_complete()
-
-    def _asks(self) -> bool:
-        cycle = self.cycle
-        return cycle is None or cycle.response_complete or cycle.more_body
-
-    def _look(self) -> None:
-        if self._asks() and self.loop.time() - self._since >= _PATIENCE:
-            self.transport.abort()
-        self._watch = self.loop.call_later(_PATIENCE, self._look)
 
 
 class _Server(uvicorn.Server):

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, AnswerWords, BoughtAccuracy, PlannedAnswer, ResultAnswer
+from axiscal.answers.answer import AnswerDocument, AnswerWords, BoughtAccuracy, Outcome, PlannedAnswer
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
@@ -33,10 +33,10 @@ Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
 class AnswerShape(AnswerWords):
     """The result, or the plan, in words and as their document."""
 
-    document: ResultAnswer | PlannedAnswer
+    document: Outcome | PlannedAnswer
 
     @classmethod
-    def of_campaign(cls, campaign: Campaign, answer: ResultAnswer | PlannedAnswer) -> Self:
+    def of_campaign(cls, campaign: Campaign, answer: Outcome | PlannedAnswer) -> Self:
         """Return the answer of a campaign with its words."""
         if isinstance(answer, PlannedAnswer):
             text = plan_text(answer)
@@ -54,7 +54,6 @@ class StateShape(AnswerDocument):
     minds : what to mind about the last reading; named : whether it names a mistake that can be put right
     asks : whether a zero was set anew before some reading, "" for nothing; choices : of answers, in words
     jog : the test with which the mounting begins, null where it is done
-    seen : unit vectors along x, y, z of the workpiece in the picture of the machine, right and down; none at the end
     shows : what the instrument on a virtual machine shows at the question, "" on a real one
     answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
     controls : all that tables can be made for
@@ -71,7 +70,6 @@ class StateShape(AnswerDocument):
     ended: str | None
     finished: str | None
     jog: Jog | None
-    seen: Sequence[tuple[float, float]]
     shows: str
     trouble: str
     readings: list[KeptReading]

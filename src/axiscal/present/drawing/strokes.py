@@ -26,14 +26,14 @@ def text_safe(text: str) -> str:
     return escape(_NO_XML.sub("?", text), quote=True)
 
 
-SLACK = 1e-9
+_SLACK = 1e-9
 """Share of a step by which rounding may be off."""
 
 
 def rounded_up(size: float) -> float:
     """Return the smallest of 1, 2, 5 times a power of ten that is not below size."""
     power = 10.0 ** math.floor(math.log10(size))
-    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= size * (1 - SLACK))
+    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= size * (1 - _SLACK))
 
 
 def rounded_down(size: float) -> float:
@@ -56,13 +56,6 @@ def window(left: float, top: float, width: float, height: float, inside: str) ->
     """Return elements as far as they lie in a frame, pixels."""
     x, y, across, high = map(short_number, (left, top, width, height))
     return f'<svg x="{x}" y="{y}" width="{across}" height="{high}" viewBox="{x} {y} {across} {high}">{inside}</svg>'
-
-
-def words(text: str, at: Point, size: float, colour: str, anchor: str = "start", more: str = "") -> str:
-    """Return a line of text.  anchor : start, middle or end"""
-    place = f'x="{short_number(at[0])}" y="{short_number(at[1])}"'
-    where = "" if anchor == "start" else f' text-anchor="{anchor}"'
-    return f'<text {place} font-size="{size:g}" fill="{colour}"{where}{more}>{text_safe(text)}</text>'
 
 
 FONT = 14.0
@@ -128,10 +121,11 @@ class Label:
 
 def text(x: float, y: float, shown: str, kind: str = "", anchor: str = "start", size: float = FONT) -> str:
     """Return a line of text.  y : of the line that it stands on; anchor : start, middle or end"""
-    colour = "var(--soft)" if kind == "soft" else "var(--ink)"
+    place = f'x="{short_number(x)}" y="{short_number(y)}"' + ("" if anchor == "start" else f' text-anchor="{anchor}"')
+    ink = f'font-size="{size:g}" fill="var(--{"soft" if kind == "soft" else "ink"})"'
     weight = ' font-weight="600"' if kind in ("axis", "title") else ""
     rim = ' stroke="var(--paper)" stroke-width="4" stroke-linejoin="round" paint-order="stroke"'
-    return words(shown, (x, y), size, colour, anchor, f"{weight}{rim}")
+    return f"<text {place} {ink}{weight}{rim}>{text_safe(shown)}</text>"
 
 
 def placed(labels: Sequence[Label], frame: Bounds, over: Sequence[Bounds] = ()) -> list[Label]:

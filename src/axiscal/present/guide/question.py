@@ -30,7 +30,7 @@ from axiscal.measurement.reading import (
     shown_coordinate,
     units_of,
 )
-from axiscal.measurement.setup import Setup, Vector
+from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import off_ball
 from axiscal.numerics import Array
 from axiscal.record.events import Asked
@@ -209,7 +209,6 @@ class Question(AnswerDocument):
 
     touch : the ball, and how to get there; again : which reading has been taken there before, in words
     check : that the place was drawn at random, in words
-    ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
     unit : of the values when none is typed; units : of each of them; asks : what is to be typed, with its unit
     names : of the numbers of a reading, x, y, z or those of stations; "" of a single one
     """
@@ -225,8 +224,6 @@ class Question(AnswerDocument):
     again: str
     check: str = ""
     sign: str
-    ways: list[Vector]
-    turns: bool
     unit: str
     expected: list[ExpectedNumber]
     names: list[str]
@@ -256,8 +253,6 @@ class Question(AnswerDocument):
             again=again,
             check=said("drawn at random: what the others promise is judged by it") if asked.place.check else "",
             sign=sign_on(campaign.description.machine, setup),
-            ways=list(sense(setup).ways),
-            turns=setup.reads == "angle",
             unit=unit,
             expected=[ExpectedNumber(mean=mean, half=half) for mean, half in zip(means, halves, strict=True)],
             names=list(setup.names),

@@ -2,7 +2,7 @@
 import { button, call, draw, element, find, hear, on, renderWords, show, tell, text, waiting } from "/elements.js";
 import { renderControls } from "/after.js";
 import { deliver, enter, unanswered } from "/outbox.js";
-import { drawDirection, rounded, shown, strip, unitText } from "/pictures.js";
+import { rounded, shown, strip, unitText } from "/pictures.js";
 import { said, translate } from "/words.js";
 
 let state = null;
@@ -89,9 +89,8 @@ function renderQuestion() {
   text("setup", question.setup);
   text("mount-sign", state.jog === null ? question.sign : "");
   renderPlaces(question);
-  text("sign", question.sign);
   tell("again", question.again);
-  drawDirection(find("drawing"), question, state.seen);
+  text("sign", question.sign);
   text("unit", question.names.map((name, n) => `${name} ${unitText(question.units[n])}`.trim()).join(", "));
   find("field").className = question.expected.length > 1 ? "several" : "";
   text("expect", expectWords(question));

@@ -46,24 +46,3 @@ export function strip(place, expected, value, far, unit, name = "") {
     put(svg, "path", { ...mark, d: `M${tip} ${middle}l${-side * 18} -11v22z` });
   }
 }
-
-// The workpiece's x, y, z as the picture of the machine has them, and the way in which a reading is positive.
-export function drawDirection(place, question, axes) {
-  place.replaceChildren();
-  const svg = put(place, "svg", { viewBox: "0 0 92 76", role: "img", "aria-label": question.sign });
-  const seen = (way) => [0, 1].map((side) => [46, 38][side] + 28 * way.reduce((sum, c, n) => sum + c * axes[n][side], 0));
-  const [ox, oy] = seen([0, 0, 0]);
-  [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis, n) => {
-    const [x, y] = seen(axis), [tx, ty] = seen(axis.map((c) => 1.28 * c));
-    put(svg, "line", { class: "axis-line", x1: ox, y1: oy, x2: x, y2: y });
-    put(svg, "text", { x: tx, y: ty + 4, "text-anchor": "middle" }, "xyz"[n]);
-  });
-  for (const way of question.ways) arrow(svg, [ox, oy], seen(way), question.turns);
-}
-
-function arrow(svg, [ox, oy], [x, y], turns) {
-  const length = Math.hypot(x - ox, y - oy) || 1, [dx, dy] = [(x - ox) / length, (y - oy) / length];
-  put(svg, "line", { class: "sense-line", x1: ox, y1: oy, x2: x - 6 * dx, y2: y - 6 * dy });
-  put(svg, "path", { class: "sense-tip", d: `M${x} ${y}l${-9 * dx - 5 * dy} ${-9 * dy + 5 * dx}l${10 * dy} ${-10 * dx}z` });
-  if (turns) put(svg, "path", { class: "sense-line", d: `M${(ox + x) / 2 + 9 * dy} ${(oy + y) / 2 - 9 * dx}a9 9 0 1 0 ${-18 * dy} ${18 * dx}` });
-}
