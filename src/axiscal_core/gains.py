@@ -98,6 +98,11 @@ class Gains:
         self._mine = _Rows(*(_lengthened(part, k) for part in self._mine))
         self._fill(slice(before, before + k), what)
 
+    def enter_all(self, n: Numbers) -> None:
+        """Take in readings anywhere, in their order."""
+        for own in own_numbers(n.place, int(n.place.max(initial=-1)) + 1):
+            self.enter(n.at(own[own >= 0]))
+
     def exchange(self, slot: int, what: int | Numbers) -> None:
         """Put a candidate, or a reading anywhere, where another stands."""
         self._vacate(own := self._slice(slot))
@@ -143,7 +148,8 @@ class Gains:
             numbers = np.arange(self.width)
             new = _Rows.of(self.state, what, np.where(numbers < len(what.rows), numbers, -1)[None])
             self._k[own, own] = np.eye(self.width)
-            felt = np.linalg.solve(self._k, k := self._seen(self._mine, new))  # P K would lose what is less than a zero
+            k = self._seen(self._mine, new)
+            felt: Array = np.linalg.solve(self._k, k)  # P K would lose what is less than a zero
         else:
             at = what + self.count * np.arange(self.width)
             new, felt = self._all.at(at), self._a[:, at]

@@ -35,6 +35,7 @@ from axiscal.planning.other_readings import (
     without_markers,
 )
 from axiscal.planning.plan.greedy import worth_most
+from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.plan import MANY, Plan, make_plan, renewed
 from axiscal.planning.plan.task import Goal, Limits, Task
 from axiscal.record.events import Asked, Gap
@@ -106,17 +107,22 @@ def reaching(
 def _chosen(
     case: Case, task: Task, limits: Limits, goal: Goal | None, left: Sequence[Place], gaps: Sequence[Gap]
 ) -> Places:
-    """Return the readings of a plan that goes on with those that are left, or of a new one."""
+    """Return the readings of a plan that goes on with those that are left, or of a new one.
+
+    The quicker one where both reach an accuracy: what was chosen by other sizes holds on to places that tell little.
+    """
     usual, coming = case.description.usual, places_of(case.description.setups, left)
     long = task.observation.size > _SMALL
     if len(coming):  # climbing would bring places that were shaken back to their regular distances
         patience = 0.0 if gaps or usual or long else math.inf
         coming = renewed(task, limits, coming, patience, goal, usual)
-    if len(coming):
+    if len(coming) and (goal is None or not task.patience):
         return coming
     # off the lattice a way might lead into a gap
     patience = 0.0 if gaps or (long and len(left)) else task.patience
-    return make_plan(task, limits, goal=goal, patience=patience, usual=usual).places
+    anew = make_plan(task, limits, goal=goal, patience=patience, usual=usual).places
+    slower = goal is not None and (not goal.reached(anew) or seconds_along(task, coming) <= seconds_along(task, anew))
+    return coming if len(coming) and slower else anew
 
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:

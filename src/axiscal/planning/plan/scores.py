@@ -31,8 +31,7 @@ class Scores(Gains):
         root = np.zeros((len(columns), self.state.size))
         root[np.arange(len(columns)), columns] = 1 / np.where(first > 0, first, np.inf)
         found = Gains(self.task.begun(Goal(root)), self._n, own_numbers(self._n.place, self.count))
-        for index in range(len(self.places)):
-            found.enter(self.task.numbers(self.places.single(index)))
+        found.enter_all(self.task.numbers(self.places))
         return found
 
     def put(self, what: int | Places, slot: int | None = None) -> None:
@@ -48,8 +47,8 @@ class Scores(Gains):
 
     def put_all(self, places: Places) -> Self:
         """Take readings into the plan, after those that it has; return this."""
-        for index in range(len(places)):
-            self.put(places.single(index))
+        self.enter_all(self.task.numbers(places))
+        self.places = Places.joined([self.places, places])
         return self
 
     def leave(self, slot: int) -> None:
