@@ -58,7 +58,7 @@ def command(capsys: pytest.CaptureFixture[str]) -> Command:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with LinuxCNC, whose machines leave the processor to others, and with what would be waited for last."""
+    """Begin with LinuxCNC, whose machines leave the processor to others, and with what takes longest."""
     items.sort(key=lambda item: not {"linuxcnc", "test_golden.py", "test_readme.py"} & {*item.path.parts})
 
 
