@@ -19,7 +19,6 @@ from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.description.first_campaign import OFFERED, Purpose
 from axiscal.description.first_files import (
     first_described,
-    first_files,
     instruments_of,
     of_builtin,
     of_text,
@@ -98,7 +97,7 @@ def test_a_board_that_is_turned_is_offered_where_no_axis_does(tmp_path: Path) ->
     assert np.ptp(heights) > 0.85 * campaign.machine.axis("Z").length - 32e-3  # of 400 mm, with room over and below
     assert np.ptp(heights[0]) == pytest.approx(campaign.machine.tool_length - 18e-3, abs=1e-3)
     with pytest.raises(DescriptionError, match="Nothing of sphere can be offered"):
-        first_files(with_travels(of_builtin("three-axis-mill"), {"X": 80.0}), ["sphere"], Purpose("20 um"))
+        first_described(with_travels(of_builtin("three-axis-mill"), {"X": 80.0}), ["sphere"], Purpose("20 um"))
 
 
 @pytest.mark.long
