@@ -13,7 +13,7 @@ from scipy.stats import chi2
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.first_campaign import Purpose
-from axiscal.description.first_files import first_files, of_builtin
+from axiscal.description.first_files import first_described, of_builtin
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.machine_estimate import Estimate
@@ -137,8 +137,8 @@ def test_as_found_values_that_are_nonsense_do_not_pass(factor: float) -> None:
 
 def test_both_legs_of_a_square_show_how_square_the_machine_is() -> None:
     """The square lies turned by any angle, which both legs share; a slope of one leg alone is the machine's."""
-    texts = first_files(of_builtin("three-axis-mill"), ["square"], Purpose()).texts
-    of = campaign_from_texts(texts["campaign.toml"], "campaign.toml", texts["machine.toml"], "machine.toml")
+    described = first_described(of_builtin("three-axis-mill"), ["square"], Purpose())
+    of = campaign_from_texts(described.text, "campaign.toml", described.machine.text, "machine.toml")
     at = np.array([-0.1, 0.0, 0.1, 0.12])
     poses = np.full((8, 3), 0.2)
     poses[:4, 0] += at

@@ -12,7 +12,7 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.first_campaign import Purpose, first_campaign
-from axiscal.description.first_files import first_files, of_builtin
+from axiscal.description.first_files import first_described, of_builtin
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import machine_from_text
 from axiscal.measurement.candidates import spread
@@ -157,9 +157,9 @@ def test_the_judge_sees_a_program_that_knows_of_no_sizes(seed: int) -> None:
 
 
 def test_posts_that_init_offers_are_below_the_nose_that_touches_beside_them() -> None:
-    files = first_files(of_builtin("three-axis-mill"), ["sphere"], Purpose())
-    printed = printed_machine(files.texts["machine.toml"])
-    heights = [number(at[2]) for at in tomllib.loads(files.texts["campaign.toml"])["artefacts"][0]["balls"].values()]
+    described = first_described(of_builtin("three-axis-mill"), ["sphere"], Purpose())
+    printed = printed_machine(described.machine.text)
+    heights = [number(at[2]) for at in tomllib.loads(described.text)["artefacts"][0]["balls"].values()]
     assert printed.nose.head == (0.13, 0.13)
     assert 0.02 < max(heights) - min(heights) < printed.tool_length - CLEAR
 

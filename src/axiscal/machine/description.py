@@ -91,7 +91,7 @@ def _axes(document: Document, tables: MachineFile, faults: Faults) -> tuple[Axis
     except InputError as fault:
         raise document.fault(fault, "chain") from None
     _check_tables(document, tables, [link.name for link in links])
-    found = (_axis(document, link, tables.axes[link.name], faults) for link in links)
+    found = (_axis(document, axis, tables.axes[axis.name], faults) for axis in links)
     return tuple(axis for axis in found if axis is not None)
 
 
@@ -109,10 +109,9 @@ def _check_tables(document: Document, tables: MachineFile, names: list[str]) -> 
             raise document.fault(DescriptionError(what, remedy, axis=name, chain=shown(tables.chain)), "chain")
 
 
-def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> Axis | None:
-    """Return an axis; None where something in its table is wrong, which is noted, all of it."""
-    axis, before = iso_axis(link.name, link.workpiece_side, (0.0, 1.0)), len(faults.found)
-    stated, turns = Stated(document, table, ("axes", link.name)), axis.rotary
+def _axis(document: Document, axis: Axis, table: AxisTable, faults: Faults) -> Axis | None:
+    """Return an axis as its table has it; None where something there is wrong, which is noted, all of it."""
+    before, stated, turns = len(faults.found), Stated(document, table, ("axes", axis.name)), axis.rotary
     speed = faults.tried(stated.within, "speed", "rotation_speed" if turns else "speed", 1e-9, 1e4)
     rate: Dimension = "rotation_acceleration" if turns else "acceleration"
     acceleration = faults.tried(stated.within, "acceleration", rate, 1e-9, 1e6)
@@ -190,16 +189,8 @@ _PRIMES = str.maketrans(dict.fromkeys("’‘′´`", "'"))
 _EXAMPLE = "Write the chain from the workpiece w over the bed b to the tool t, such as \"w-X'-Y'-b-Z-t\""
 
 
-@dataclass(frozen=True, slots=True)
-class Link:
-    """One axis in the chain; workpiece_side: primed, between workpiece and bed."""
-
-    name: str
-    workpiece_side: bool
-
-
-def parse_chain(text: str) -> tuple[Link, ...]:
-    """Return the axes of a chain from the workpiece to the tool; a spindle in parentheses is left out.
+def parse_chain(text: str) -> tuple[Axis, ...]:
+    """Return the axes of a chain from the workpiece to the tool, of no travel yet, spindles in parentheses left out.
 
     text : "w-C'-B'-b-Y-X-Z-(C)-t" or "[w C' B' b Y X Z (C) t]", one to six axes, each once
     Raises ChainError: w, b or t missing or misplaced, an axis unknown, twice, or primed on the wrong side.
@@ -227,7 +218,7 @@ def parse_chain(text: str) -> tuple[Link, ...]:
     return tuple(links)
 
 
-def _link(word: str, workpiece_side: bool, text: str) -> Link:
+def _link(word: str, workpiece_side: bool, text: str) -> Axis:
     """Return one axis; raises ChainError for a word that is none, or whose prime does not fit its side of the bed."""
     found = _LINK.fullmatch(word)
     if found is None:
@@ -239,7 +230,7 @@ def _link(word: str, workpiece_side: bool, text: str) -> Link:
         what = "{word} in the chain {text} is on the wrong side of the bed"
         remedy = "Axes between w and b carry the workpiece and have a prime, {name}'; those behind b have none"
         raise ChainError(what, remedy, word=word, text=shown(text), name=found["name"])
-    return Link(found["name"], workpiece_side)
+    return iso_axis(found["name"], workpiece_side, (0.0, 1.0))
 
 
 _LIBRARY = Path(__file__).parent / "library"
