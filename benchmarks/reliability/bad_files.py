@@ -24,11 +24,13 @@ from axiscal.machine.description import load_machine
 from axiscal.measurement.readers.csv_readings import Around, read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import read_truth
 from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.lines import EventText
 from axiscal.record.payload import encode
 from axiscal.record.store import content_of
 from benchmarks.reliability.trial import Trial, scratch
+from tests.measurement.test_readers import TRUTH
 from tests.refusals.reading import refusals
 
 SECONDS, MEGABYTES = 1.0, 200.0
@@ -76,6 +78,7 @@ def _record() -> bytes:
 def _kinds() -> Iterator[Kind]:
     yield Kind("mill.toml", refusals("machine").texts["mill"].encode(), load_machine)
     yield Kind("campaign.toml", CAMPAIGN.encode(), partial(read_campaign, target_needed=False, asking=False))
+    yield Kind("truth.csv", TRUTH.encode(), read_truth)
     yield Kind("poses.csv", POSES.encode(), read_poses)
     yield Kind("mill.axiscal", _record(), lambda path: Campaign.open(path, write=False).close())
     yield Kind("machine.ini", _texts("ini")["small"].encode(), lambda path: machine_of(read_ini(path)))

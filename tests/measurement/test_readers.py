@@ -1,4 +1,4 @@
-"""CSV: readings, poses, refusals in words; every text comes back, and none is a formula."""
+"""CSV: readings, poses, truth curves, refusals in words; every text comes back, and none is a formula."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import io
 from math import pi
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,6 +18,17 @@ from axiscal.measurement.readers.csv_readings import read_poses
 from axiscal.measurement.readers.csv_table import csv_text, table_of, unshielded
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.text_file import TextFile, lines_of
+from axiscal.measurement.simulation import read_truth
+
+TRUTH = """error,position_mm,position_deg,value_um,value_urad
+EXX,0,,1.5,
+EXX,100.5,,-2,
+EAX,0,,,10
+ECC,,-180,,1
+ECC,,180,,2
+C0Y,,,,30
+EXX_reversal,,,3,
+"""
 
 
 def written(tmp_path: Path, text: str) -> Path:
@@ -29,6 +41,24 @@ def test_poses(tmp_path: Path) -> None:
     poses = read_poses(written(tmp_path, "C_deg,X_mm,approach\n180,10,X-\n0,20,\n"))
     found = [(each.position, each.approach, each.line) for each in poses]
     assert found == [({"C": pi, "X": 0.01}, {"X": -1}, 2), ({"C": 0.0, "X": 0.02}, {}, 3)]
+
+
+def test_truth_curves(tmp_path: Path) -> None:
+    curves = read_truth(written(tmp_path, TRUTH))
+    assert list(curves) == ["EXX", "EAX", "ECC", "C0Y", "EXX_reversal"]
+    assert curves["EXX"].positions == pytest.approx([0, 0.1005])
+    assert curves["EXX"].values == pytest.approx([1.5e-6, -2e-6])
+    positions, values = curves["ECC"]
+    assert positions == pytest.approx([-pi, pi])
+    assert values == pytest.approx([1e-6, 2e-6])
+    assert (curves["C0Y"].positions.tolist(), curves["C0Y"].values.tolist()) == ([0.0], [pytest.approx(3e-5)])
+    assert curves["EXX_reversal"].values == pytest.approx([3e-6])
+
+
+def test_truth_curves_may_interleave_and_be_spelt_in_full(tmp_path: Path) -> None:
+    curves = read_truth(written(tmp_path, "error,position_mm,value_um\nEXX,0,1\nEYX,0,5\nEXX,1,2\nEYX,1,6\n"))
+    assert np.array_equal(curves["EYX"].values, np.array([5e-6, 6e-6]))
+    assert list(read_truth(written(tmp_path, "error,position_mm,value_urad\nEC(0X)Y,,5\n"))) == ["C0Y"]
 
 
 def test_a_file_without_a_header_is_shown_that_of_the_machine(tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ from axiscal.machine.error_names import error_named
 from axiscal.measurement.readers.csv_readings import Around, read_poses
 from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text
+from axiscal.measurement.simulation import read_truth
 from axiscal.ports.linuxcnc.configuring import export_into
 from axiscal.present.guide.question import answer
 from axiscal.record.lines import EventText
@@ -262,5 +263,6 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "rewritten": _rewritten,
     "source": lambda _, text: open_source(text, SIMULATOR),
     "template": _template,
+    "truth": _of_file("truth.csv", read_truth),
     "typed": _typed,
 }

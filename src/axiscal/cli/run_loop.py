@@ -36,7 +36,7 @@ def run_loop(
         str,
         typer.Option(
             metavar="SOURCE",
-            help="sim, sim:SEED, csv:FILE, exec:COMMAND or linuxcnc-live:HOST.",
+            help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND or linuxcnc-live:HOST.",
         ),
     ],
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the record that DIR holds.")] = False,

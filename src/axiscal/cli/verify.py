@@ -70,7 +70,7 @@ def verify(
         str | None,
         typer.Option(
             metavar="SOURCE",
-            help="Read without a person: sim:SEED; linuxcnc-live:HOST into FOUND and LEFT.",
+            help="Read without a person: sim:SEED, truth:FILE; linuxcnc-live:HOST into FOUND and LEFT.",
         ),
     ] = None,
     loaded: Annotated[

@@ -2,6 +2,10 @@
 
 Readings come from the full non-linear kinematics, so what is estimated is never simulated by the formula that
 estimates it.
+
+A file of curves has the columns `error,position_mm,value_um`; `position_deg` for rotary axes, `value_urad` for angles.
+One file may hold both kinds: then exactly one position column and one value column are filled in each line.  A location
+error is one line, its position empty.
 """
 
 from __future__ import annotations
@@ -10,15 +14,20 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import count, pairwise
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.exceptions import ReadingError
+from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine.error_names import error_named
 from axiscal.machine.kinematics import Deviation, actual_deviation, composed
 from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.observation import Owned
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
+from axiscal.measurement.readers.csv_table import table_of
+from axiscal.measurement.readers.table_cells import Cell, Row
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import SHORTEST, belongs, feet_of
@@ -29,12 +38,60 @@ from axiscal_core.machine import Machine
 from axiscal_core.refusals import finite, one, whole
 from axiscal_core.terms import Term
 
+_LAYOUT = {"error": TEXT, "position": LENGTHS + ANGLES, "value": LENGTHS + ANGLES}
+
 
 class TruthCurve(NamedTuple):
     """One error: positions (n,) m or rad, increasing; values (n,) m or rad.  A constant has one position, 0."""
 
     positions: Array
     values: Array
+
+
+def read_truth(path: str | Path) -> dict[str, TruthCurve]:
+    """Read the curves of a file by canonical error name, in the order of the file; raises ReadingError."""
+    table = table_of(read_text(path)).allow(_LAYOUT)
+    table.one_of("error", "error")
+    for stem, example in (("position", "position_mm"), ("value", "value_um")):
+        if not table.all_of(stem):
+            table.one_of(stem, example)
+    curves: dict[str, list[tuple[float, float]]] = {}
+    for row in table.rows:
+        try:
+            name = error_named(row.of("error").text)
+        except DescriptionError as fault:
+            raise row.fail(fault.what, fault.remedy) from None
+        points = curves.setdefault(name.name, [])
+        points.append(_point(row, name, points))
+    return {name: TruthCurve(*np.array(points).T) for name, points in curves.items()}
+
+
+def _point(row: Row, name: Error, before: list[tuple[float, float]]) -> tuple[float, float]:
+    position, value = row.of("position"), row.of("value")
+    if not value.text:
+        remedy = "write the value of the error, or take out the line"
+        raise row.fail("{name} has no value here", remedy, name=name.name)
+    _fits(value, name, "angle" if name.angular else "length")
+    if not position.text:
+        if name.kind == "motion" or before:
+            remedy = "write the position; only a constant, given in one line, goes without"
+            raise row.fail("{name} has no position here", remedy, name=name.name)
+        return 0.0, value.quantity()
+    _fits(position, name, "angle" if name.axis[0] in "ABC" else "length")
+    at = position.quantity()
+    if before and at <= before[-1][0]:
+        what = "position {text} of {name} does not lie beyond the one before it"
+        remedy = "sort the positions of each error and give each once"
+        raise position.fail(what, remedy, text=position.text, name=name.name)
+    return at, value.quantity()
+
+
+def _fits(cell: Cell, name: Error, dimension: str) -> None:
+    if cell.column.dimension != dimension:
+        remedy = "the {stem} of {name} is an angle: deg, urad or arcsec"
+        remedy = "the {stem} of {name} is a length: mm or um" if dimension == "length" else remedy
+        what = "'{column}' does not fit {name}"
+        raise cell.fail(what, remedy, column=cell.column.name, name=name.name, stem=cell.column.stem)
 
 
 Curve = Callable[..., Array]
@@ -189,10 +246,10 @@ class Simulator:
         each = tuple(_rough(f, coefficients[f.columns], rng) for f in model.terms)
         return VirtualMachine(model, each, *self._mounted(seed))
 
-    def with_curves(self, curves: Mapping[str, TruthCurve], seed: int) -> VirtualMachine:
+    def with_curves(self, curves: Mapping[str, TruthCurve], seed: int, path: Path | None = None) -> VirtualMachine:
         """Return a machine with the given curves, linear between their points; errors that have none are zero.
 
-        Raises ReadingError for a curve of another machine.
+        path : the file that they are from.  Raises ReadingError for a curve of another machine.
         """
         names, where = {axis.name for axis in self.machine.axes}, "Simulator.with_curves"
         whole(where, "seed", seed, 0)
@@ -201,7 +258,7 @@ class Simulator:
             if axis not in names:
                 what = '"{name}" is an error of axis {axis}, which "{machine}" does not have'
                 remedy, known = "Take the curve out; the axes are {known}", ", ".join(sorted(names))
-                raise ReadingError(what, remedy, name=name, axis=axis, machine=self.machine.name, known=known)
+                raise ReadingError(what, remedy, path, name=name, axis=axis, machine=self.machine.name, known=known)
         errors = tuple(Error(name, 1.0, period=1.0 if name.endswith("_pitch") else None) for name in curves)
         model = replace(self.machine, errors=errors)
         return VirtualMachine(model, tuple(map(_through, curves.values())), *self._mounted(seed))

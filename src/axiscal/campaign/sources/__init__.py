@@ -1,6 +1,6 @@
 """Where readings come from.
 
-`sim[:SEED]`, `csv:FILE`, `exec:COMMAND`, `linuxcnc-live[:HOST]`.
+`sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc-live[:HOST]`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Answer", "Request", "Skip", "Source", "open_source", "virtual_in", "virtual_machine", "virtual_note"]
 
-VIRTUAL = "sim"
-"""The kind of virtual machines."""
+VIRTUAL = "sim", "truth"
+"""Kinds of virtual machines."""
+TRUTH_SEED = 0
+"""Seed of the noise and of the set-ups' unknowns on a machine whose errors are given."""
 
 
 def open_source(
@@ -30,7 +32,7 @@ def open_source(
 ) -> Source:
     """Return the source that `text` names.
 
-    simulator : makes the virtual machines of `sim`
+    simulator : makes the virtual machines of `sim` and `truth`
     timeout : s that an `exec` command may take over one reading
     taken : number of readings that an earlier run has had from this source
     active : whether a compensation is to be in force on a control that runs
@@ -38,7 +40,7 @@ def open_source(
     """
     kind, _, rest = text.partition(":")
     _refuse_gone(kind)
-    if kind == VIRTUAL:
+    if kind in VIRTUAL:
         return SimulatedSource(*virtual_machine(text, simulator))
     if kind in ("csv", "exec") and not rest.strip():
         raise _nothing_named(text, kind)
@@ -69,16 +71,28 @@ def _refuse_gone(kind: str) -> None:
         raise SourceError("the source {kind} is gone", instead, kind=kind)
 
 
-_KINDS = "Sources are sim, sim:SEED, csv:FILE and exec:COMMAND, and linuxcnc-live:HOST with a LinuxCNC that runs"
+_KINDS = (
+    "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, and linuxcnc-live:HOST with a LinuxCNC "
+    "that runs"
+)
 
 
 def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, int]:
-    """Return the machine of `sim[:SEED]`, and the seed of its noise; raises SourceError for anything else."""
+    """Return the machine of `sim[:SEED]` or `truth:FILE`, and the seed of its noise.
+
+    Raises SourceError for anything else, InputError for a file that cannot be used.
+    """
     kind, colon, rest = text.partition(":")
     _refuse_gone(kind)
-    if kind != VIRTUAL:
+    if kind not in VIRTUAL:
         what = "'{kind}' cannot be asked without a person and with tables"
-        raise SourceError(what, "Take sim:SEED", kind=kind[:40])
+        raise SourceError(what, "Take sim:SEED or truth:FILE.csv", kind=kind[:40])
+    if kind == "truth":
+        if not rest.strip():
+            raise _nothing_named(text, kind)
+        from axiscal.measurement.simulation import read_truth  # which whoever has a simulator has loaded
+
+        return simulator.with_curves(read_truth(Path(rest)), TRUTH_SEED, Path(rest)), TRUTH_SEED
     if colon and not (rest.isascii() and rest.isdigit() and len(rest) <= 18):
         raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in sim:7", text=rest[:40])
     seed = int(rest) if colon else 0

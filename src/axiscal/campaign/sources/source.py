@@ -1,6 +1,6 @@
 """The protocol of a source: it answers questions for one reading at a time, or says why it cannot.
 
-`sim[:SEED]`: a virtual machine, with errors drawn from the prior.
+`sim[:SEED]` and `truth:FILE`: a virtual machine, with errors drawn from the prior or given as curves.
 
 `csv:FILE`: readings that exist already, given in the order in which they are asked for.
 """
