@@ -20,7 +20,7 @@ from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import machine_of
 from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import AxiscalError
-from axiscal.machine.description import load_machine
+from axiscal.machine.description import load_machine, machine_from_text
 from axiscal.measurement.readers.csv_readings import Around, read_poses
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.reading import Reading
@@ -29,6 +29,9 @@ from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.lines import EventText
 from axiscal.record.payload import encode
 from axiscal.record.store import content_of
+from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import read_old
+from axiscal.tables.registry import loaded
 from benchmarks.reliability.trial import Trial, scratch
 from tests.measurement.test_readers import TRUTH
 from tests.refusals.reading import refusals
@@ -67,6 +70,11 @@ def _around() -> Around:
     return Around(campaign.machine.axes, campaign.setups)
 
 
+def _old_table(controller: str, template: str, path: Path) -> object:
+    machine = machine_from_text(refusals("old_table").texts["machine.toml"])
+    return loaded(controller, machine, ExportOptions(old_files=read_old([str(path)]), template=template))
+
+
 def _record() -> bytes:
     """Return the file of a record with two readings."""
     created = Created(MACHINE, CAMPAIGN, "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
@@ -86,6 +94,9 @@ def _kinds() -> Iterator[Kind]:
     yield Kind("iso.csv", iso, lambda path: evaluate(positioning_test(recognised(path))))
     for title, text in _texts("files").items():
         yield Kind("file.txt", text.encode(), lambda path: recognised(path, _around()), title)
+    for title, text in _texts("old_table").items():
+        controller, name = title.split()
+        yield Kind(f"{controller}/{name}", text.encode(), partial(_old_table, controller, text))
 
 
 KINDS = tuple(_kinds())

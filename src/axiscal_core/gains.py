@@ -149,7 +149,8 @@ class Gains:
             new = _Rows.of(self.state, what, np.where(numbers < len(what.rows), numbers, -1)[None])
             self._k[own, own] = np.eye(self.width)
             k = self._seen(self._mine, new)
-            felt: Array = np.linalg.solve(self._k, k)  # P K would lose what is less than a zero
+            # P K would lose what is less than a zero
+            felt: Array = np.asarray(np.linalg.solve(self._k, k), dtype=np.float64)
         else:
             at = what + self.count * np.arange(self.width)
             new, felt = self._all.at(at), self._a[:, at]

@@ -72,6 +72,7 @@ def test_files_that_leave_no_less_are_not_to_be_loaded(
 @pytest.mark.parametrize(
     ("first", "exported", "verified"),
     [
+        ('["linuxcnc-volumetric", "sinumerik"]\ncompensation_active = true', "sinumerik --on-top-of OLD", "sinumerik"),
         ('["fanuc"]', "fanuc --template FILE", "fanuc --template FILE"),
     ],
 )

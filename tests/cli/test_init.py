@@ -90,7 +90,7 @@ def test_the_first_description_comes_from_the_ini_file_of_a_linuxcnc(tmp_path: P
     assert "the length of the tool" in command("init", tmp_path / "mill", *words, "--chain", "w-Y'-b-X-Z-t").printed
     campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
     assert (campaign.machine.chain, campaign.machine.axis("X").travel) == ("w-Y'-b-X-Z-t", (0.0, 0.4))
-    assert campaign.compensation_active is None
+    assert campaign.compensation_active == ("../machine.ini",)
     (tmp_path / "machine.ini").write_text(INI.replace("[JOINT_1]\nBACKLASH = 0.02\n", ""))
     assert app.run(["init", str(tmp_path / "bare"), *words, "--chain", "w-Y'-b-X-Z-t"]) == 0
     assert read_campaign(tmp_path / "bare" / "campaign.toml").compensation_active is False

@@ -39,6 +39,7 @@ def test_a_garbled_campaign_is_read_or_refused(data: st.DataObject) -> None:
         campaign_from_texts(GOOD[:start] + middle + GOOD[end:], "campaign.toml", MACHINE, "machine.toml")
 
 
-def test_a_record_whose_campaign_names_files_of_a_compensation_opens() -> None:
-    text = f'compensation_active = ["X=old.comp"]\n{GOOD}'
-    assert campaign_from_texts(text, "campaign.toml", MACHINE, "machine.toml").compensation_active is True
+def test_a_compensation_that_was_active_is_in_a_file_that_is_there(folder: Path) -> None:
+    (folder / "old.comp").touch()
+    (folder / "campaign.toml").write_text(f'compensation_active = ["X=old.comp"]\n{GOOD}')
+    assert read_campaign(folder / "campaign.toml").setups

@@ -17,6 +17,7 @@ from axiscal.numerics import Array
 from axiscal.ports.printers.klipper import Klipper
 from axiscal.ports.printers.reprapfirmware import RepRapFirmware
 from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import OldFile
 from tests.tables.test_bed_round_trips import X, Y, bed, duet_file, klipper_file
 
 ROUND = "[bed_mesh]\nmesh_radius: {}\nmesh_origin: 5, -5\nround_probe_count: {}\n"
@@ -70,8 +71,8 @@ def test_all_cells_of_a_rectangle_are_readings(tmp_path: Path) -> None:
 
 def test_klipper_corrects_by_the_cells_that_it_filled() -> None:
     x, y, rows, _ = round_map(80.0, 5)
-    file = {"printer.cfg": ROUND.format(80, 5) + klipper_file(x, y, np.array(rows))}
-    (mesh,) = Klipper().load(file, build("printer-gantry"), ExportOptions()).meshes
+    file = OldFile("printer.cfg", ROUND.format(80, 5) + klipper_file(x, y, np.array(rows)))
+    (mesh,) = Klipper().load([file], build("printer-gantry"), ExportOptions()).meshes
     assert 1e3 * mesh.added == pytest.approx(np.array(rows), abs=1e-6)
 
 
@@ -87,7 +88,7 @@ def test_a_duet_fills_cells_by_the_plane_of_the_others() -> None:
     at = np.linspace(-100.0, 100.0, 5)
     plane = np.array([[0.1 + 1e-3 * x - 2e-3 * y for x in at] for y in at])
     text = duet_file(at, at, plane).replace(f"{plane[0, 0]:.6f}", "0", 1)
-    (mesh,) = RepRapFirmware().load({"map.csv": text}, build("printer-gantry"), ExportOptions()).meshes
+    (mesh,) = RepRapFirmware().load([OldFile("map.csv", text)], build("printer-gantry"), ExportOptions()).meshes
     assert 1e3 * mesh.added == pytest.approx(plane, abs=1e-6)
 
 

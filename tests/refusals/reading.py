@@ -38,7 +38,8 @@ from axiscal.record.lines import EventText
 from axiscal.record.signing import rows_of
 from axiscal.record.store import content_of
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.registry import export, exporter
+from axiscal.tables.loaded import OldFile
+from axiscal.tables.registry import export, exporter, loaded
 from axiscal.tables.rewriting import rewrite
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.units import Dimension, parse_quantity
@@ -131,6 +132,13 @@ def _of_file(name: str, read: Callable[[Path], object]) -> Callable[[str, str], 
     return found
 
 
+def _old_table(of: str, text: str) -> object:
+    """Read the text as a file of an old table.  of : its control and name"""
+    (controller, name), texts = of.split(), refusals("old_table").texts
+    options = ExportOptions(old_files=(OldFile(name, text),), template=texts[of] or None)
+    return loaded(controller, machine_from_text(texts["machine.toml"]), options)
+
+
 def _template(of: str, text: str) -> object:
     """Make files from a template of the control.  of : which"""
     known = drawn_and_known(machine_from_text(refusals("template").texts["machine.toml"]))
@@ -143,7 +151,8 @@ def _options(of: str, text: str) -> object:
     known = drawn_and_known(machine_from_text(refusals("options").texts[machine]))
     chosen: dict[str, Any] = tomllib.loads(text)
     numbers = {axis: tuple(joints) for axis, joints in chosen.get("numbers", {}).items()}
-    return export(known, controller, ExportOptions(**{**chosen, "numbers": numbers}))
+    old = tuple(OldFile(*each) for each in chosen.get("old_files", ()))
+    return export(known, controller, ExportOptions(**{**chosen, "numbers": numbers, "old_files": old}))
 
 
 def _owner(of: str, text: str) -> None:
@@ -252,6 +261,7 @@ _READERS: Mapping[str, Callable[[str, str], object]] = {
     "error_name": lambda _, text: error_named(text),
     "ini": _of_file("machine.ini", lambda path: machine_of(read_ini(path))),
     "machine": lambda _, text: machine_from_text(text, "mill.toml"),
+    "old_table": _old_table,
     "options": _options,
     "owner": _owner,
     "answers_in_a_table": _of_file("r.csv", lambda path: open_source(f"csv:{path}", SIMULATOR).read(REQUEST)),

@@ -10,6 +10,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.document.gone import GoneKind, gone
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.files import FORMATS
+from axiscal.tables.registry import controllers, exporter
 from tests.refusals.reading import BESIDE, Row, kinds, refusals, said
 
 ROWS = [(kind, row) for kind in kinds() for row in refusals(kind).rows]
@@ -47,3 +48,8 @@ def test_a_record_with_a_key_that_is_gone_opens_as_without_it(row: Row) -> None:
 def test_every_kind_of_file_has_rows() -> None:
     titles = {row.of.partition(", of")[0] for row in refusals("files").rows}
     assert {kind.title for kind in FORMATS} - {"a file of laser software"} <= titles
+
+
+def test_every_reader_of_old_tables_has_rows() -> None:
+    takers = {name for name in controllers() if "--on-top-of" in exporter(name).takes}
+    assert takers <= {row.of.split()[0] for row in refusals("old_table").rows}

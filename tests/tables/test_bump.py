@@ -10,6 +10,7 @@ import pytest
 from axiscal.exceptions import TableError
 from axiscal.tables.bump import bumped, other_way
 from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import OldFile
 from axiscal.tables.registry import export, exporter, unstated
 from tests.tables.test_controllers import OPTIONS, known
 
@@ -25,7 +26,8 @@ def test_two_readings_tell_which_way_a_control_takes_its_tables(controller: str,
     options = OPTIONS.get(controller, ExportOptions())
     offered = export(bump, controller, options)
     machine, name = estimate.machine, told.split("Let ")[1][0]
-    control = made.load(offered.files, machine, replace(options, flip=flips)).control(machine)
+    files = [OldFile(*file) for file in offered.files.items()]
+    control = made.load(files, machine, replace(options, flip=flips)).control(machine)
     poses = np.tile(np.mean(np.array([axis.travel for axis in machine.axes]), axis=1), (2, 1))
     (axis,), places = [each for each in machine.axes if each.name == name], told.split(" come from below to ")[1]
     poses[:, machine.index(name)] = [float(place.split()[0]) / 1e3 for place in places.split(" and to ")[:2]]

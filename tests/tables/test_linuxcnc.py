@@ -38,6 +38,11 @@ def at(*positions: float) -> Array:
     return np.array(positions)
 
 
+def rows(parsed: LinuxcncTable) -> list[tuple[float, ...]]:
+    columns = (parsed.nominal, parsed.forward, parsed.reverse)
+    return [tuple(row) for row in np.array(columns).T.tolist()]
+
+
 @pytest.mark.parametrize(
     ("position", "direction", "seen"),
     [(100, 1, -0.020), (100, -1, -0.016), (300, 1, -0.005), (-300, -1, 0.014), (50, 1, -0.010), (-300, 1, 0.010)],
@@ -66,6 +71,14 @@ def test_reading_stops_at_a_line_that_does_not_match_and_leaves_out_rows_that_do
     text: str, kept: list[float]
 ) -> None:
     assert parse(text).nominal.tolist() == kept
+
+
+def test_the_table_that_a_rotary_axis_is_shipped_with() -> None:
+    """PocketNC's a.comp.default: zero trims, of Type 1; read as Type 0 it would turn the axis by 45 degrees."""
+    text = "0 0 0\n45 0 0\n90 0 0\n135 0 0\n"
+    assert correction(parse(text), at(45), 1) == pytest.approx([45])
+    parsed = parse(text, file_type=1)
+    assert rows(parsed) == [(0, 0, 0), (45, 0, 0), (90, 0, 0), (135, 0, 0)]
 
 
 def table(**changes: Any) -> CompensationTable:

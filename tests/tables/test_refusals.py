@@ -1,6 +1,8 @@
-"""What no control can hold is refused with what is wrong and what to do."""
+"""What no control can hold, and old files that are not whole, are refused with what is wrong and what to do."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +13,8 @@ from axiscal.ports.linuxcnc.tables import cross
 from axiscal.tables.controllers import sinumerik
 from axiscal.tables.controllers.isg import write_list
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.registry import export
+from axiscal.tables.loaded import OldFile, read_old
+from axiscal.tables.registry import export, loaded
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.table import CompensationTable
 from tests.generators.texts import machine_text
@@ -19,6 +22,29 @@ from tests.generators.texts import machine_text
 THREE = machine_from_text(
     machine_text("w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
 )
+LATHE = machine_from_text(
+    machine_text("w-b-X-Z-t", {"X": (0, 300), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
+)
+
+
+def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No file is known that leads there; whoever finds one is not shown a traceback."""
+
+    def missing(*_: object) -> None:
+        raise KeyError("interval")
+
+    monkeypatch.setattr(sinumerik.Sinumerik, "load", missing)
+    with pytest.raises(TableError, match=r"a number that sinumerik needs is missing, or is none \('interval'\)"):
+        loaded("sinumerik", THREE, ExportOptions(old_files=(OldFile("AX_EEC.INI", ""),)))
+
+
+def test_the_file_of_another_machine_is_refused() -> None:
+    files = export(drawn_and_known(THREE), "linuxcnc-volumetric", ExportOptions()).files
+    old = OldFile("axiscal.vcomp", files["axiscal.vcomp"])
+    with pytest.raises(TableError, match="the file has axes X Y Z"):
+        loaded("linuxcnc-volumetric", LATHE, ExportOptions(old_files=(old,)))
+    with pytest.raises(TableError, match="A whole correction goes on top of none"):
+        export(drawn_and_known(THREE), "linuxcnc-volumetric", ExportOptions(old_files=(old,)))
 
 
 def test_a_spacing_is_of_an_axis_of_the_machine() -> None:
@@ -31,6 +57,18 @@ def test_more_tables_than_a_sinumerik_has() -> None:
     assert len(sinumerik.blocks_of([], [one] * 128)) == 128
     with pytest.raises(TableError, match="129 CEC tables are needed, 128 fit"):
         sinumerik.blocks_of([], [one] * 129)
+
+
+def test_a_table_is_of_the_axis_that_is_said_on_the_command_line(tmp_path: Path) -> None:
+    (tmp_path / "a.comp").write_text("0 0 0\n100 100.01 100.01\n")
+    (old,) = read_old(["Y=a.comp"], tmp_path)
+    assert old.axis == "Y"
+    assert {each.axis for each in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).tables} == {"Y"}
+
+
+def test_a_folder_without_files(tmp_path: Path) -> None:
+    with pytest.raises(TableError, match="there is no file in this folder"):
+        read_old([str(tmp_path)])
 
 
 def test_uneven_points_where_the_control_knows_one_distance() -> None:

@@ -20,9 +20,11 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric_tables import reversal_times
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import effect_sentence, foreword, shifts
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.surface import CommandedMachine, Effect, effect_of_control, planes_left
+from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
 from axiscal_core.normal import Normal
 from tests.evaluation.said import idle
@@ -30,7 +32,7 @@ from tests.generators.known import sure
 from tests.generators.planes import BED
 from tests.generators.texts import TWO_SPHERES
 from tests.tables.test_controllers import known
-from tests.tables.test_sampling import machine
+from tests.tables.test_sampling import CHAINS, machine
 
 ONE_PLANE = BED.replace("EAYZ", "#").replace('EAX = { std = "100 urad", knots = 4, length = "100 mm" }', "")
 
@@ -71,6 +73,44 @@ def test_what_files_leave_of_two_axes_is_said_below_nine_tenths_and_part_of_it_a
     if says:
         size = np.std(plane_of(estimate, poses)) * 1e6
         assert f"(EZXY: {size:.3g} um RMS over the volume)" in words
+
+
+def old_table(count: int, low: float = 0.0, high: float = 0.4, size: float = 3e-6) -> CompensationTable:
+    """Return an old table of Y over itself: what it adds is a parabola."""
+    at = np.linspace(low, high, count)
+    return CompensationTable("Y", at, -size * at**2, -size * at**2)
+
+
+def new_table(count: int) -> CompensationTable:
+    """Return a new one that takes a line away."""
+    at = np.linspace(0.0, 0.4, count)
+    return CompensationTable("Y", at, 5e-6 * at, 5e-6 * at, np.full(count, 1e-6), "Y")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "most", "even", "points"),
+    [
+        (9, 5, 9, True, 9),
+        (9, 5, 8, True, 5),
+        (9, 5, 100, True, 9),
+        (5, 9, 100, True, 9),
+        (4, 5, 7, False, 7),
+        (4, 5, 6, False, 5),
+        (9, 5, 100, False, 9),
+    ],
+    ids=["just fits", "does not", "finer", "coarser", "all of both just fit", "all do not", "one holds the other"],
+)
+def test_points_of_a_sum_are_those_of_both_as_far_as_they_fit(
+    old: int, new: int, most: int, even: bool, points: int
+) -> None:
+    before, table = old_table(old), new_table(new)
+    (found,) = Loaded((before,)).under_tables([table], machine(CHAINS[0]), most, even=even)
+    assert len(found.positions) == points
+    assert np.all(np.diff(found.positions) > 1e-9)
+    own = np.interp(found.positions, table.positions, table.forward)
+    added = np.interp(found.positions, before.positions, 3e-6 * before.positions**2)
+    assert found.forward == pytest.approx(own - added, abs=1e-15)
+    assert found.reverse == pytest.approx(own - added, abs=1e-15)
 
 
 @pytest.mark.parametrize("control", ["linuxcnc-volumetric", "isg"])

@@ -275,8 +275,9 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
         if control:
             yield NextStep(code="load", control=control)
         else:
+            wanted = "--on-top-of" if described.compensation_active is True else "--template"
             known_here = (name for name in described.controls if name in controllers())
-            control = next((name for name in known_here if "--template" in exporter(name).takes), "")
+            control = next((name for name in known_here if wanted in exporter(name).takes), "")
             if control:
                 yield NextStep(code="export", control=control)
         with suppress(TableError, ReadingError):  # without a table there is nothing to check

@@ -276,7 +276,7 @@ def commands_of(steps: Sequence[NextStep], file: str, results: str = "", reading
         elif step.code == "next":
             yield f"axiscal step next {record} --beyond"
         elif step.code == "export":
-            yield f"axiscal export {record} --to {step.control}{template_of(step.control)}"
+            yield f"axiscal export {record} --to {step.control}{template_of(step.control) or ' --on-top-of OLD'}"
         elif step.code == "undo":
             yield f"axiscal step undo {record}    # {said('takes the end back')}"
         elif step.code == "accept":

@@ -30,6 +30,7 @@ from axiscal.present.result_set import result_set, write_manifest
 from axiscal.tables import registry
 from axiscal.tables.bump import bumped
 from axiscal.tables.exporter import ExportOptions, informed
+from axiscal.tables.loaded import read_old
 from axiscal.tables.offer import Export, effect_sentence
 from axiscal.units import parse_quantity, to_unit
 
@@ -63,6 +64,13 @@ def export(
         bool, typer.Option("--probe-sign", help="Only a bump of 10 um, which tells the sign of the tables.")
     ] = False,
     measuring_system: Annotated[int, typer.Option(metavar="1|2", help="sinumerik: of encoder compensation.")] = 1,
+    on_top_of: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="OLD",
+            help="linuxcnc, sinumerik: what was active: a table, AXIS=FILE, a folder, an INI file; repeatable.",
+        ),
+    ] = None,
     ini: Annotated[
         Path | None,
         typer.Option(
@@ -96,6 +104,7 @@ def export(
       axiscal export router.axiscal --to linuxcnc --number Y=1 --number Y=2 --out tables
       axiscal export mill.axiscal --to linuxcnc-volumetric --ini ~/linuxcnc/configs/mill/mill.ini --out tables
       axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
+      axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
       axiscal export router.axiscal --to program --program part.ngc --origin "120 mm, 80 mm, -60 mm" --out corrected
     """
 
@@ -112,6 +121,7 @@ def export(
         mesh=mesh,
         zero=None if zero is None else place_of(zero),
         encoder=measuring_system,
+        old_files=read_old(on_top_of or ()),
     )
     given = [*([] if ini is None else ["--ini"]), *options.given]
     wanted = {"--program": program, "--origin": origin, "--chord": chord}

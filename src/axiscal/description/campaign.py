@@ -92,7 +92,8 @@ class CampaignDescription:
     prior_text : the campaign whose result is the prior (see `heritage`); empty for none
     prior_gone : whether the record carries a prior that a type has taught, which does not count
     kept : share of each error that is as that campaign found it
-    compensation_active : whether a compensation is active on the control while measuring; None where nobody said
+    compensation_active : whether a compensation is active on the control while measuring, or the files of it; None
+        where nobody said
     particulars : who measured, with which instruments, for the report
     usual_doubts : what nothing is stated of is doubted as is usual: zeros wander, the tool is not quite as stated
     whole_lengths : as of `Surroundings`
@@ -114,7 +115,7 @@ class CampaignDescription:
     prior_text: str = ""
     prior_gone: bool = False
     kept: float = 1.0
-    compensation_active: bool | None = None
+    compensation_active: bool | tuple[str, ...] | None = None
     particulars: Particulars = NOTHING_SAID
     usual_doubts: bool = True
     whole_lengths: bool = True
@@ -161,9 +162,11 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
         remedy = instead_of("controls", control) or meant(control, known, quoted="{}")
         fault = DescriptionError(what, remedy, controller=shown(control))
         raise document.fault(fault, "controls")
-    if not isinstance(document.data.get("compensation_active", False), bool):  # which a record of before may have
-        fault = DescriptionError("files of a compensation are gone", instead_of("options", "export --on-top-of"))
-        raise document.fault(fault, "compensation_active")
+    for named in found.compensation_active if isinstance(found.compensation_active, tuple) else ():
+        if not any((document.path.parent / each).exists() for each in (named, named.partition("=")[2] or named)):
+            what = "compensation_active names {name}, which is not there"
+            remedy = "Name a file that is, or write true or false without quotes"
+            raise DescriptionError(what, remedy, document.path, document.line("compensation_active"), name=shown(named))
     return found
 
 

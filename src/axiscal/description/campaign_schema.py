@@ -280,7 +280,7 @@ class CampaignTable(Table):
     sure: Sure | None = Field(None, examples=['"well"'])
     scales: Literal["stated", "estimate"] | None = Field(None, examples=['"estimate"'])
     prior: str | None = Field(None, examples=['"last.axiscal"'])
-    compensation_active: Active | None = Field(None, examples=["false"])
+    compensation_active: Active | None = Field(None, examples=["false", '"old/X.comp"'])
     zero_at: Ground | None = Field(None, examples=['["150 mm", "150 mm"]'])
     controls: list[str] = Field(default=["linuxcnc"], examples=['["sinumerik"]'])
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])

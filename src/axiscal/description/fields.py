@@ -181,15 +181,21 @@ def _language(text: str) -> str:
     return text
 
 
-def _active(given: bool | str | list[str]) -> bool:
-    """Return whether a compensation is active; older files name what is."""
-    return given is not False
+def _active(given: bool | str | list[str]) -> bool | tuple[str, ...]:
+    """Return whether a compensation is active, or its files."""
+    if isinstance(given, bool):
+        return given
+    names = (given,) if isinstance(given, str) else tuple(given)
+    if not names or not all(name.strip() and name.isprintable() for name in names):
+        remedy = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
+        raise DescriptionError("compensation_active = {text} names no file", remedy, text=shown(given))
+    return names
 
 
 Name = Annotated[str, ReadAs(str, _name)]
 Printable = Annotated[str, ReadAs(str, _printable)]
 Language = Annotated[str, ReadAs(Printable, _language)]
-Active = Annotated[bool, ReadAs(bool | str | list[str], _active)]
+Active = Annotated[bool | tuple[str, ...], ReadAs(bool | str | list[str], _active)]
 Wanted = Annotated[float, QuantityOf("length", FINEST)]
 Doubt = Annotated[float, QuantityOf("length", 0.0, 0.1)]
 Base = Annotated[float, QuantityOf("length", 0.0)]

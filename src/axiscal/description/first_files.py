@@ -139,7 +139,7 @@ def of_ini(found: IniMachine, file: Path, folder: Path, chain: str | None = None
         found = replace(found, build=replace(found.build, chain=chain, said=True))
     text = machine_text(found, file.name)
     machine_from_text(text, file)
-    return Beginning(text, _active(found), tuple(unread(found)))
+    return Beginning(text, _active(found, file, folder), tuple(unread(found)))
 
 
 def of_printer(file: Path, chain: str | None = None) -> Beginning:
@@ -279,12 +279,13 @@ def linear_travels(begun: Beginning) -> dict[str, float]:
     return dict(sorted(lengths.items()))
 
 
-def _active(found: IniMachine) -> str:
+def _active(found: IniMachine, file: Path, folder: Path) -> str:
     """Return the line of campaign.toml on what LinuxCNC corrects while it is measured."""
     if not found.compensated:
         return "compensation_active = false      # the INI file has no COMP_FILE and no BACKLASH"
     joints = ", ".join(map(str, found.compensated))
-    return f"# compensation_active = false    # take COMP_FILE and BACKLASH of joint {joints} out of the INI file"
+    path = toml_value(os.path.relpath(file, folder))
+    return f"compensation_active = [{path}]   # tables or backlash of joint {joints}: new tables go on top of them"
 
 
 def first_described(begun: Beginning, instruments: Sequence[str], purpose: Purpose) -> CampaignDescription:

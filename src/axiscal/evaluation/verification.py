@@ -132,15 +132,15 @@ def plan_check(
     able = np.isin(new.setups, [*least])
     room = int(able.sum()) if count is None else count
     first = needed(estimate, setups, new.within(able), parts)
-    mounted = _mounted(setups, [*dict.fromkeys(first.setups.tolist())] or [*least], least, room)
+    mounted: list[int] = _mounted(setups, [*dict.fromkeys(first.setups.tolist())] or [*least], least, room)
     if least and not mounted:
         what = "{count} places cannot tell the machine from a set-up"
         raise ReadingError(what, "Ask for {least} or more", count=room, least=min(least.values()))
     first = first.within(np.isin(first.setups, mounted))
-    while sum(max(least[s], np.count_nonzero(first.setups == s)) for s in mounted) > room:
+    while sum(max(least[s], int(np.count_nonzero(first.setups == s))) for s in mounted) > room:
         first = first.without(len(first) - 1)
     others = without(once.within(np.isin(once.setups, mounted)), first)
-    lacking = [max(least[s] - np.count_nonzero(first.setups == s), 0) for s in mounted]
+    lacking = [max(least[s] - int(np.count_nonzero(first.setups == s)), 0) for s in mounted]
     among = np.repeat(mounted, lacking).astype(np.intp)
     first = Places.joined([first, drawn_places(others, among, len(among))])
     others = without(others, first)

@@ -1,7 +1,11 @@
 """What a control is for tables: its limits as data, what writes its files, and what reads them.
 
-Whoever writes for a control writes a class with these. Sampling the estimate, reading back and
-comparing are the same for all, here and in `offer`.
+Whoever writes for a control writes a class with these. Sampling the estimate, adding what was active, reading back and
+comparing are the same for all, here and in `offer`. One reader serves twice: for the files just written and for those
+that were active while the machine was measured.
+
+`ExportOptions` are what a person may choose, also beside what a control held while the machine was measured: new files
+go on top of it, instead of it, or nobody knows.
 """
 
 from __future__ import annotations
@@ -10,6 +14,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import ClassVar
 
 from axiscal.description.campaign import CampaignDescription
@@ -18,36 +23,46 @@ from axiscal.document.ports import of_class, rendered
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
-from axiscal.tables.loaded import Loaded, table_control
+from axiscal.tables.loaded import Loaded, OldFile, read_old, refuse_long_numbers, table_control
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
-from axiscal.tables.surface import Control, with_height
+from axiscal.tables.surface import Control, sum_of, with_height
 from axiscal.tables.table import CompensationTable
 from axiscal_core.machine import Machine
 
 _KINDS = "a table, backlash, pitch or sag compensation, a bed mesh or skew correction"
 _BEGINNING = later(
     "Is a compensation active on the control while it is measured (a table, backlash, pitch or sag compensation, a bed "
-    "mesh or skew correction)? Switch it off, and say so: compensation_active = false in campaign.toml. Until it is "
-    "said tables are written as if nothing was, and ask."
+    "mesh or skew correction)? Switch it off, or say so: compensation_active = false, = true or its files in "
+    "campaign.toml. Tables of linuxcnc and sinumerik go on top of what was active; until it is said all are written as "
+    "if nothing was, and ask."
 )
 REPORTS = ("csv",)
 """What is read by people or other programs, not loaded in place of something."""
-_OFF = later("measure again with the compensation of the control switched off")
 _QUESTION = (
     f"WAS A COMPENSATION ACTIVE WHILE MEASURING ({_KINDS})? campaign.toml does not say. If one was, these files loaded "
-    f"in its place bring back all that it took away: {_OFF}. If none was, write compensation_active = false into "
+    "in its place bring back all that it took away: {way}. If none was, write compensation_active = false into "
     "campaign.toml, and this question is gone."
 )
+_AGAIN = "export again with --on-top-of OLD, the files that were active"
+OFF = later("measure again with the compensation of the control switched off")
+"""In place of old files, for controls whose files are not added to."""
 
 
 def informed(options: ExportOptions, description: CampaignDescription, controller: str) -> ExportOptions:
     """Return options that know what the campaign says of the control's sign, and of a compensation that was active.
 
+    Files that campaign.toml names lie beside it; others go before them. What is only read is not put on top of them.
     Where the printer has its zero the campaign says, unless the options do.
+    Raises ReadingError.
     """
     if (bump := description.bump_of(controller)) is not None:
         options = replace(options, flip=bump.moved > 0, sign_day=bump.day)
-    return replace(options, zero=options.zero or description.zero_at, active=description.compensation_active)
+    options, said = replace(options, zero=options.zero or description.zero_at), description.compensation_active
+    if said is None or isinstance(said, bool):
+        return replace(options, active=said)
+    if options.old_files or controller in REPORTS:
+        return replace(options, active=True)
+    return replace(options, active=True, old_files=read_old(said, Path(description.source).parent))
 
 
 def sign_said(options: ExportOptions, text: str) -> tuple[str]:
@@ -76,32 +91,48 @@ def unasked(description: CampaignDescription) -> str:
     return "" if description.compensation_active is not None else said(_BEGINNING)
 
 
-def asked_about(controller: str, draft: Draft, options: ExportOptions) -> Draft:
+def on_top(estimate: Estimate, draft: Draft, old: Loaded, options: ExportOptions) -> Draft:
+    """Return a draft of old and new together, whose effect counts from what was active; raises TableError."""
+    if options.active is False:
+        what = "campaign.toml says that no compensation was active while measuring (compensation_active = false)"
+        raise TableError(what, "leave --on-top-of out, or correct campaign.toml")
+    held = old.control((draft.about or estimate).machine)
+    names = ", ".join(dict.fromkeys(file.name for file in options.old_files))
+    note = (
+        f"These files hold what was active while measuring ({names}) and on top of it what was found: load them in its "
+        "place, not beside it. The figures above count from the machine as it was measured, with the old compensation."
+    )
+    control, wanted = (sum_of(whole, lambda at, ways: -held(at, ways)) for whole in (draft.control, draft.wanted))
+    return replace(draft, control=control, wanted=wanted, notes=(note, *draft.notes))
+
+
+def asked_about(controller: str, control: Exporter, draft: Draft, options: ExportOptions) -> Draft:
     """Return a draft with the question whether something was active, where nobody said.
 
     Raises TableError where something was and files would take its place.
     """
-    if options.active is False:
-        return draft
-    note = _QUESTION
+    adds = "--on-top-of" in control.takes
+    if options.active and controller not in REPORTS:
+        what = "a compensation was active while measuring (compensation_active), and these files would take its place"
+        raise TableError(what, _ON_TOP if adds else control.instead.get("--on-top-of", OFF))
     if options.active:
-        if controller not in REPORTS:
-            what = (
-                "a compensation was active while measuring (compensation_active), and these files would take its place"
-            )
-            raise TableError(what, _OFF)
         note = "The deviations are those that were left by the compensation that was active while measuring."
-    return replace(draft, notes=(note, *draft.notes))
+        return replace(draft, notes=(note, *draft.notes))
+    question = _QUESTION.format(way=_AGAIN if adds else OFF)
+    return draft if options.active is False else replace(draft, notes=(question, *draft.notes))
 
 
+_ON_TOP = later("give the files that were active: axiscal export ... --on-top-of OLD")
 _HASH = re.compile(r"[0-9a-f]{0,128}")
-_TOO_LONG = re.compile(r"\d{61,}")
-"""Digits in a row: a double has 17, and the zeros of a small one written out are fewer than the others."""
 _LARGEST_MESH = 50
 """Points a side; more is a slip, for no probe of a printer takes them."""
 _USUAL = "XYZABCUVWPQR"
 _ALIKE = ("spacing", "unit", "template", "mesh", "zero")
-_OPTIONS = {name: f"--{name}" for name in _ALIKE} | {"numbers": "--number", "encoder": "--measuring-system"}
+_OPTIONS = {name: f"--{name}" for name in _ALIKE} | {
+    "numbers": "--number",
+    "encoder": "--measuring-system",
+    "old_files": "--on-top-of",
+}
 """Field of the choices -> option of the command line, as `Exporter.takes` names it."""
 
 
@@ -117,8 +148,8 @@ class ExportOptions:
     curves have where nobody says; zero : X and Y at which it adds nothing, m, None for the middle
     encoder : measuring system, 1 or 2
     flip : the control takes the values with the other sign, which a bump has shown on sign_day; "" if none has
-    active : whether a compensation was while measuring, None where nobody said
-    origin : hash of the record, "" where there is none
+    old_files : of the compensation that was active while measuring; old : what they say, once they are read
+    active : whether one was, None where nobody said; origin : hash of the record, "" where there is none
     Raises TableError for what no control could mean.
     """
 
@@ -132,6 +163,8 @@ class ExportOptions:
     flip: bool = False
     sign_day: str = ""
     encoder: int = 1
+    old_files: tuple[OldFile, ...] = ()
+    old: Loaded = field(default_factory=Loaded)
     active: bool | None = None
     origin: str = ""
 
@@ -149,10 +182,7 @@ class ExportOptions:
         if self.template is None:
             what = "{controller} files are made from one of your control"
             raise TableError(what, "give it: --template FILE", controller=controller)
-        if (found := _TOO_LONG.search(self.template)) is not None:
-            what, remedy = "a number of {count:,} digits is in no table", "give the file as the control saved it"
-            line = self.template.count("\n", 0, found.start()) + 1
-            raise TableError(what, remedy, self.template_name, line, count=len(found[0]))
+        refuse_long_numbers(self.template, self.template_name)
         return self.template
 
     @property
@@ -280,8 +310,8 @@ class Exporter(ABC):
         """Return the files before they are tried; raises TableError."""
 
     @abstractmethod
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what the control makes of files, texts by name; raises TableError, ReadingError."""
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what the control makes of files; raises TableError, ReadingError."""
 
     def draft(
         self,
@@ -297,7 +327,7 @@ class Exporter(ABC):
         own = {what: getattr(written, what) or getattr(self, what, None) for what in ("holds", "left_out")}
         texts = [of_class(f"{name}.{what}", text, str) for what, text in own.items()]
         said = written.notes, *texts, written.first
-        loaded = self.load(written.files, machine, options)
+        loaded = self.load([OldFile(*file) for file in written.files.items()], machine, options)
         held, tried = of_class(f"the result of {name}.load", loaded, Loaded).control(machine), self.tried
         return Draft(written.files, written.steps, *said, control=held, wanted=wanted, tables=tables, tried=tried)
 

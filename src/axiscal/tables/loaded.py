@@ -1,17 +1,127 @@
-"""What a control has loaded, and what it adds to commands for it."""
+"""Compensation that was active on the control during the measurement, and new tables on top of it.
+
+Readings with an active compensation show the residual error. So the full correction is the old one plus the new one.
+The new one alone would bring back all that the old one took away.
+
+Files of the compensation that was active while measuring, as a person names them: files, folders, an INI file.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
+from axiscal.description.ini_file import IniFile, IniValue, read_ini
+from axiscal.description.ini_machine import unit_in
+from axiscal.exceptions import InputError, TableError
+from axiscal.measurement.readers.text_file import read_text
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, Mesh, Skew, mesh_control, skew_control, sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError, tip_control
 from axiscal_core.machine import Machine
+
+_SECTION = re.compile(r"^\s*\[\w+\]", re.MULTILINE)
+_JOINT = re.compile(r"(?:JOINT|AXIS)_(\d{1,2})")
+_NAMED = re.compile(r"([A-Z][0-9]?)=(.+)")
+_OTHERS = re.compile(r"README\.txt|manifest.*\.json")
+"""Files of an export that no control loads."""
+_TOO_LONG = re.compile(r"\d{61,}")
+"""Digits in a row: a double has 17, and the zeros of a small one written out are fewer than the others."""
+
+
+@dataclass(frozen=True, slots=True)
+class OldFile:
+    """One file, or what an INI file says of one joint.
+
+    axis : that it is for, "" where its name has to say; joint : its number, None where nobody said
+    file_type : COMP_FILE_TYPE, None where nobody said; backlash : of the joint, in the units of the machine
+    unit : of lengths, as the INI file says, "" where none is named
+    """
+
+    name: str
+    text: str
+    axis: str = ""
+    joint: int | None = None
+    file_type: int | None = None
+    backlash: float | None = None
+    unit: str = ""
+
+    @property
+    def stem(self) -> str:
+        """The name of the file without folder and ending."""
+        return Path(self.name).stem
+
+
+def refuse_long_numbers(text: str, name: str) -> None:
+    """Raise TableError for the first line of a control's file with a number that is too long for any control."""
+    found = _TOO_LONG.search(text)
+    if found is not None:
+        what, remedy = "a number of {count:,} digits is in no table", "give the file as the control saved it"
+        raise TableError(what, remedy, name, text.count("\n", 0, found.start()) + 1, count=len(found[0]))
+
+
+def read_old(names: Iterable[str], folder: Path = Path()) -> tuple[OldFile, ...]:
+    """Return the files that were named: a file, AXIS=FILE, a folder of them, or the INI file of a LinuxCNC.
+
+    folder : that relative names begin at.  Raises TableError, ReadingError.
+    """
+    return tuple(file for name in names for file in _named(name, folder))
+
+
+def _named(name: str, folder: Path) -> Iterator[OldFile]:
+    path = folder / name
+    given = _NAMED.fullmatch(name)
+    if given and not path.exists():
+        yield OldFile(given[2], _text(folder / given[2]), given[1])
+    elif path.is_dir():
+        found = sorted(each for each in path.iterdir() if each.is_file() and not _OTHERS.fullmatch(each.name))
+        if not found:
+            raise TableError("there is no file in this folder", "name the old compensation", path)
+        yield from (OldFile(str(each), _text(each)) for each in found)
+    else:
+        text = _text(path)
+        if path.suffix.lower() == ".ini" and _SECTION.search(text):
+            yield from _joints(path)
+        else:  # of a SINUMERIK, too, whose tables are called .INI
+            yield OldFile(str(path), text)
+
+
+def _text(path: Path) -> str:
+    return "\n".join(read_text(path).lines)
+
+
+def _joints(path: Path) -> Iterator[OldFile]:
+    """Yield the tables and backlashes that an INI file of LinuxCNC makes active; a table goes before a backlash."""
+    ini = read_ini(path)
+    named = (_JOINT.fullmatch(section) for section, _ in ini.values)
+    found = [_joint(ini, number) for number in dict.fromkeys(int(name[1]) for name in named if name)]
+    if not any(found):
+        raise TableError("no joint of this INI file has a COMP_FILE or BACKLASH", "leave --on-top-of out", path)
+    yield from (file for file in found if file is not None)
+
+
+def _joint(ini: IniFile, joint: int) -> OldFile | None:
+    def stated(key: str) -> IniValue | None:
+        value = ini.first((f"JOINT_{joint}", f"AXIS_{joint}"), key)
+        return value if value is not None and value.text else None
+
+    if (name := stated("COMP_FILE")) is not None:
+        at, kind = ini.path.parent / name.text, stated("COMP_FILE_TYPE")
+        file_type = 0 if kind is None else int(kind.number("COMP_FILE_TYPE"))
+        return OldFile(str(at), _text(at), joint=joint, file_type=file_type, unit=unit_in(ini, "LINEAR_UNITS"))
+    backlash = stated("BACKLASH")
+    if backlash is None or not (step := backlash.number("BACKLASH")):
+        return None
+    return OldFile(f"{ini.path} [JOINT_{joint}]", "", joint=joint, backlash=step, unit=unit_in(ini, "LINEAR_UNITS"))
+
+
+_APART = 1e-9
+"""m or rad: positions nearer than this are one, by their decimals."""
 
 
 def table_control(machine: Machine, tables: Iterable[CompensationTable]) -> Control:
@@ -35,10 +145,11 @@ def lost_motion(machine: Machine, play: Mapping[str, float]) -> tuple[Compensati
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Loaded:
-    """A compensation as its control understood it.
+    """An old compensation as its control understood it.
 
     tables : what it takes away; meshes : height maps; skew : tangents by plane, as set
     errors : by name, to a control that knows the chain; others : what does more than that
+    untaken : entries that its reader has no use for, a failure each, with file and line
     """
 
     tables: tuple[CompensationTable, ...] = ()
@@ -46,6 +157,7 @@ class Loaded:
     skew: Skew = field(default_factory=dict)
     errors: Mapping[str, SampledError] = field(default_factory=dict)
     others: tuple[Control, ...] = ()
+    untaken: tuple[InputError, ...] = ()
 
     def control(self, machine: Machine) -> Control:
         """Return what it adds to commands."""
@@ -53,3 +165,51 @@ class Loaded:
         parts += [mesh_control(machine, mesh) for mesh in self.meshes]
         parts += [tip_control(machine, self.errors)] if self.errors else []
         return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew else []))
+
+    def alone(self, within: bool) -> Loaded:
+        """Return the tables of axes over themselves alone, or over others."""
+        return Loaded(tuple(one for one in self.tables if (one.axis == one.over) is within))
+
+    def under_tables(
+        self, tables: Sequence[CompensationTable], machine: Machine, most: int, *, even: bool = False
+    ) -> tuple[CompensationTable, ...]:
+        """Return tables with the old ones added; old ones of other axes follow as they are.
+
+        most : points that fit; even : the points of a table stay evenly spaced
+        """
+        kinds = list(dict.fromkeys([(t.axis, t.over) for t in tables] + [(one.axis, one.over) for one in self.tables]))
+        new = {(table.axis, table.over): table for table in tables}
+        return tuple(self._summed(kind, new.get(kind), machine, most, even) for kind in kinds)
+
+    def _summed(
+        self, kind: tuple[str, str], table: CompensationTable | None, machine: Machine, most: int, even: bool
+    ) -> CompensationTable:
+        mine = [one for one in self.tables if (one.axis, one.over) == kind]
+        base = _nothing(kind, mine, machine) if table is None else table
+        if not mine:
+            return base
+        at = _positions(base, mine, most, even=even or machine.axis(base.axis).cyclic)
+        up, down = (np.sum([one.deviation(at, side) for one in mine], axis=0) for side in (1, -1))
+        new = base.resampled(at)
+        return replace(new, forward=new.forward + up, reverse=new.reverse + down)
+
+
+def _nothing(kind: tuple[str, str], old: Sequence[CompensationTable], machine: Machine) -> CompensationTable:
+    """Return a table that says nothing, on the points of the finest old one."""
+    axis, over = kind
+    at = max((one.positions for one in old), key=len)
+    at = at if len(at) > 1 else np.array(machine.axis(over).travel)
+    zero = np.zeros(len(at))
+    return CompensationTable(axis, at, zero, zero, over=over)
+
+
+def _positions(table: CompensationTable, old: Sequence[CompensationTable], most: int, *, even: bool) -> Array:
+    """Return the points of the sum: those of all tables, of the finest where all are too many or have to stay even."""
+    points = [one.positions for one in old if len(one.positions) > 1]
+    union = np.unique(np.concatenate([table.positions, *points]))
+    union = union[np.r_[True, np.diff(union) > _APART]]
+    if len(union) <= most and not even:
+        return union
+    whole = [p for p in points if p[0] <= table.positions[0] + _APART and p[-1] >= table.positions[-1] - _APART]
+    finest = max([*whole, table.positions], key=len)
+    return finest if len(finest) <= most else table.positions

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from axiscal.description.fields import CONTROLS
 from axiscal.document import meant, shown
 from axiscal.document.gone import instead_of
-from axiscal.document.ports import made_by, names
+from axiscal.document.ports import made_by, names, of_class
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
+from axiscal.exceptions import AxiscalError, Faults, TableError
 from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
-from axiscal.tables.exporter import Draft, Exporter, ExportOptions, asked_about, informed
+from axiscal.tables.exporter import OFF, Draft, Exporter, ExportOptions, asked_about, informed, on_top
+from axiscal.tables.loaded import Loaded, refuse_long_numbers
 from axiscal.tables.offer import Export, tried_out, tried_over_box
 from axiscal.tables.surface import Control
+from axiscal_core.machine import Machine
 from axiscal_core.threads import one_thread
 
+_ABSURD = 1.0
+"""m or rad: no compensation is as large; any value above what a machine can be off by would do."""
 _OTHERS = later("leave it out: it is for {takers}")
 
 
@@ -35,7 +42,10 @@ def _drafted(estimate: Estimate, name: str, options: ExportOptions) -> Draft:
     control = exporter(name)
     for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
         estimate.machine.index(axis)
-    return asked_about(name, control.make(estimate, options), options)
+    if not options.old_files:
+        return asked_about(name, control, control.make(estimate, options), options)
+    old = loaded(name, estimate.machine, options)
+    return on_top(estimate, control.make(estimate, replace(options, old=old)), old, options)
 
 
 def refuse_untaken(controller: str, given: Sequence[str]) -> None:
@@ -44,7 +54,8 @@ def refuse_untaken(controller: str, given: Sequence[str]) -> None:
     for option in given:
         if option not in control.takes:
             takers = joined([name for name in controllers() if option in exporter(name).takes]) or "program"
-            what, remedy = "{controller} does not take {option}", control.instead.get(option, _OTHERS)
+            usual = OFF if option == "--on-top-of" else _OTHERS
+            what, remedy = "{controller} does not take {option}", control.instead.get(option, usual)
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 
 
@@ -74,6 +85,34 @@ def offered_control(known: Estimation, controller: str) -> Control:
     draft = _drafted(estimate, named(controller), options)
     tried_over_box(estimate, draft)
     return draft.control
+
+
+def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
+    """Return what the old files of a control did; raises TableError, ReadingError."""
+    load = exporter(controller).load
+    for file in options.old_files:
+        refuse_long_numbers(file.text, file.name)
+    named = ", ".join(dict.fromkeys(file.name for file in options.old_files))
+    try:
+        found: Loaded = of_class(f"the result of {controller}.load", load(options.old_files, machine, options), Loaded)
+    except AxiscalError:
+        raise
+    except (LookupError, ArithmeticError, ValueError) as fault:
+        what = "a number that {controller} needs is missing, or is none ({reason})"
+        remedy = "give the files as the control saved them"
+        raise TableError(what, remedy, named, controller=controller, reason=fault) from fault
+    faults, known = Faults(), {name for table in found.tables for name in (table.axis, table.over)}
+    faults.found += found.untaken
+    for file in (each for each in options.old_files if each.axis and each.axis not in known):
+        remedy = "give it without AXIS=, or name the file of that axis"
+        faults.found.append(TableError("no table of {axis} is in this file", remedy, file.name, axis=file.axis))
+    faults.refuse()
+    for table in found.tables:
+        if not np.all(np.abs([table.forward, table.reverse]) < _ABSURD):
+            what = "the table of {axis} over {over} moves it by a metre, or a radian, or more"
+            remedy = "give the files as the control saved them, and the unit of the machine"
+            raise TableError(what, remedy, named, axis=table.axis, over=table.over)
+    return found
 
 
 def controllers() -> tuple[str, ...]:

@@ -26,6 +26,8 @@ _CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, incr
 """Mathematics: from the values at five points of Gauss to the cubic's coefficients."""
 _NODES = np.polynomial.legendre.leggauss(5)[0]
 """Mathematics."""
+_APART = 1e-9
+"""Share of the way from one point to the next: rounding of a place on the first."""
 _OUTSIDE = 1e-6
 """Weight of what lies outside, so that every hat has a value: small against 1, or it would pull at the inside."""
 
@@ -204,6 +206,13 @@ class CompensationTable:
     def fine_unit(self) -> str:
         """The unit in which deviations are shown."""
         return "arcsec" if self.rotary else "um"
+
+    def resampled(self, at: Array) -> CompensationTable:
+        """Return the table on other points (n,): lines between its own."""
+        forward, reverse = (self.deviation(at, side) for side in (1, -1))
+        silent = np.interp(at, self.positions, self.prior_only.astype(float)) > 1 - _APART
+        std = np.interp(at, self.positions, self.std)
+        return replace(self, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent)
 
     def averaged(self) -> CompensationTable:
         """Return the table without reversal: the mean of both directions."""

@@ -6,7 +6,7 @@ A file of the component, read as the component reads it, from the layout of the 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
@@ -18,7 +18,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
 from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import spread_poses
 from axiscal.tables.vcomp_applying import (
     KNOTS,
@@ -91,9 +91,12 @@ class VolumetricFormat(Exporter):
         steps = {axis.name: self.step for axis in machine.axes}
         return self.draft(replace(written, steps=steps), wanted, machine, options)
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what the control makes of files that are called .vcomp; raises TableError."""
-        own = (read(text, name) for name, text in files.items() if name.endswith(".vcomp"))
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what the control makes of files that are called .vcomp; raises TableError where none is."""
+        own = [read(file.text, file.name) for file in files if file.name.lower().endswith(".vcomp")]
+        if not own:
+            names = ", ".join(dict.fromkeys(file.name for file in files))
+            raise TableError("{names} is no file of the whole correction", "give axiscal.vcomp", names=names)
         return Loaded(others=tuple(component_control(each, machine) for each in own))
 
 

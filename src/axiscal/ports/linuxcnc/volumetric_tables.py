@@ -9,10 +9,12 @@ estimate asks for.
 from __future__ import annotations
 
 from importlib import resources
+from typing import ClassVar
 
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.language.spoken import later
 from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
@@ -40,6 +42,12 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
     )
     takes = frozenset({"--unit", "--number", "--ini"})
     step = 1e-9  # by twelve digits
+    instead: ClassVar = {
+        "--on-top-of": later(
+            "a whole correction goes on top of none: measure with axiscal-vcomp.active false, without COMP_FILE and "
+            "BACKLASH"
+        ),
+    }
 
     def seconds(self, estimate: Estimate) -> list[float]:
         """Return how long the reversal of each axis takes, s."""

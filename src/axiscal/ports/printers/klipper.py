@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from axiscal.measurement.readers.csv_readings import ALONE
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.ports.printers.contents import TRIED, content_of, in_words, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 from axiscal_core.machine import Machine
@@ -66,11 +66,11 @@ class Klipper(MapFormat):
         steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
         return Written(files, steps, notes, in_words(content))
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what a saved block holds, and what G-code sets."""
-        texts = [TextFile(name, tuple(text.splitlines())) for name, text in files.items()]
+        texts = [TextFile(file.name, tuple(file.text.splitlines())) for file in files]
         meshes = (mesh_of_nodes(saved_mesh(text, ALONE, whole=True).readings) for text in texts if is_mesh(text))
-        skew = {plane: tangent for text in files.values() for plane, tangent in read_skew(text).items()}
+        skew = {plane: tangent for file in files for plane, tangent in read_skew(file.text).items()}
         return Loaded(meshes=tuple(meshes), skew=skew)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs
-from axiscal.tables.loaded import Loaded, lost_motion
+from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 from axiscal_core.machine import Machine
@@ -44,9 +44,9 @@ class Marlin(MapFormat):
         where = [zero_note(each, options) for each in content.meshes]
         return Written(files, steps, (*_notes(mesh, skew, play), *where), in_words(content))
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the commands make active."""
-        return read("\n".join(files.values()), machine)
+        return read("\n".join(file.text for file in files), machine)
 
 
 def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[str, ...]:

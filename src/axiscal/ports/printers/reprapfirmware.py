@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from axiscal.measurement.readers.csv_readings import ALONE
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, play_of, zero_note
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs
-from axiscal.tables.loaded import Loaded, lost_motion
+from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import PLANES, Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 from axiscal_core.machine import Machine
@@ -56,11 +56,11 @@ class RepRapFirmware(MapFormat):
         notes = (*_notes(content, play), *(zero_note(mesh, options) for mesh in content.meshes))
         return Written(files, steps, notes, in_words(content))
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what height maps hold, and what G-code sets."""
-        texts = [TextFile(name, tuple(text.splitlines())) for name, text in files.items()]
+        texts = [TextFile(file.name, tuple(file.text.splitlines())) for file in files]
         meshes = [mesh_of_nodes(height_map(text, ALONE).readings) for text in texts if is_height_map(text)]
-        lines = (found for text in files.values() for found in _COMMAND.findall(text))
+        lines = (found for file in files for found in _COMMAND.findall(file.text))
         commands = {code: {letter: float(word) for letter, word in _WORD.findall(words)} for code, words in lines}
         play = {axis: float(from_unit(value, "mm")) for axis, value in commands.get("M425", {}).items()}
         skew = _skew(commands["M556"]) if "M556" in commands else {}

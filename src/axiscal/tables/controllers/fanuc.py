@@ -15,7 +15,7 @@ from axiscal.exceptions import TableError
 from axiscal.language.spoken import later, said
 from axiscal.numerics import Array
 from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, paragraphs, sign_said
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity, shortened
@@ -266,14 +266,14 @@ class Fanuc(TableFormat):
         left_out = f"{_WITHOUT.format(without) if without else ''}{_LEFT}"
         return Written({_FILE: filled}, steps, _notes(plans), holds, left_out, sign_said(options, _SIGN))
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of punched files; raises TableError."""
         numbers, tables = options.numbered(machine), list[CompensationTable]()
-        for name, text in files.items():
-            records = read_records(text, name)
-            plans = read_plans(records, name, machine, numbers)
-            taken = ((axis, plan.positions, -options.sign * _sums(records, plan)) for axis, plan in plans.items())
-            tables += [CompensationTable(axis, at, values, values) for axis, at, values in taken]
+        for file in files:
+            records = read_records(file.text, file.name)
+            plans = read_plans(records, file.name, machine, numbers)
+            taken = ((name, plan.positions, -options.sign * _sums(records, plan)) for name, plan in plans.items())
+            tables += [CompensationTable(name, at, values, values) for name, at, values in taken]
         return Loaded(tuple(tables))
 
 

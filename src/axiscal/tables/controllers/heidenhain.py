@@ -16,7 +16,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, paragraphs, sign_said
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 from axiscal_core.machine import Machine
@@ -93,9 +93,9 @@ class Heidenhain(TableFormat):
         steps = {axis.name: 3 * float(from_unit(step, axis.unit)) for axis in machine.axes}
         return Written(files, steps, _notes(layout, machine), first=sign_said(options, _SIGN))
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables do; raises TableError."""
-        return Loaded(tuple(one for file in files.items() for one in _read(*file, machine, options.sign)))
+        return Loaded(tuple(one for file in files for one in _read(file, machine, options.sign)))
 
 
 def read_layout(text: str, file: str) -> Layout:
@@ -123,17 +123,17 @@ def read_layout(text: str, file: str) -> Layout:
     return Layout(lines[0], lines[1], heads, edges, lines[-1], decimals)
 
 
-def _read(name: str, text: str, machine: Machine, sign: float) -> list[CompensationTable]:
+def _read(file: OldFile, machine: Machine, sign: float) -> list[CompensationTable]:
     """Return what the control makes of one file: the axis that its name begins with is looked up."""
-    read_layout(text, name)
-    first, header, *rows, _ = (line for line in text.splitlines() if line.strip())
+    read_layout(file.text, file.name)
+    first, header, *rows, _ = (line for line in file.text.splitlines() if line.strip())
     over = machine.axis(re.split(r"[_.]", first.split()[1])[0])
     table = np.array([[float(word) for word in row.split()] for row in rows])
     columns = dict(zip(header.split(), table.T, strict=True))
     at = from_unit(columns["AXISPOS"], over.unit)
     tables = []
     for axis in (axis for axis in machine.axes if axis.name in columns):
-        values, step = (sign * from_unit(columns[head], axis.unit) for head in (axis.name, "BACKLASH"))
+        values, step = (sign * from_unit(columns[name], axis.unit) for name in (axis.name, "BACKLASH"))
         tables.append(CompensationTable(axis.name, at, values, values + step * (axis is over), over=over.name))
     return tables
 

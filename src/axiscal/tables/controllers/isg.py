@@ -26,7 +26,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.error_names import error_named
 from axiscal.numerics import Array
 from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs, sign_said, summed
-from axiscal.tables.loaded import Loaded, table_control
+from axiscal.tables.loaded import Loaded, OldFile, table_control
 from axiscal.tables.sampling import axis_tables, points
 from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
@@ -207,13 +207,13 @@ class Isg(Exporter):
         written = Written(files, steps, notes, holds, first=sign_said(options, _SIGN))
         return self.draft(written, wanted, machine, options, halves)
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the kernel makes of files of either kind; raises TableError.
 
         The list file says where the others are and nothing else. Where the tool and rotary axes lie is no compensation.
         """
-        lists = tuple(read_list(text, machine) for text in files.values() if "kw.ssfk." in text)
-        texts = (each for each in files.values() if "kw.ssfk." not in each and "file_format[0]" not in each)
+        lists = tuple(read_list(file.text, machine) for file in files if "kw.ssfk." in file.text)
+        texts = (file.text for file in files if "kw.ssfk." not in file.text and "file_format[0]" not in file.text)
         found = (pair for text in texts for pair in read_csv(text, machine).items())
         return Loaded(lists, errors={name: error for name, error in found if not name.startswith("P")})
 

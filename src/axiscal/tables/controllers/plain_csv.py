@@ -6,13 +6,13 @@ nominal, not the correction: whoever loads it elsewhere subtracts it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 from axiscal_core.machine import Machine
@@ -39,9 +39,9 @@ class PlainCsv(TableFormat):
         turns = (f"Tables of {', '.join(turning)} hold one turn and repeat after it.",) if turning else ()
         return Written(files, steps, (*notes, *turns))
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what somebody does who takes the deviations of these tables away."""
-        return Loaded(tuple(parse(text) for text in files.values()))
+        return Loaded(tuple(parse(file.text) for file in files))
 
 
 def text_of(table: CompensationTable) -> str:

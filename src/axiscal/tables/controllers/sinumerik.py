@@ -14,56 +14,106 @@ from typing import ClassVar
 
 import numpy as np
 
-from axiscal.exceptions import TableError
+from axiscal.document.file import number_or_none
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import later
 from axiscal.numerics import Array
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, paragraphs, sign_said
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 from axiscal_core.machine import Machine
 
-_VALUE = re.compile(r"\$A[AN]_(ENC_COMP|CEC)(?:_([A-Z_]+))?\[(\d+)(?:,(\w+))?(?:,(\w+))?\]=\(?([^)\s]+)\)?")
+_BESIDE = re.compile(r"^\s*N\d+\s+|'[\da-fA-F]{2,8}\s*$|;.*")  # numbers of blocks, sums of archives, remarks
+_PASSED = ("%_N_", "CHANDATA(", "$MA_ENC_COMP_ENABLE", "$MA_CEC_ENABLE", "$SN_CEC_TABLE_ENABLE", "NEWCONF", "STOPRE")
+_VALUE = re.compile(r"\$A([AN])_(ENC_COMP|CEC)(?:_([A-Z_]+))?\[(\d+)(?:,(\w+))?(?:,(\w+))?\]\s*=\s*\(?([^)\s;]+)\)?")
+
+_MOST_POINTS = 100_000
+"""Of a table; controls hold a few thousand."""
 
 
-def read(text: str, names: Mapping[str, str], machine: Machine, flip: bool) -> list[CompensationTable]:
+def read(
+    text: str,
+    names: Mapping[str, str],
+    machine: Machine,
+    flip: bool,
+    encoder: int,
+    untaken: list[InputError],
+) -> list[CompensationTable]:
     """Return what a SINUMERIK makes of a file, by its manuals: one assignment after the other.
 
-    names : machine axis identifiers; flip : CEC values are added as they are, instead of taken away as encoder
-    compensation is.  Raises TableError for a line that is none, and for a table that is not whole.
+    flip : CEC values are added as they are, instead of taken away as encoder compensation is
+    encoder : 0 or 1, the measuring system that is looked at
+    untaken : takes a failure for each table with values that has no use here
+    Raises TableError for a line that is none, for tables that are not whole, and for one that is multiplied by another.
     """
-    tables = dict[tuple[str, str], dict[str, str]]()
-    for line in (each for each in text.splitlines() if not each.startswith(("%_N_", "CHANDATA(")) and each != "M17"):
+    own = {f"{name}1": name for name in names} | {name: name for name in names}
+    axes = own | {identifier: name for name, identifier in names.items()}
+    tables, begins = dict[tuple[str, ...], dict[str, str]](), dict[tuple[str, ...], tuple[int, str]]()
+    for number, line in enumerate((_BESIDE.sub("", each).strip() for each in text.splitlines()), 1):
+        if not line or line.startswith(_PASSED) or line in ("M17", "M30"):
+            continue
         found = _VALUE.fullmatch(line)
         if found is None:
             remedy = "this is a defect of axiscal"
             raise TableError("SINUMERIK would not understand {text!r}", remedy, text=line[:60])
-        kind, key, first, second, third, value = found.groups()
-        table = tables.setdefault((kind, first if kind == "CEC" else third or second), {})
-        table[key or f"#{second}"] = value
-    axes = {identifier: name for name, identifier in names.items()}
-    return [_understood(kind, axis, values, axes, machine, flip) for (kind, axis), values in tables.items()]
+        _, kind, key, first, second, third, value = found.groups()
+        place: tuple[str, ...] = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
+        index = key or f"#{second}"
+        tables.setdefault(place, {})[index] = value
+        begins.setdefault(place, (number, line))
+    found_ones = list[CompensationTable]()
+    for place, values in tables.items():
+        other = place[0] == "ENC_COMP" and encoder != int(place[1])
+        table = None if other else _understood(place, values, axes, machine, flip)
+        found_ones += [] if table is None else [table]
+        if table is None and any(_number(v) for key, v in values.items() if key[0] == "#"):
+            what = "the table that begins with {text!r} is for no axis that is known here, or has no STEP"
+            remedy = "Say whose it is: --number X=1 for AX1, or --on-top-of X=FILE; else take it out of the file"
+            if other:
+                what, remedy = "{text!r} is of another measuring system", "Say --measuring-system 2, or take it out"
+            untaken.append(TableError(what, remedy, None, begins[place][0], text=begins[place][1][:60]))
+    return found_ones
 
 
 def _understood(
-    kind: str, own: str, values: Mapping[str, str], axes: Mapping[str, str], machine: Machine, flip: bool
-) -> CompensationTable:
-    """Return a table.  own : the axis of encoder compensation, the number of another table"""
-    cec = kind == "CEC"
-    over, moved = (axes[values[f"{end}_AXIS"] if cec else own] for end in ("INPUT", "OUTPUT"))
-    low, high, step = (float(values[key]) for key in ("MIN", "MAX", "STEP"))
-    points = {int(key[1:]): float(value) for key, value in values.items() if key[0] == "#"}
-    if sorted(points) != list(range(len(points))) or abs((high - low) / step + 1 - len(points)) > 1e-6:
-        what, remedy = "the table of {moved} is not whole", "this is a defect of axiscal"
-        raise TableError(what, remedy, moved=moved)
+    place: tuple[str, ...], values: Mapping[str, str], axes: Mapping[str, str], machine: Machine, flip: bool
+) -> CompensationTable | None:
+    """Return a table, None for one that is not in use: without a step, or for axes that the machine has not."""
+    enc = place[0] == "ENC_COMP"
+    ends = (place[2], place[2]) if enc else (values.get("INPUT_AXIS", ""), values.get("OUTPUT_AXIS", ""))
+    over, moved = (axes.get(name) for name in ends)
+    low, high, step = (_number(values.get(key, "0")) for key in ("MIN", "MAX", "STEP"))
+    if over is None or moved is None or step <= 0:
+        return None
+    count = (high - low) / step + 1
+    points = {int(key[1:]): _number(value) for key, value in values.items() if key[0] == "#"}
+    whole = count <= _MOST_POINTS and abs(count - round(count)) < 1e-6
+    if not whole or any(value for number, value in points.items() if number >= round(count)):
+        what = "the table of {moved} has {count:g} points between its ends"
+        remedy = "write a STEP that divides MAX - MIN into {most:,} parts at most, and no values beyond"
+        raise TableError(what, remedy, moved=moved, count=count, most=_MOST_POINTS)
+    if int(values.get("MULT_BY_TABLE", "0")):
+        what = "a CEC table of {axis} is multiplied by another one"
+        raise TableError(what, "leave MULT_BY_TABLE at 0", axis=moved)
+    if lacking := [number for number in range(round(count)) if number not in points]:
+        what, remedy = "point {number} of the table of {moved} is not there", "give the files as the control saved them"
+        raise TableError(what, remedy, moved=moved, number=lacking[0])
+    entries = [points[number] for number in range(round(count))]
     units = [machine.axis(name).unit for name in (over, moved)]
-    positions: Array = from_unit(np.array([low + step * i for i in range(len(points))]), units[0])
-    taken: Array = (-1.0 if flip and cec else 1.0) * from_unit(
-        np.array([points[i] for i in range(len(points))]), units[1]
-    )
-    direction = int(values.get("DIRECTION", "0"))
+    positions: Array = from_unit(np.array([low + step * i for i in range(len(entries))]), units[0])
+    taken: Array = (-1.0 if flip and not enc else 1.0) * from_unit(np.array(entries), units[1])
+    direction = 0 if enc else int(values.get("DIRECTION", "0"))
     forward, reverse = (taken * (direction in (0, side)) for side in (1, -1))
     return CompensationTable(moved, positions, forward, reverse, over=over)
+
+
+def _number(text: str) -> float:
+    """Return a finite number; raises TableError."""
+    if (value := number_or_none(text.replace("EX", "E"))) is None:
+        raise TableError("{text!r} is no number", "write digits with a decimal point", text=text[:40])
+    return value
 
 
 TABLES = 128
@@ -92,7 +142,7 @@ def blocks_of(own: Sequence[CompensationTable], over: Sequence[CompensationTable
     for block in blocks:
         if len(block.values) > POINTS:
             what = "the CEC table of {axis} has {count} points, MD18342 allows {most}"
-            remedy = "set the points further apart"
+            remedy = "export without --on-top-of, or give coarser tables to it"
             raise TableError(what, remedy, axis=block.table.axis, count=len(block.values), most=POINTS)
     return blocks
 
@@ -166,11 +216,15 @@ class Sinumerik(TableFormat):
         "apart, for straightness, sag and squareness."
     )
     left_out = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
-    takes = TableFormat.takes | {"--number", "--measuring-system"}
+    takes = TableFormat.takes | {"--number", "--measuring-system", "--on-top-of"}
     unstated = "across"
     instead: ClassVar = {"--unit": later("leave it out: the tables are in mm and deg, load them in metric")}
     points = 200  # what an 828D holds for an axis
     grid = (_STEP, float(np.radians(1e-3)))
+
+    def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
+        """Return what the files are to hold, that of the old ones added; raises TableError."""
+        return options.old.under_tables(super().tables(estimate, options), estimate.machine, POINTS, even=True)
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files that are needed."""
@@ -182,10 +236,29 @@ class Sinumerik(TableFormat):
         first = sign_said(options, _SIGN) if blocks else ()
         return Written(files, steps, notes(own, blocks, names, encoder), first=first)
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what the control makes of the files; raises TableError."""
-        names = _names(machine, options)
-        return Loaded(tuple(one for text in files.values() for one in read(text, names, machine, options.flip)))
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what tables did of the chosen measuring system; raises TableError."""
+        names, tables, untaken = _names(machine, options), list[CompensationTable](), list[InputError]()
+        for file in files:
+            own = {machine.axis(file.axis).name: _only_axis(file)} if file.axis else names
+            left = list[InputError]()
+            try:
+                tables += read(file.text, own, machine, options.flip, options.encoder - 1, left)
+            except TableError as fault:
+                remedy = "give AX_EEC.INI and NC_CEC.INI as the control saved them"
+                raise TableError(fault.what, remedy, file.name) from None
+            untaken += [fault.placed(file.name, fault.line) for fault in left]
+        return Loaded(tuple(tables), untaken=tuple(untaken))
+
+
+def _only_axis(file: OldFile) -> str:
+    """Return the axis that a file of one axis is for, as it writes it; raises TableError for several."""
+    found = {third or second for _, kind, _, _, second, third, _ in _VALUE.findall(file.text) if kind == "ENC_COMP"}
+    found = {name for name in found if not name.isdigit()}
+    if len(found) != 1:
+        what, remedy = "this file has tables of {known}", "give it without AXIS=, and each axis its --number"
+        raise TableError(what, remedy, file.name, known=", ".join(sorted(found)) or "-")
+    return str(found.pop())
 
 
 def _names(machine: Machine, options: ExportOptions) -> dict[str, str]:

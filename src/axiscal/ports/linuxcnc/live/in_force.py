@@ -81,7 +81,7 @@ class InForce:
 def _refuse_any(joints: str, status: dict[str, Any]) -> None:
     if joints:
         what = "COMP_FILE or BACKLASH of joint {joints} is in force, and the campaign is measured without"
-        raise SourceError(what, "Take it out of the INI file", joints=joints)
+        raise SourceError(what, "Take it out of the INI file, or name its files in compensation_active", joints=joints)
     if status["whole"]:
         what = "axiscal-vcomp.active is true, and the campaign is measured without a compensation"
         raise SourceError(what, _SWITCH_OFF)

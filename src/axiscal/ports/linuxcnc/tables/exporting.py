@@ -10,22 +10,28 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
+from axiscal.document.file import number_or_none
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import InputError, TableError
+from axiscal.language.spoken import said
 from axiscal.ports.linuxcnc.tables import cross
-from axiscal.ports.linuxcnc.tables.writer import ROWS, notes, parse, resolution, write
+from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
-_CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-\d+\s+(\S+)")
+_CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
+
+_POINT = re.compile(r"\s*setp\s+\S*[xy]-val-\d+\s")
+_LARGEST = 1e6
+"""In the machine's unit: a kilometre in millimetres, which no table corrects."""
 
 MOST_TURNS = 5
 """256 rows hold five turns of 51 points."""
@@ -42,15 +48,16 @@ class Linuxcnc(TableFormat):
         "tool, and the reversal of straightness."
     )
     tried = True
-    takes = frozenset({"--spacing", "--unit", "--number"})
+    takes = frozenset({"--spacing", "--unit", "--number", "--on-top-of"})
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return tables of axes over as many turns as they make, and curves of axes over others."""
         machine = estimate.machine
-        own = (one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
-        new = (over_turns(table, machine) for table in own)
+        new = tuple(one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
+        own = tuple(over_turns(t, machine) for t in options.old.alone(within=True).under_tables(new, machine, ROWS))
         across = cross_tables(estimate, most=cross.POINTS, uneven=options.spacing is None)
-        return (*new, *(t.averaged() for t in across))  # a lincurve has no direction
+        across = options.old.alone(within=False).under_tables(across, machine, cross.POINTS, even=True)
+        return (*own, *(t.averaged() for t in across))  # a lincurve has no direction
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files."""
@@ -68,13 +75,23 @@ class Linuxcnc(TableFormat):
         holds = f"{' and '.join([*([each] if own else []), *([moves] if over else [])])}."
         return Written(files, _resolution(own, over, linear), (*said, *_hal_notes(machine, over)), holds)
 
-    def load(self, files: Mapping[str, str], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what LinuxCNC makes of the files, by what they say alone; raises TableError."""
-        unit, tables = options.unit_of(machine), list[CompensationTable]()
-        for name, text in files.items():
-            hal = name.endswith(".hal")
-            tables += _curves(text, machine, unit) if hal else [_table(text, machine.axis(Path(name).stem), unit)]
-        return Loaded(tuple(tables))
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what files did, by what they say alone; raises TableError."""
+        joints, unit = options.joints(machine), options.unit_of(machine)
+        tables, untaken = list[CompensationTable](), list[InputError]()
+        for file in files:
+            if file.unit not in ("", unit):
+                what = "its INI file counts lengths in another unit than {new}, in which new tables would be"
+                raise TableError(what, "say --unit {its}", file.name, its=file.unit, new=unit)
+            if file.name.lower().endswith(".hal"):
+                tables += _curves(file, machine, unit, untaken)
+            elif file.backlash:
+                axis = _axis(file, machine, joints)
+                lost = float(from_unit(file.backlash, "deg" if machine.axis(axis).rotary else unit))
+                tables += lost_motion(machine, {axis: lost})  # half to each side, as motion adds it (control.c)
+            else:
+                tables += _table(file, _axis(file, machine, joints), machine, unit, untaken)
+        return Loaded(tuple(tables), untaken=tuple(untaken))
 
 
 def _resolution(own: Sequence[CompensationTable], over: Sequence[CompensationTable], linear: str) -> dict[str, float]:
@@ -131,19 +148,77 @@ def turns(axis: Axis) -> tuple[int, int]:
     return low, min(above, spare - low)
 
 
-def _table(text: str, axis: Axis, linear: str) -> CompensationTable:
-    kept, unit = parse(text), "deg" if axis.rotary else linear
+def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) -> str:
+    """Return the axis that a file is for: as said, by its joint, or by its name, X.comp or joint0.comp."""
+    names = {axis.name.casefold(): axis.name for axis in machine.axes}
+    if file.axis:
+        return machine.axis(file.axis).name
+    number = file.joint
+    if number is None and (numbered := re.search(r"joint_?(\d+)", file.stem, re.IGNORECASE)):
+        number = int(numbered[1])
+    owners = [axis for axis, numbers in joints.items() if number in numbers]
+    if owners:
+        return owners[0]
+    for word in re.split(r"[^A-Za-z0-9]+", file.stem):
+        if word.casefold() in names:
+            return names[word.casefold()]
+    remedy = "write --on-top-of X={path}"
+    raise TableError("nothing says which axis this table is for", remedy, file.name, path=file.name)
+
+
+def _table(
+    file: OldFile, axis: str, machine: Machine, machine_unit: str, untaken: list[InputError]
+) -> list[CompensationTable]:
+    kept = _parsed(file, _type(file))
+    if not len(kept.nominal):
+        raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
+    lines, remedy = file.text.split("\n"), said("take it out, or mend it: rows increase, 256 of them at most")
+    skipped = {number: lines[number - 1].strip()[:40] for number in kept.skipped}
+    whats = {text: said("LinuxCNC skips this row: {text!r}", text=text) for text in set(skipped.values())}
+    untaken += [TableError(whats[text], remedy, file.name, number) for number, text in skipped.items()]
+    unit = "deg" if machine.axis(axis).rotary else machine_unit
     at, forward, reverse = (from_unit(values, unit) for values in (kept.nominal, kept.forward, kept.reverse))
-    return CompensationTable(axis.name, at, -forward, -reverse)
+    return [CompensationTable(axis, at, -forward, -reverse)]
 
 
-def _curves(text: str, machine: Machine, unit: str) -> list[CompensationTable]:
+def _parsed(file: OldFile, file_type: int) -> LinuxcncTable:
+    kept = parse(file.text, file_type=file_type)
+    if not all(np.all(np.abs(column) < _LARGEST) for column in (kept.nominal, kept.forward, kept.reverse)):
+        remedy = "give the file as the control loads it"
+        raise TableError("it has a number that is too large for a machine", remedy, file.name)
+    return kept
+
+
+def _type(file: OldFile) -> int:
+    """Return COMP_FILE_TYPE, found from the values where nobody said: those of Type 0 go with the nominal ones."""
+    if file.file_type is not None:
+        return file.file_type
+    rows = _parsed(file, 1)
+    if len(rows.nominal) < 2:
+        return 0
+    slope = np.ptp(rows.forward) / np.ptp(rows.nominal)
+    return 0 if slope > 0.5 else 1
+
+
+def _curves(file: OldFile, machine: Machine, unit: str, untaken: list[InputError]) -> list[CompensationTable]:
     """Return the curves of axes over other axes."""
-    found: dict[tuple[str, str], dict[str, list[float]]] = {}
-    for moved, over, side, value in _CURVE.findall(text):
-        found.setdefault((moved.upper(), over.upper()), {"x": [], "y": []})[side].append(float(value))
+    found: dict[tuple[str, str], dict[str, dict[int, float]]] = {}
+    for line, text in enumerate(file.text.splitlines(), 1):
+        if _POINT.match(text) and not _CURVE.search(text):
+            what, remedy = "{text!r} names no axis over another one", "name the curve as in setp y-x.x-val-00 0"
+            untaken.append(TableError(what, remedy, file.name, line, text=text.strip()[:60]))
+    for moved, over, side, place, value in _CURVE.findall(file.text):
+        if (number := number_or_none(value)) is None:
+            remedy = "give the HAL file as it is"
+            raise TableError("{text!r} is no number of a curve", remedy, file.name, text=value[:40])
+        found.setdefault((moved.upper(), over.upper()), {"x": {}, "y": {}})[side][int(place)] = number
     tables = []
     for (moved, over), sides in found.items():
-        at, added = (from_unit(np.array(sides[side]), unit) for side in "xy")
-        tables.append(CompensationTable(moved, at, -added, -added, over=over))
+        x, y = (np.array([sides[side][i] for i in sorted(sides[side])]) for side in "xy")
+        if len(x) != len(y) or np.any(np.diff(x) <= 0):
+            remedy = "give the HAL file as it is"
+            raise TableError("the curve of {moved} over {over} is not whole", remedy, file.name, moved=moved, over=over)
+        units = ["deg" if machine.axis(name).rotary else unit for name in (over, moved)]
+        taken = -from_unit(y, units[1])
+        tables.append(CompensationTable(moved, from_unit(x, units[0]), taken, taken, over=over))
     return tables

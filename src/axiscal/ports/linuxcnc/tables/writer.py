@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -36,34 +35,39 @@ class LinuxcncTable:
     """A file as LinuxCNC keeps it, in machine units.
 
     nominal : (n,); forward, reverse : (n,) trims, nominal minus actual, that are added to the command
+    skipped : lines that it does not keep: behind its end or its last row, or not above the row before
     """
 
     nominal: Array
     forward: Array
     reverse: Array
+    skipped: tuple[int, ...] = ()
 
 
-def parse(text: str) -> LinuxcncTable:
-    """Read a file of Type 0 as LinuxCNC does, which starts with some table whatever the text is."""
-    rows, last = list[tuple[float, float, float]](), -sys.float_info.max
-    for chunk in _chunks(text.encode("utf-8", "surrogatepass")):
-        if (found := _TRIPLET.match(chunk)) is None:
-            break
-        nominal, forward, reverse = map(float, found.groups())
-        if len(rows) < ROWS and nominal > last:
-            rows.append((nominal, nominal - forward, nominal - reverse))
-            last = nominal
+def parse(text: str, file_type: int = 0) -> LinuxcncTable:
+    """Read a file as LinuxCNC does; whatever the text is, LinuxCNC starts with some table, and so it is given here.
+
+    file_type : COMP_FILE_TYPE; 0 holds actual positions, any other number the trims themselves
+    """
+    rows, skipped, found = list[tuple[float, float, float]](), list[int](), _TRIPLET.match(b"0 0 0")
+    for line, chunk in _chunks(text.encode("utf-8", "surrogatepass")):
+        found = found and _TRIPLET.match(chunk)
+        nominal, forward, reverse = map(float, found.groups()) if found else (-math.inf,) * 3
+        if len(rows) < ROWS and nominal > (rows[-1][0] if rows else -np.finfo(np.float64).max):
+            rows.append((nominal, forward, reverse) if file_type else (nominal, nominal - forward, nominal - reverse))
+        elif chunk.strip() and not chunk.lstrip().startswith(b"#"):
+            skipped.append(line)
     columns = np.array(rows, dtype=np.float64).reshape(-1, 3).T
     with np.errstate(over="ignore"):
         trims = columns[1:].astype(np.float32).astype(np.float64)
-    return LinuxcncTable(columns[0], trims[0], trims[1])
+    return LinuxcncTable(columns[0], trims[0], trims[1], tuple(dict.fromkeys(skipped)))
 
 
-def _chunks(data: bytes) -> Iterator[bytes]:
-    """Yield the bytes of each fgets, cut at a zero byte as C strings are."""
-    for line in re.findall(rb"[^\n]*\n|[^\n]+", data):
+def _chunks(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield the line and the bytes of each fgets, cut at a zero byte as C strings are."""
+    for number, line in enumerate(re.findall(rb"[^\n]*\n|[^\n]+", data), 1):
         for start in range(0, len(line), _CHUNK):
-            yield line[start : start + _CHUNK].partition(b"\0")[0]
+            yield number, line[start : start + _CHUNK].partition(b"\0")[0]
 
 
 _SERVO_PERIOD = 1e-3
