@@ -127,7 +127,7 @@ def told(story: Story) -> dict[str, object]:
 
 SPOTS = Place("laser", (0.0, 1.0), (1, -1)), Place("laser", (0.5, 1.0), (1, -1)), Place("bar", (0.0, 1.0), (1, -1))
 TAKEN = Recorded(Reading("laser", (0.0, 1.0), (1, -1), 1e-6))
-BEGUN = [Planned(SPOTS), Asked(1, SPOTS[0]), TAKEN, Asked(2, SPOTS[1])]
+BEGUN: list[Event] = [Planned(SPOTS), Asked(1, SPOTS[0]), TAKEN, Asked(2, SPOTS[1])]
 
 
 @example([*BEGUN, Undone(0)])
@@ -182,8 +182,8 @@ def test_deep_nesting_is_refused() -> None:
 
 
 def test_a_set_up_that_is_left_takes_its_readings_out_of_the_plan_and_taken_back_leaves_none_to_go_on_from() -> None:
-    folding, events = Folding(), list[Event]([CREATED, *BEGUN, Skipped("the beam is lost", rest=True)])
-    for number, each in enumerate(events, 1):
+    folding, left = Folding(), Skipped("the beam is lost", rest=True)
+    for number, each in enumerate((CREATED, *BEGUN, left), 1):
         folding.add(Stored(number, "", each))
     state = folding.state()
     assert (state.plan, state.skipped[0].whole, state.renew) == ((SPOTS[2],), True, True)
