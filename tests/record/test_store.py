@@ -85,9 +85,8 @@ AS_NOBODY = """
 import os, sys
 from pathlib import Path
 from axiscal.record.events import Created
-from axiscal.record.lines import EventText
 from axiscal.record.store import Record, content_of
-from axiscal.exceptions import NewerError, RecordError
+from axiscal.exceptions import RecordError
 folder = Path(sys.argv[1])
 if os.geteuid() == 0:
     os.setgroups([]); os.setgid(65534); os.setuid(65534)

@@ -155,6 +155,9 @@ def _refuse_absurd(setup: Setup, values: Sequence[float], std: float | None) -> 
     refuse_other_values(setup, len(values))
 
 
+_BACK = "Put it back from a copy"
+
+
 class Possible:
     """What can happen on the machine of a campaign, with its set-ups by the names that they have had."""
 
@@ -185,30 +188,30 @@ class Possible:
 
     def _setup(self, name: str) -> Setup:
         if name not in self._setups:
-            raise RecordError('there is no set-up "{name}"', "", name=name[:60])
+            raise RecordError('there is no set-up "{name}"', _BACK, name=name[:60])
         return self._setups[name]
 
     def _mount(self, setup: str, name: str, taken: bool) -> None:
         mounted = self._setup(setup)
         if taken:
-            raise RecordError('there is a set-up "{name}" already', "", name=name[:60])
+            raise RecordError('there is a set-up "{name}" already', _BACK, name=name[:60])
         self._setups[name] = mounted
 
     def _refuse_place(self, at: Place | Reading) -> None:
         self._setup(at.setup)
         if len(at.pose) != len(self._axes):
             what = "the place has {count} coordinates, and the machine {axes} axes"
-            raise RecordError(what, "", count=len(at.pose), axes=len(self._axes))
+            raise RecordError(what, _BACK, count=len(at.pose), axes=len(self._axes))
         for value, axis in zip(at.pose, self._axes, strict=True):
             (low, high), slack = axis.travel, _SLACK * axis.length
             if not low - slack <= value <= high + slack:
                 place = format_quantity(value, axis.unit, 9)
-                raise RecordError("{axis} = {shown} is outside the travel", "", axis=axis.name, shown=place)
+                raise RecordError("{axis} = {shown} is outside the travel", _BACK, axis=axis.name, shown=place)
 
 
 def _refuse_values(reading: Reading, setup: Setup) -> None:
     _refuse_absurd(setup, reading.values, reading.std)
     if reading.std is not None and reading.std < _LEAST:
-        raise RecordError("{std:g} m or rad is no standard deviation", "", std=reading.std)
+        raise RecordError("{std:g} m or rad is no standard deviation", _BACK, std=reading.std)
     if reading.time is not None and not abs(reading.time) < _LATEST:
-        raise RecordError("{seconds:g} s after its beginning", "", seconds=reading.time)
+        raise RecordError("{seconds:g} s after its beginning", _BACK, seconds=reading.time)
