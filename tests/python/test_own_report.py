@@ -35,14 +35,14 @@ def known() -> ac.Known:
 @pytest.mark.parametrize(
     ("language", "said"),
     [
-        ("en", ["Calibration report", "Error curves", "Not believed, marked ×: readings 3.", "3 ×", "position, mm"]),
+        ("en", ["Calibration report", "Error curves", "Not believed, marked ×: readings 3.", "3×", "position, mm"]),
         (
             "de",
             [
                 "Kalibrierbericht",
                 "Fehlerkurven",
                 "Nicht geglaubt, mit × gekennzeichnet: Messungen 3.",
-                "3 ×",
+                "3×",
                 "Position, mm",
             ],
         ),
