@@ -139,7 +139,8 @@ def plan_check(
     first = first.within(np.isin(first.setups, mounted))
 
     def lacking(setup: int) -> int:
-        return max(least[setup] - first.setups.tolist().count(setup), 0)
+        had: int = first.setups.tolist().count(setup)
+        return max(least[setup] - had, 0)
 
     while len(first) + sum(map(lacking, mounted)) > room:
         first = first.without(len(first) - 1)
