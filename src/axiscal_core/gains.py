@@ -17,6 +17,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal_core.from_scipy import take_off
 from axiscal_core.model import Numbers
 from axiscal_core.refusals import Array
 from axiscal_core.state import State, joint_gains
@@ -93,9 +94,8 @@ class Gains:
         """Take in a candidate, or a reading anywhere."""
         k, before = self.width, len(self._k)
         self._k = np.pad(self._k, ((0, k), (0, k)))
-        self._a, self._d, self._u = (np.pad(each, ((0, k), (0, 0))) for each in (self._a, self._d, self._u))
-        nothing = _Rows(*(np.zeros((k, *part.shape[1:])) for part in self._mine))
-        self._mine = _Rows(*(np.concatenate(pair) for pair in zip(self._mine, nothing, strict=True)))
+        self._a, self._d, self._u = (_lengthened(each, k) for each in (self._a, self._d, self._u))
+        self._mine = _Rows(*(_lengthened(part, k) for part in self._mine))
         self._fill(slice(before, before + k), what)
 
     def exchange(self, slot: int, what: int | Numbers) -> None:
@@ -158,8 +158,8 @@ class Gains:
         d = held @ (g - omega @ scaled)
         self.above, self.below = self._after(scaled, g - omega @ scaled / 2, crossed, -1.0)
         self.value -= float(np.sum(held * omega))
-        self._d -= (self._u @ reach.T) @ scaled + felt @ d
-        self._a -= felt @ scaled
+        take_off(self._d, np.hstack([self._u @ reach.T, felt]), np.concatenate([scaled, d]))
+        take_off(self._a, felt, scaled)
         self._u -= felt @ (held @ reach)
         self._a[own], self._d[own], self._u[own] = scaled, d, held @ reach
         self._k[:, own], self._k[own] = k, k.T
@@ -178,8 +178,8 @@ class Gains:
         self.above, self.below = self._after(scaled, d + omega @ scaled / 2, a, 1.0)
         self.value += float(np.sum(held * omega))
         felt = self._p[:, own] @ held
-        self._d += (self._u @ u.T) @ scaled - felt @ (d + omega @ scaled)
-        self._a -= felt @ a
+        take_off(self._d, np.hstack([-self._u @ u.T, felt]), np.concatenate([scaled, d + omega @ scaled]))
+        take_off(self._a, felt, a)
         self._u -= felt @ u
         self._p = self._p - felt @ self._p[own]
         for each in (self._k, self._k.T, self._a, self._d, self._u, *self._mine):
@@ -211,6 +211,11 @@ class Gains:
         scaled, half, crossed = parts
         turned, more = (np.einsum("kim,kjm->ijm", sign * scaled, each) for each in (half, crossed))
         return self.above + turned + turned.swapaxes(0, 1), self.below + more
+
+
+def _lengthened(part: Array, count: int) -> Array:
+    """Return an array with so many noughts more along its first side."""
+    return np.concatenate([part, np.zeros((count, *part.shape[1:]))])
 
 
 def _gains(above: Array, below: Array) -> Array:
