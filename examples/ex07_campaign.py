@@ -31,8 +31,8 @@ def main() -> dict[str, object]:
         description = ac.read_campaign(file)
         source = open_source("sim:7", ac.Simulator(description.machine, description.setups))
         with ac.Campaign.create(Path(folder, "axis.axiscal"), description) as campaign:
-            stopped = campaign.run(source, watch=lambda milestone: None)
-            rms = [milestone.accuracy.rms * 1e6 for milestone in campaign.history()]
+            rms = [campaign.estimate().accuracy.rms * 1e6]
+            stopped = campaign.run(source, watch=lambda milestone: rms.append(milestone.accuracy.rms * 1e6))
     return {
         "stopped because": stopped,
         "RMS before, um": rms[0],

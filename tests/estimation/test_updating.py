@@ -1,4 +1,4 @@
-"""Many readings absorbed at once are the same as one after the other: belief, innovations, and the history."""
+"""Many readings absorbed at once are the same as one after the other: belief, innovations, and the history of both."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path, paths
 from axiscal.estimation.knowledge import Innovations, Knowledge
+from axiscal.estimation.located import absorbed
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
+from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed
 
 
@@ -65,3 +67,12 @@ def test_the_history_is_what_was_known_after_each_reading(monkeypatch: pytest.Mo
     assert len(paths(known, case.description.setup("nest"))) == 3  # each number drifts on its own
     assert moments[24].accuracy == known.accuracy
     assert moments[24].seconds == known.timed.seconds
+
+
+@pytest.mark.parametrize("slip", [0.0, 20e-6])
+def test_the_surprise_of_the_last_reading_is_by_what_it_differs_from_all_before(slip: float) -> None:
+    readings = laser_axis.read(laser_axis.machine(1), 12)
+    readings[-1] = replace(readings[-1], value=readings[-1].value + slip)
+    known = absorbed(laser_axis.CASE, readings, [3])
+    last = known.blocks[-1].innovations[-1]
+    assert known.surprise(11) == pytest.approx(float(np.abs(last.value[0]) / last.std[0]), rel=1e-6)

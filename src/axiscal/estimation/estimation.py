@@ -111,17 +111,14 @@ class Estimation:
         """Whether the readings agree with each other."""
         return NOTHING_READ if self.posterior is None else self.posterior.agreement
 
-    @property
-    def surprises(self) -> dict[int, float]:
-        """How far each reading that counts is from what all others say, in standard deviations, by index."""
-        return {} if self.posterior is None else {i: each.z for i, each in self.posterior.left_out.items()}
-
     @cached_property
     def checks(self) -> Checks:
         """The check readings beside what all other readings promise of them."""
+        left = {} if self.posterior is None else self.posterior.left_out
+        away = {index: each.z for index, each in left.items()}
         doubted = ({i: doubt.surprise for i, doubt in each.items()} for each in (self.bad, self.implausible))
         drawn = {i for i, reading in enumerate(self.readings) if reading.check}
-        kinds = ((CheckReading(i, z) for i, z in each.items() if i in drawn) for each in (self.surprises, *doubted))
+        kinds = ((CheckReading(i, z) for i, z in each.items() if i in drawn) for each in (away, *doubted))
         return Checks.sorted_out(*kinds)
 
     @remembered

@@ -12,6 +12,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.intervals import sited
 from axiscal.estimation.knowledge import Block, Knowledge, taken
 from axiscal.estimation.promise.posterior import Sorted
+from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.stations import GAUSSIAN, MOST, BentReadings, Optimum, indices, mirrored, polished
 from axiscal.exceptions import AmbiguityError
 from axiscal.language.spoken import said
@@ -21,8 +22,12 @@ from axiscal.measurement.reading import Reading, drawn, place_text
 from axiscal.measurement.reading_rows import linear_values, places_of, seen
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from axiscal_core.draws import as_stated
+from axiscal_core.left_out import surprises
 from axiscal_core.spaces import variances_of
+from axiscal_core.theta import Sizes
 from axiscal_core.threads import one_thread
+from axiscal_core.unknowns import space_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +62,16 @@ class Absorbed:
     def normal(self) -> Sequence[Reading]:
         """The readings with normal ones in the place of those that are far from normal; themselves if none is."""
         return sited(self.case.observation, self.readings, self.case.inherited, self.left_out)
+
+    @one_thread()
+    def surprise(self, reading: int) -> float:
+        """Return how far one that counts is from what all others say, its numbers together, in standard deviations."""
+        kept = [index for index in range(len(self.readings)) if index not in self.left_out]
+        some = [self.readings[index] for index in kept]
+        posed = problem(self.case.observation, some, Sizes(()), self.case.inherited, usual=False)
+        numbers = np.flatnonzero(posed.reading == kept.index(reading))
+        given = as_stated(space_of(posed))
+        return float(surprises(given.told(numbers)[0][None], given.blocks(numbers[None]))[0])
 
 
 def absorbed(

@@ -126,22 +126,26 @@ def plan_check(
     """
     once, machine = distinct(new), estimate.machine
     least = {s: fewest(machine, setups[s], once.poses[mine], tolerance) for s, mine in once.by_setup()}
-    least = {s: own for s, own in least.items() if own <= np.count_nonzero(once.setups == s)}
+    least = {s: own for s, own in least.items() if own <= once.setups.tolist().count(s)}
     if len(once) and not least:
         raise ReadingError("too few places are new to tell the machine from a set-up", _fewer(0))
     able = np.isin(new.setups, [*least])
     room = int(able.sum()) if count is None else count
     first = needed(estimate, setups, new.within(able), parts)
-    mounted: list[int] = _mounted(setups, [*dict.fromkeys(first.setups.tolist())] or [*least], least, room)
+    mounted = _mounted(setups, [*dict.fromkeys(first.setups.tolist())] or [*least], least, room)
     if least and not mounted:
         what = "{count} places cannot tell the machine from a set-up"
         raise ReadingError(what, "Ask for {least} or more", count=room, least=min(least.values()))
     first = first.within(np.isin(first.setups, mounted))
-    while sum(max(least[s], int(np.count_nonzero(first.setups == s))) for s in mounted) > room:
+
+    def lacking(setup: int) -> int:
+        had: int = first.setups.tolist().count(setup)
+        return max(least[setup] - had, 0)
+
+    while len(first) + sum(map(lacking, mounted)) > room:
         first = first.without(len(first) - 1)
     others = without(once.within(np.isin(once.setups, mounted)), first)
-    lacking = [max(least[s] - int(np.count_nonzero(first.setups == s)), 0) for s in mounted]
-    among = np.repeat(mounted, lacking).astype(np.intp)
+    among = np.array([setup for setup in mounted for _ in range(lacking(setup))], dtype=np.intp)
     first = Places.joined([first, drawn_places(others, among, len(among))])
     others = without(others, first)
     left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
