@@ -116,13 +116,23 @@ def _chosen(
     if len(coming):  # climbing would bring places that were shaken back to their regular distances
         patience = 0.0 if gaps or usual or long else math.inf
         coming = renewed(task, limits, coming, patience, goal, usual)
-    if len(coming) and (goal is None or not task.patience):
+    if len(coming) and (goal is None or not task.patience or not _quicker(task, limits, goal, usual, coming)):
         return coming
     # off the lattice a way might lead into a gap
     patience = 0.0 if gaps or (long and len(left)) else task.patience
     anew = make_plan(task, limits, goal=goal, patience=patience, usual=usual).places
-    slower = goal is not None and (not goal.reached(anew) or seconds_along(task, coming) <= seconds_along(task, anew))
-    return coming if len(coming) and slower else anew
+    return anew if goal is None or not len(coming) or _earlier(task, goal, anew, coming) else coming
+
+
+def _quicker(task: Task, limits: Limits, goal: Goal, usual: bool, coming: Places) -> bool:
+    """Return whether readings chosen anew on the lattice alone would be a quicker plan."""
+    anew = make_plan(replace(task, patience=0.0), limits, goal=goal, patience=0.0, usual=usual).places
+    return _earlier(task, goal, anew, coming)
+
+
+def _earlier(task: Task, goal: Goal, anew: Places, coming: Places) -> bool:
+    """Return whether readings reach an accuracy in less time than others take."""
+    return seconds_along(task, anew) < seconds_along(task, coming) and goal.reached(anew)
 
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
