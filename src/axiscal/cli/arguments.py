@@ -95,13 +95,7 @@ Details = Annotated[
 Unit = Annotated[
     str | None, typer.Option("--unit", metavar="UNIT", help="Of lengths without one, such as inch; default: mm.")
 ]
-Zero = Annotated[
-    str | None,
-    typer.Option(
-        metavar="FILE|PLACE",
-        help='Where the printer homes Z, such as "150 mm, 150 mm".',
-    ),
-]
+Zero = Annotated[str | None, typer.Option(metavar="PLACE", help='Where the printer homes Z, such as "150 mm, 150 mm".')]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 ResultsFolder = Annotated[
     Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder for the results; default: beside the record.")
