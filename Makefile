@@ -50,7 +50,7 @@ test check: .venv/dev.stamp
 
 # The controls that lie beside the checkout are tried as well, in an environment of their own.
 test-long: .venv/dev.stamp $(if $(wildcard $(CONTROLS)),.venv-controls/stamp)
-	$(BIN)/pytest -n 5 --dist loadfile --no-loadscope-reorder -m long tests
+	$(BIN)/pytest -n 4 --dist loadfile --no-loadscope-reorder -m long tests
 
 # Whole rooms where their tests take seconds, else the files that do.
 QUICK := core/test_docstrings.py description docs/test_constants.py docs/test_house.py docs/test_shapes.py document errors/test_gauge.py \

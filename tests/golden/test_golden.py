@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.language.spoken import speaking
@@ -112,7 +113,8 @@ def standing(record: Path, language: str, folder: Path) -> tuple[dict[str, Any],
         desk.think()
         state = desk.state.model_dump(mode="json")["answer"]
         screen = standing_screen(campaign)
-    return state["document"], [of_state(state), of_screen(screen)]
+        rows = [row.model_dump(mode="json") for row in standing_answer(campaign).rows]
+    return state["document"] | {"rows": rows}, [of_state(state), of_screen(screen)]
 
 
 def assert_same(first: list[Row], second: list[Row]) -> None:

@@ -19,7 +19,7 @@ from axiscal.campaign.campaign import Campaign
 from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
 
-PATIENCE = 60.0
+PATIENCE = 150.0
 """s: for an answer on a busy computer."""
 
 
