@@ -184,7 +184,7 @@ def test_from_nothing_to_the_first_reading_of_a_router(browser: Browser, start: 
     parts = page.value("[...document.querySelectorAll('#strip small')].map(e => parseInt(e.textContent))")
     assert sum(parts) == pytest.approx(int(minutes), rel=0, abs=(len(parts) + 1) / 2)  # each is rounded
     looked_at(page)
-    person.slide(5)
+    person.slide(1)
     person.press("Begin")
     looked_at(page)
     person.mount()

@@ -382,7 +382,7 @@ class _Checks:
         found, others = places_of(setups, checks), places_of(setups, places)
         for index, mine in found.by_setup():
             setup, sides = setups[index], others.approaches[others.setups == index]
-            free = setup.moves if setup.chart is None and len(setup.sides) > 1 else ()
+            free = setup.moves if setup.chart is None and len(setup.sides) > 1 and len(sides) else ()
             for k in self.case.errors.reversing & {*free}:
                 rising = np.mean(sides[:, k] > 0)
                 if min(rising, 1 - rising) < _SELDOM:
