@@ -87,7 +87,7 @@ class Control:
     def move(self, code: str) -> dict[str, Any]:
         """Execute a line and wait until the correction, which is ramped, has arrived as well."""
         self.execute(code)
-        settled = wait(self._settled, 0.5) and wait(self._still, 3.0)
+        settled = wait(self._settled, 2.0) and wait(self._still, 3.0)
         return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd")}
 
     def execute(self, code: str) -> None:
@@ -165,7 +165,7 @@ class Control:
     def _still(self) -> bool:
         before = self.pins("pos-cmd"), self.sent()  # a correction over another axis comes at a limited speed
         for _ in range(4):  # on a busy computer without real time the next servo cycle may be late
-            time.sleep(0.003)  # three servo cycles: "in position" may come a cycle early
+            time.sleep(0.01)  # some servo cycles: "in position" may come early, and on a busy computer a cycle late
             if (self.pins("pos-cmd"), self.sent()) != before:
                 return False
         return True
