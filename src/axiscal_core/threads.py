@@ -69,4 +69,4 @@ def one_thread() -> Iterator[None]:
 
 
 hold_loaded_libraries = _LIMIT.look_again
-"""Apply the limit to a library with a separate BLAS that has been loaded just now."""
+"""Apply the limit to a BLAS that has been loaded just now: that of numpy, or the other one that scipy brings."""

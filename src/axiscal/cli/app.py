@@ -127,7 +127,7 @@ class AllCommands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was called; each is a door of planning or estimating."""
-        from axiscal_core.threads import one_thread  # numpy comes with it, and help has no need of it
+        from axiscal_core.threads import one_thread  # help has no need of it
 
         with one_thread():
             return super().invoke(ctx)

@@ -1,25 +1,20 @@
-"""Means over the working volume, E[H] and E[HᵀH], over poses spread evenly in it; in closed form along an axis.
+"""Means over the working volume, E[H] and E[HᵀH], over poses spread evenly in it.
 
 A rigid motion of the part is not an error: the part is aligned by probing before it is machined. Alignment with
 T(p) = [I, −(p − p̄)×] (3 × 6) leaves H − T E[TᵀT]⁻¹ E[TᵀH] of H, and of the mean variance
 
     W = E[HᵀH] − E[TᵀH]ᵀ E[TᵀT]⁻¹ E[TᵀH].
 
-Every lever is affine in each linear coordinate and of first order in the sine and cosine of each rotary one. So three
-nodes on a linear axis and five on a rotary one give the product of two levers exactly. One-dimensional integrals
-remain, of spline rows against the Lagrange functions of those nodes: a small tensor grid with vector-valued weights.
-
 The machine as it is and not to first order: deviations by the exact chain, and levers at the actual frames.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import (
     Deviation,
@@ -35,7 +30,6 @@ from axiscal_core import rigid
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 from axiscal_core.rigid import Motion
-from axiscal_core.splines import gauss
 
 _POSES, _BLOCK = 8000, 1000
 """At once, of deviations and of rows: of memory, not of the result."""
@@ -137,33 +131,6 @@ class VolumeMoments:
     counted: Counted = EVERY_WAY
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class AlongAxis:
-    """One axis: nodes (k,) of the levers, positions (p,) of a quadrature, its weights times the Lagrange functions ℓ_i
-
-    of these nodes (k, p), and their sums (k,), E[ℓ_i].
-    """
-
-    nodes: Array
-    positions: Array
-    weighted: Array
-    plain: Array
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class SameAxes:
-    """Terms of the same axes.
-
-    terms : indices of these; owner : (n,) per column the position in `terms`; columns : (n,) where they stand in A
-    rows : by axis what of each column runs along it, (p, n); a row is its lever times the product of these
-    """
-
-    terms: list[int]
-    owner: NDArray[np.intp]
-    columns: NDArray[np.intp]
-    rows: Mapping[int, Array]
-
-
 def whole_travel(model: Machine) -> Box:
     """Return the box of all travels, bounds per axis in chain order, m or rad."""
     return tuple(axis.travel for axis in model.axes)
@@ -250,30 +217,6 @@ def volume_moments(
     return VolumeMoments(mean / count, gram / count, squares / count, counted)
 
 
-def along_axis(model: Machine, axis: int, bounds: tuple[float, float]) -> AlongAxis:
-    positions, weights = quadrature(model.knots_along(axis), bounds)
-    nodes, shares = lagrange(positions, bounds, model.axes[axis].rotary)
-    weighted = shares.T * weights
-    return AlongAxis(nodes, positions, weighted, weighted.sum(axis=1))
-
-
-def terms_by_axes(model: Machine, axes: Sequence[AlongAxis]) -> list[SameAxes]:
-    """Return the terms with the same axes together."""
-    found = dict[tuple[int, ...], list[int]]()
-    for index, term in enumerate(model.terms):
-        found.setdefault(tuple(sorted(term.axes)), []).append(index)
-    return [_same_axes(model, axes, *each) for each in found.items()]
-
-
-def _same_axes(model: Machine, axes: Sequence[AlongAxis], own: tuple[int, ...], terms: list[int]) -> SameAxes:
-    each = [model.terms[i] for i in terms]
-    columns = [np.arange(term.columns.start, term.columns.stop) for term in each]
-    owner = np.repeat(np.arange(len(terms)), [len(mine) for mine in columns])
-    sides = [{side.axis: side for side in term.sides} for term in each]
-    rows = {axis: np.hstack([mine[axis].rows(axes[axis].positions) for mine in sides]) for axis in own}
-    return SameAxes(terms, owner, np.concatenate(columns), rows)
-
-
 def reversals_of(model: Machine) -> list[list[int]]:
     """Return the columns of the reversals of each axis: the side of one axis says nothing of another's."""
     found = dict[int, list[int]]()
@@ -281,53 +224,3 @@ def reversals_of(model: Machine) -> list[list[int]]:
         if term.kind == "reversal":
             found.setdefault(term.axis, []).extend(range(term.columns.start, term.columns.stop))
     return [*found.values()]
-
-
-_GAUSS = 10
-"""Points of Gauss: exact for degree 19, and squares of cubics times levers have 8."""
-_SHORT_TURN = 1.0
-"""rad: over less, the moments of sine and cosine cancel, so polynomials stand for them; near it both hold."""
-_POLYNOMIAL_NODES = 12
-"""Sine and cosine over half a radian either way to rounding."""
-
-
-def quadrature(knots: list[Array], bounds: tuple[float, float]) -> tuple[Array, Array]:
-    """Composite Gauss-Legendre between all knots in the bounds, weights summing to one."""
-    start, stop = bounds
-    inner = np.unique(np.concatenate([*knots, np.linspace(start, stop, 5)]))
-    breaks = np.concatenate([[start], inner[(inner > start) & (inner < stop)], [stop]])
-    nodes, weights = gauss(breaks, _GAUSS)
-    return nodes.ravel(), weights.ravel() / (stop - start)
-
-
-def lagrange(points: Array, bounds: tuple[float, float], rotary: bool) -> tuple[Array, Array]:
-    """Return the nodes (k,) and the Lagrange functions at the points (m, k): the space products of levers live in."""
-    start, stop = bounds
-    middle: float = (start + stop) / 2
-    half: float = (stop - start) / 2
-    trigonometric = rotary and half > _SHORT_TURN / 2
-    count = 5 if trigonometric else _POLYNOMIAL_NODES if rotary else 3
-    even: Array = np.arange(count, dtype=float)
-    offsets: Array = -np.cos(np.pi * (even + 0.5) / count) * half
-    if trigonometric:
-        offsets = half * (2 * even + 1 - count) / count
-    space = _trigonometric if trigonometric else np.polynomial.chebyshev.chebvander
-    scale = 1.0 if trigonometric else half
-    at_nodes = space(offsets / scale, 4 if trigonometric else count - 1)
-    at_points = space((points - middle) / scale, 4 if trigonometric else count - 1)
-    functions: Array = np.asarray(np.linalg.solve(at_nodes.T, at_points.T).T, dtype=float)
-    return middle + offsets, functions
-
-
-def _trigonometric(angle: Array, order: int) -> Array:
-    harmonics = [f(n * angle) for n in range(1, order // 2 + 1) for f in (np.cos, np.sin)]
-    return np.stack([np.ones_like(angle), *harmonics], axis=1)
-
-
-def averaged(plain: Sequence[Array], values: Array, kept: tuple[int, ...]) -> Array:
-    """Average an array (..., grid) over every axis that is not kept.  plain : of each axis E[ℓ_i] (k,)"""
-    lead = values.ndim - len(plain)
-    for k in reversed(range(len(plain))):
-        if k not in kept:
-            values = np.tensordot(values, plain[k], axes=([lead + k], [0]))
-    return values
