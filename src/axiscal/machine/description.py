@@ -201,7 +201,7 @@ def parse_chain(text: str) -> tuple[Axis, ...]:
     bracketed = plain.startswith("[") and plain.endswith("]")
     words = plain[1:-1].split() if bracketed else [word.strip() for word in plain.split("-")]
     if (words[:1], words[-1:], words.count("b")) != (["w"], ["t"], 1):
-        what = "the chain {text} does not go from the workpiece w over one bed b to the tool t"
+        what = "the chain {text} needs w first, one b, and t last"
         raise ChainError(what, _EXAMPLE, text=shown(text))
     bed = words.index("b")
     links = [_link(word, True, text) for word in words[1:bed]]
