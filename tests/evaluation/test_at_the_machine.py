@@ -27,7 +27,7 @@ pytestmark = pytest.mark.long
 
 SEED = 3
 CONTROL = "linuxcnc-volumetric"
-CAMPAIGN = 'tool_length = "1 um"\ntool_eccentricity = "0.5 um"\ntool_certificate = "drawn"\n' + table.CAMPAIGN
+CAMPAIGN = 'tool_length = "1 um"\ntool_eccentricity = "0.5 um"\n' + table.CAMPAIGN
 READY: dict[str, Any] = {"compensated": [], "tables": [None], "whole": None, "checksum": None}
 
 

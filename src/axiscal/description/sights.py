@@ -200,8 +200,6 @@ def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
         ("ball at turn", table.artefact is not None and not lies, later("an artefact with balls")),
         ("mounted", table.artefact is not None, later("an artefact")),
         ("retract", bar or balls, later("what touches balls, or a ball bar with its length")),
-        ("sides", bar or balls or table.along is not None, later("balls, a ball bar or a line")),
-        ("touches", kind.all_round and table.sides != "mean", later("a sphere that is not read as the mean of sides")),
     )
     _refuse_idle(stated, owners)
 

@@ -22,7 +22,6 @@ from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
 from axiscal.measurement.instruments.displacement import Length
-from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.observation import unknowns_at
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
@@ -31,8 +30,6 @@ from axiscal.units import format_quantity
 from axiscal_core.machine import Machine
 
 OPEN_LENGTH = 1e-3
-OPEN_RADIUS = 1e-4
-"""m, std of the radius at which a stylus meets a sphere, where nobody measured it: that of a tool, see Setup."""
 STROKE = 1e-3
 RETRACT = 0.05
 CUP = 1e-4
@@ -66,12 +63,6 @@ class Surroundings:
     printer: bool = False
     at_20: bool = False
     whole_lengths: bool = True
-
-
-def evened(table: SetupTable) -> bool:
-    """Return whether readings are the mean of coming from both sides: spheres touched all round are unless said."""
-    all_round = table.instrument.all_round and table.touches is None
-    return table.sides == "mean" or (table.sides is None and all_round)
 
 
 @dataclass(frozen=True)
@@ -248,7 +239,7 @@ class SiteReader(Stated[SetupTable]):
         park, free, at = self._park(turning), np.array(artefact.free), artefact.points
         contact = self.kind.usual.contact
         back = 0.0 if contact == "held" else self.table.retract or RETRACT
-        even = evened(self.table)  # both sides of approach: none is come from
+        even = self.kind.all_round  # both sides of approach: none is come from
         coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.around.machine.axes])
         touching = back, coming, self._touching(artefact)
         each = tuple(
@@ -256,15 +247,14 @@ class SiteReader(Stated[SetupTable]):
             for i in balls
         )
         chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
-        size = (Unknown(RADIUS, OPEN_RADIUS, artefact.name),) if self.table.touches else ()
-        unknowns = (*unknowns_at(artefact, balls), *size, *self.around.tool)
+        unknowns = (*unknowns_at(artefact, balls), *self.around.tool)
         setup = self._standing(sorted({*turning, *linear_axes(self.around.machine)}), park)
         return replace(setup, chart=chart, contact=contact, unknowns=unknowns, artefact=artefact, balls=balls)
 
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
-        all_round, size = self.kind.all_round and self.table.touches is None, artefact.diameter
-        if not all_round or size is None or self.around.machine.nose.stylus <= 0:
+        size = artefact.diameter
+        if not self.kind.all_round or size is None or self.around.machine.nose.stylus <= 0:
             return None
         return partial(gone_to, self.around.machine, Cycle((size + self.around.machine.nose.stylus) / 2))
 

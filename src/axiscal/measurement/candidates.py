@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.errors.volume import Box
-from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.charts.room import Chart, Coordinate, arrivals, has_room, side_choices
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import touching_sides
 from axiscal.measurement.travel import SHORTEST
 from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
@@ -141,19 +139,15 @@ def chart_candidates(machine: Machine, setup: Setup, chart: Chart, count: int) -
 def arrivals_of(machine: Machine, setup: Setup, chart: Chart, places: Array, sides: Array) -> Array:
     """Return from where each axis comes to places of a set-up.
 
-    Linear axes come from where they follow, from none where both sides are evened, or as they touch three of them.
+    Linear axes come from where they follow, from none where both sides are evened.
     """
     overruns = np.array([axis.overrun for axis in machine.axes])
-    found = turned_to(machine, setup, arrivals(chart, overruns, places, sides))
-    if setup.three_touches:
-        linear = list(linear_axes(machine))
-        found[:, linear] = touching_sides(machine, chart.poses(places))
-    return found
+    return turned_to(machine, setup, arrivals(chart, overruns, places, sides))
 
 
 def turned_to(machine: Machine, setup: Setup, approaches: Array) -> Array:
     """Return approaches (m, q) of what a set-up's coordinates decide: none of linear axes that do not follow them."""
-    if setup.sides_follow:
+    if not setup.mean_sides:
         return approaches
     return np.where([axis.rotary for axis in machine.axes], approaches, 0.0)
 
@@ -177,7 +171,7 @@ def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.boo
     """Return of which coordinates the side shows: where an axis that they move has a reversal value."""
     reversals = {entry.name for entry in machine.stated if entry.kind == "reversal"}
     reverses = [k for k, axis in enumerate(machine.axes) if f"{axis.positioning_error}_reversal" in reversals]
-    shown = [k for k in reverses if machine.axes[k].rotary or setup.sides_follow]
+    shown = [k for k in reverses if machine.axes[k].rotary or not setup.mean_sides]
     middle = np.array([[(each.low + each.high) / 2 for each in chart.coordinates]])
     result = np.zeros(middle.size, dtype=bool)
     for number, each in enumerate(chart.coordinates):

@@ -254,8 +254,6 @@ class Observation:
         added, standing = np.zeros((len(levers), len(poses))), feet_of(mounted, poses)
         if np.all(approaches[:, list(mounted.moves)] != 0):
             return added
-        if mounted.lag:
-            added += np.where(np.any(approaches[:, list(mounted.moves)] == 0, axis=1), mounted.lag**2, 0.0)
         for index, function in enumerate(self.errors.curves):
             evened = mounted.mean_sides and not self.errors.axes[function.axis].rotary
             if function.kind == "reversal" and function.axis in mounted.moves and not evened:

@@ -103,8 +103,6 @@ Wander = Callable[[float], Sequence[float] | Array]
 
 _DRAWN = 3
 """Drifts drawn for a set-up at least, so that one of one number is the same machine as one of three."""
-_CHIPS = 0.02
-"""Share of the readings that a chip shifts, where chips are stated."""
 _MINUTE, _DAY = 60.0, 1440
 """s, and minutes of a day: the grid of a drifting zero, which bends over an hour."""
 
@@ -152,7 +150,7 @@ class VirtualMachine:
         wander = self.drifts.get(setup.name)
         moved = np.zeros(len(setup.names)) if wander is None else wander(seconds)
         scales = setup.scales
-        off = ((d + _scattered(setup, rng)) / scale for d, scale in zip(moved, scales, strict=False))
+        off = ((d + setup.scatter * rng.standard_normal()) / scale for d, scale in zip(moved, scales, strict=False))
         each = (v + o for v, o in zip(shown, off, strict=False))
         step = setup.resolution
         return tuple(round(value / step) * step if step else value for value in each)
@@ -272,16 +270,6 @@ class Simulator:
         rng = np.random.default_rng((seed, 3))
         drifting = {s.name: (s.drift, max(len(s.names), _DRAWN)) for s in self.setups if s.drift > 0}
         return offsets, {name: _wandering(*of, rng) for name, of in drifting.items()}
-
-
-def _scattered(setup: Setup, rng: np.random.Generator) -> float:
-    """Return what one number is off, m or rad: noise, anything within a bound, one time in fifty a chip."""
-    off = setup.noise_alone * rng.standard_normal()
-    if setup.bound:
-        off += rng.uniform(-setup.bound, setup.bound)
-    if setup.one_sided and rng.uniform() < _CHIPS:
-        off += setup.one_sided * (1 + rng.standard_normal())
-    return float(off)
 
 
 def _wandering(rate: float, count: int, rng: np.random.Generator) -> Wander:

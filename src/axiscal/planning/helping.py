@@ -102,9 +102,7 @@ def helping_words(found: Helping) -> str:
     if found.measured:
         names = said("the temperature (to {size})", size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
     elif found.tool:
-        names = put(
-            'tool_length = "{size}", tool_eccentricity = "{size}", tool_certificate', size=said_quantity(_OF_TOOL, "um")
-        )
+        names = put('tool_length = "{size}", tool_eccentricity = "{size}"', size=said_quantity(_OF_TOOL, "um"))
     text = "With {names} as well, {readings} readings reach it in {minutes} min."
     if not found.readings:
         text = "With {names} as well it can be reached." if found.reached else "With {names} as well it comes nearer."

@@ -146,11 +146,7 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
         constants=constants(known),
         iso230=extras.iso230 or iso230_blocks(described, readings, known.left_out),
         observability=observability(case),
-        questions=[
-            *questions(described.machine),
-            *which_way(described.machine),
-            *(each.words for each in described.unsourced),
-        ],
+        questions=[*questions(described.machine), *which_way(described.machine)],
         rejected=list(_rejected(known, history)),
         warnings=[*extras.warnings, *accepted, *found, *not_gaussian(linear)],
         answer=answer,
