@@ -15,7 +15,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import numbers_of_setups, places_of
+from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.type_b import TypeB, rows_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
@@ -170,7 +170,7 @@ def in_space(
     """Return the causes of one set-up at poses, and what it sees."""
     text = f'machine = "{machine}"\nusual = "off"\n[target]\nreadings = 20\n{artefact}[[setups]]\nname = "s"\n{setup}'
     observation = observed(campaign_from_texts(text, "c.toml", load_machine(machine).text, machine))
-    numbers = int(numbers_of_setups(observation.setups)[0])
+    numbers = int(observation.counts[0])
     readings = [Reading("s", pose, (1,) * len(pose), 0.0, others=(0.0,) * (numbers - 1)) for pose in poses]
     return causes(observation, readings), observation
 

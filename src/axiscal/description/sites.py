@@ -22,7 +22,6 @@ from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
 from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
 from axiscal.measurement.instruments.displacement import Length
-from axiscal.measurement.observation import unknowns_at
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array
@@ -173,7 +172,7 @@ class SiteReader(Stated[SetupTable]):
                     count=len(balls),
                     ball=ball,
                 )
-            return artefact.balls[balls[0]].place, unknowns_at(artefact, balls), artefact, balls
+            return artefact.balls[balls[0]].place, artefact.unknowns(balls), artefact, balls
         if table.station is None:
             remedy = 'Write station = ["0 mm", "0 mm", "100 mm"], in the workpiece frame, or artefact = "cup"'
             raise self.misstated("length", "it is not said about which place the bar turns", remedy)
@@ -247,7 +246,7 @@ class SiteReader(Stated[SetupTable]):
             for i in balls
         )
         chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
-        unknowns = (*unknowns_at(artefact, balls), *self.around.tool)
+        unknowns = (*artefact.unknowns(balls), *self.around.tool)
         setup = self._standing(sorted({*turning, *linear_axes(self.around.machine)}), park)
         return replace(setup, chart=chart, contact=contact, unknowns=unknowns, artefact=artefact, balls=balls)
 

@@ -23,7 +23,7 @@ from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine.error_names import error_named
 from axiscal.machine.kinematics import Deviation, actual_deviation, composed
 from axiscal.measurement.cells import MEMORY
-from axiscal.measurement.observation import Owned
+from axiscal.measurement.observation import owned
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
 from axiscal.measurement.readers.csv_table import table_of
 from axiscal.measurement.readers.table_cells import Cell, Row
@@ -263,9 +263,9 @@ class Simulator:
 
     def _mounted(self, seed: int) -> tuple[Mapping[str, Mapping[str, float]], Mapping[str, Wander]]:
         """Return the unknowns of the set-ups and the drifts of their zeros."""
-        rng, owned = np.random.default_rng((seed, 2)), Owned.by(self.setups)
-        values = np.array([unknown.std * rng.standard_normal() for unknown in owned.unknowns])
-        pairs = zip(self.setups, owned.columns, strict=True)
+        rng, mine = np.random.default_rng((seed, 2)), owned(self.setups)
+        values = np.array([unknown.std * rng.standard_normal() for unknown in mine.unknowns])
+        pairs = zip(self.setups, mine.columns, strict=True)
         offsets = {s.name: dict(zip((u.name for u in s.unknowns), values[of].tolist(), strict=True)) for s, of in pairs}
         rng = np.random.default_rng((seed, 3))
         drifting = {s.name: (s.drift, max(len(s.names), _DRAWN)) for s in self.setups if s.drift > 0}

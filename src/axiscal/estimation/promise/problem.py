@@ -14,7 +14,6 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import (
     cells_shown,
-    numbers_of_setups,
     places_of,
     seen,
     times_of,
@@ -59,7 +58,7 @@ def problem(
     sizes = replace(sizes, share=min(1.0, len(readings) / MANY))
     places = places_of(observation.setups, readings)
     clock = np.nan_to_num(times_of(readings))
-    reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
+    reading = np.repeat(np.arange(len(places)), observation.counts[places.setups])
     causes = contributions(observation, places, [each.values for each in readings], usual)
     type_b = np.column_stack([np.zeros((len(reading), 0)), *(each.effects for each in causes)])
     passing, lacking = passing_columns(observation, places, reading, clock, usual)
