@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.machine import machine_from_text
 from axiscal.machine.motion import approach_seconds
-from axiscal.measurement.charts.kinds import Held
+from axiscal.measurement.charts.kinds import Balls
 from axiscal.measurement.charts.room import Room, turns
 from axiscal.measurement.instruments.distance import RTest
 from axiscal.measurement.travel import way_seconds
@@ -54,7 +54,8 @@ def test_off_a_ball_the_tool_goes_from_where_it_is_drawn_back_to_where_it_is_dra
     """With a head that swivels these are not as far apart as the places at the ball."""
     built = SWIVEL
     turning = turns(built, (0, 4), (0.0, 0.0))
-    chart = Held(Room.empty(built), np.array([0.05, 0.0, 0.1]), UP, np.radians(100), (0, 4), np.zeros(5), turning)
+    room, spots = Room.empty(built), np.array([[0.05, 0.0, 0.1]])
+    chart = Balls(room, np.zeros(5), turning, spots, (room,), UP, np.radians(100), (0, 4))
     sphere = replace(SPHERE, chart=chart)
     start, stop = chart.poses(places((10, -40), (20, 60)))
     off = [pose_with_tip(built, pose, tip(built, pose) + 0.05 * stem(built, pose)) for pose in (start, stop)]

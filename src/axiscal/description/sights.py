@@ -21,7 +21,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
-from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
+from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instruments.displacement import Displacement, Straightedge
 from axiscal.measurement.instruments.distance import Tracer
@@ -45,7 +45,7 @@ _FEWER = 2
 def refuse_unreachable(machine: Machine, setup: Setup) -> None:
     """Raise DescriptionError for a chart, or a ball of it, that no pose reaches from an allowed side."""
     chart = setup.chart
-    each = chart.each if isinstance(chart, Balls) else () if chart is None else (chart,)
+    each = chart.each() if isinstance(chart, Balls) else [] if chart is None else [chart]
     for number, part in enumerate(each):
         places, _ = chart_places(machine, setup, part, _LOOKED_AT)
         finite = all(each.step > 0 for each in part.coordinates)
@@ -55,7 +55,7 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
             what = 'the {instrument} of "{setup}" sees the tool in no pose, or hardly any'
             remedy = "Look at range, sight, faces and the station, which are of the workpiece frame"
             raise DescriptionError(what, remedy, instrument=setup.instrument, setup=setup.name)
-        if isinstance(part, Held) and setup.artefact is not None:
+        if isinstance(part, Balls) and setup.artefact is not None:
             what = "no pose reaches ball {ball} of {artefact} within the travels and clear of stems"
             at = {"ball": setup.artefact.balls[setup.balls[number]].name, "artefact": setup.artefact.name}
             raise DescriptionError(what, _nearest(machine, part), None, None, **at)
@@ -74,7 +74,7 @@ def _nearest(machine: Machine, part: Chart) -> str:
         slides = listed(said(" and "), [machine.axes[k].name for k in linear_axes(machine)])
         return said("{axes} alone never carry the tool point so far aside: place it where they do", axes=slides)
     low, high = np.array([axis.travel for axis in machine.axes]).T
-    touching = part.touching if isinstance(part, Held) else None
+    touching = part.touching if isinstance(part, Balls) else None
     gone = poses[None] if touching is None else np.concatenate([poses[None], touching(poses)])
     short = (np.maximum(low - gone, gone - high) / (high - low)).max(axis=0)
     best = int(np.nan_to_num(short.max(axis=1), nan=np.inf).argmin())
@@ -132,7 +132,7 @@ def reached_arc(circle: Circle, name: str) -> tuple[float, float]:
         if any(axis.rotary for axis in circle.room.machine.axes):
             remedy = "Give another plane, station or length, or park the rotary axes elsewhere"
         raise DescriptionError(what, remedy, name=name)
-    behind = low >= math.pi and not np.any(circle.turning)  # what turns with it stands elsewhere a turn before
+    behind = low >= math.pi and not np.any(circle.rates)  # what turns with it stands elsewhere a turn before
     return (low - math.tau, high - math.tau) if behind else (low, high)
 
 
@@ -262,13 +262,13 @@ def seen(stated: Stated[SetupTable], machine: Machine, setup: Setup) -> Setup:
         return setup
     chart = Sight(
         Room.empty(machine),
-        setup.moves,
         np.array(setup.park),
+        tuple(_seen_along(setup, machine.axes[k], k) for k in setup.moves),
+        setup.moves,
         np.array(setup.standing),
         table.range,
         _faces(stated),
         _CONE if table.sight is None else table.sight,
-        tuple(_seen_along(setup, machine.axes[k], k) for k in setup.moves),
     )
     setup = replace(setup, chart=chart)
     with stated.at_key(said[0]):

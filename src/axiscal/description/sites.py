@@ -19,8 +19,8 @@ from axiscal.language.spoken import listed, said
 from axiscal.machine.axis import travel_text
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
-from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
+from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Line
+from axiscal.measurement.charts.room import Coordinate, Room, turns
 from axiscal.measurement.instruments.displacement import Length
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
@@ -181,22 +181,10 @@ class SiteReader(Stated[SetupTable]):
         return place, tuple(Unknown(f"station_{axis}", CUP, owner) for axis in "xyz"), None, ()
 
     def _circle(self, centre: Vector, length: float, artefact: Artefact | None, plane: tuple[Vector, Vector]) -> Circle:
-        first, second = map(np.array, plane)
-        free, cone = self._cone(artefact)
-        turning = np.array([self.table.turning.get(axis.name, 0.0) for axis in self.around.machine.axes])
-        circle = Circle(
-            self._room(artefact),
-            np.array(centre),
-            first,
-            second,
-            length,
-            free,
-            cone,
-            self._park(),
-            turning,
-            (Coordinate(0.0, math.tau, self._step("arc"), self._overrun() / length, not np.any(turning)),),
-        )
-        return self._on_arc(circle)
+        rates = np.array([self.table.turning.get(axis.name, 0.0) for axis in self.around.machine.axes])
+        arc = Coordinate(0.0, math.tau, self._step("arc"), self._overrun() / length, not np.any(rates))
+        where = self._room(artefact), self._park(), (arc,), np.array(centre), length, *self._cone(artefact)
+        return self._on_arc(Circle(*where, plane=np.array(plane), rates=rates))
 
     def _on_arc(self, circle: Circle) -> Circle:
         if self.table.arc is None:
@@ -208,7 +196,6 @@ class SiteReader(Stated[SetupTable]):
         return circle
 
     def _sphere(self, centre: Vector, length: float, artefact: Artefact | None) -> Bar:
-        free, cone = self._cone(artefact)
         turning = self._turned_by_moves()
         steps = tuple(self._step(self.around.machine.axes[k].name) for k in turning)
         overrun, quarter = self._overrun() / length, math.pi / 2
@@ -217,7 +204,8 @@ class SiteReader(Stated[SetupTable]):
             Coordinate(-quarter, quarter, self._step("elevation"), overrun),
             *turns(self.around.machine, turning, steps),
         )
-        return Bar(self._room(artefact), np.array(centre), length, free, cone, turning, self._park(), coordinates)
+        where = self._room(artefact), self._park(), coordinates, np.array(centre), length, *self._cone(artefact)
+        return Bar(*where, turning)
 
     def _overrun(self) -> float:
         return max(axis.overrun for axis in self.around.machine.axes if not axis.rotary)
@@ -234,18 +222,15 @@ class SiteReader(Stated[SetupTable]):
             self._refuse_no_turn(turning, artefact)
         steps = tuple(self._step(self.around.machine.axes[k].name) for k in turning)
         self._refuse_one_place(turning, steps)
-        coordinates = turns(self.around.machine, turning, steps)
-        park, free, at = self._park(turning), np.array(artefact.free), artefact.points
-        contact = self.kind.usual.contact
+        number = (Coordinate(0.0, len(balls) - 1.0, 1.0),) if len(balls) > 1 or not turning else ()
+        coordinates = *number, *turns(self.around.machine, turning, steps)
+        park, contact = self._park(turning), self.kind.usual.contact
         back = 0.0 if contact == "held" else self.table.retract or RETRACT
         even = self.kind.all_round  # both sides of approach: none is come from
         coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.around.machine.axes])
-        touching = back, coming, self._touching(artefact)
-        each = tuple(
-            Held(self._room(artefact, i), at[i], free, artefact.cone, turning, park, coordinates, *touching)
-            for i in balls
-        )
-        chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
+        rooms, spots = tuple(self._room(artefact, ball) for ball in balls), artefact.points[list(balls)]
+        where = rooms[0], park, coordinates, spots, rooms, *self._cone(artefact), turning
+        chart = Balls(*where, back, coming, self._touching(artefact))
         unknowns = (*artefact.unknowns(balls), *self.around.tool)
         setup = self._standing(sorted({*turning, *linear_axes(self.around.machine)}), park)
         return replace(setup, chart=chart, contact=contact, unknowns=unknowns, artefact=artefact, balls=balls)
