@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Sight
-from axiscal.measurement.charts.room import Coordinate, Room, arrivals, has_room, turns
+from axiscal.measurement.charts.room import Coordinate, Room, arrivals, has_room
 from tests.generators.kinematics import in_travel, stem, tip
 from tests.generators.printed_machine import printed_machine
 from tests.generators.solids import filled, solids
@@ -23,8 +23,8 @@ HOME = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in DMU.ax
 
 def held(ball: str = "low", step: float = 0.0, cone: float = 100.0) -> Balls:
     """The tool point at one of the balls of the table of the five-axis machine."""
-    steps, room = (math.radians(step), math.radians(step)), Room.empty(DMU)
-    turned, spots = turns(DMU, (0, 1), steps), np.array([BALLS[ball]])
+    room, spots = Room.empty(DMU), np.array([BALLS[ball]])
+    turned = tuple(Coordinate(*axis.travel, math.radians(step), axis.overrun) for axis in DMU.axes[:2])
     return Balls(room, HOME, turned, spots, (room,), UP, math.radians(cone), (0, 1))
 
 

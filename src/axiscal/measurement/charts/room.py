@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -43,12 +43,6 @@ class Coordinate(NamedTuple):
         if self.endless and abs(last * self.step - first * self.step - (self.high - self.low)) <= 1e-9:
             last -= 1
         return self.step * np.arange(first, last + 1, dtype=np.float64)
-
-
-def turns(machine: Machine, turning: Sequence[int], steps: Sequence[float]) -> tuple[Coordinate, ...]:
-    """Return the coordinates of rotary axes, each over its travel.  turning : their indices; steps : rad"""
-    axes = (machine.axes[k] for k in turning)
-    return tuple(Coordinate(*axis.travel, step, axis.overrun) for axis, step in zip(axes, steps, strict=True))
 
 
 _SLACK = 1e-10
