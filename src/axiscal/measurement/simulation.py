@@ -26,7 +26,7 @@ from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.observation import owned
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
 from axiscal.measurement.readers.csv_table import table_of
-from axiscal.measurement.readers.table_cells import Cell, Row
+from axiscal.measurement.readers.table_cells import Row
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
@@ -35,7 +35,7 @@ from axiscal.numerics import Array
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
-from axiscal_core.refusals import finite, one, whole
+from axiscal_core.refusals import one, whole
 from axiscal_core.terms import Term
 
 _LAYOUT = {"error": TEXT, "position": LENGTHS + ANGLES, "value": LENGTHS + ANGLES}
@@ -67,31 +67,27 @@ def read_truth(path: str | Path) -> dict[str, TruthCurve]:
 
 
 def _point(row: Row, name: Error, before: list[tuple[float, float]]) -> tuple[float, float]:
+    """Return where a line says an error's value, and that; 0 of a constant.  before : the error's points above"""
     position, value = row.of("position"), row.of("value")
     if not value.text:
         remedy = "write the value of the error, or take out the line"
         raise row.fail("{name} has no value here", remedy, name=name.name)
-    _fits(value, name, "angle" if name.angular else "length")
-    if not position.text:
-        if name.kind == "motion" or before:
-            remedy = "write the position; only a constant, given in one line, goes without"
-            raise row.fail("{name} has no position here", remedy, name=name.name)
-        return 0.0, value.quantity()
-    _fits(position, name, "angle" if name.axis[0] in "ABC" else "length")
-    at = position.quantity()
+    cells = [(value, name.angular)] + [(position, name.axis[0] in "ABC")] * bool(position.text)
+    for cell, angular in cells:
+        if cell.column.dimension != ("angle" if angular else "length"):
+            remedy = "the {stem} of {name} is a length: mm or um"
+            remedy = "the {stem} of {name} is an angle: deg, urad or arcsec" if angular else remedy
+            named = {"column": cell.column.name, "name": name.name, "stem": cell.column.stem}
+            raise cell.fail("'{column}' does not fit {name}", remedy, **named)
+    if not position.text and (name.kind == "motion" or before):
+        remedy = "write the position; only a constant, given in one line, goes without"
+        raise row.fail("{name} has no position here", remedy, name=name.name)
+    at = position.quantity() if position.text else 0.0
     if before and at <= before[-1][0]:
         what = "position {text} of {name} does not lie beyond the one before it"
         remedy = "sort the positions of each error and give each once"
         raise position.fail(what, remedy, text=position.text, name=name.name)
     return at, value.quantity()
-
-
-def _fits(cell: Cell, name: Error, dimension: str) -> None:
-    if cell.column.dimension != dimension:
-        remedy = "the {stem} of {name} is an angle: deg, urad or arcsec"
-        remedy = "the {stem} of {name} is a length: mm or um" if dimension == "length" else remedy
-        what = "'{column}' does not fit {name}"
-        raise cell.fail(what, remedy, column=cell.column.name, name=name.name, stem=cell.column.stem)
 
 
 Curve = Callable[..., Array]
@@ -145,15 +141,15 @@ class VirtualMachine:
 
         seconds : since the campaign began
         """
-        at, come = np.array([pose]), np.array([approach], dtype=float)
-        shown = self.exactly(setup, at, self._done(setup, at, come), come)
-        wander = self.drifts.get(setup.name)
-        moved = np.zeros(len(setup.names)) if wander is None else wander(seconds)
-        scales = setup.scales
-        off = ((d + setup.scatter * rng.standard_normal()) / scale for d, scale in zip(moved, scales, strict=False))
-        each = (v + o for v, o in zip(shown, off, strict=False))
-        step = setup.resolution
-        return tuple(round(value / step) * step if step else value for value in each)
+        poses, come = np.array([pose]), np.array([approach], dtype=float)
+        at = setup.places(poses, come, deviation=self._done(setup, poses, come))
+        shown = setup.shown(at, self.offsets.get(setup.name, {}))[0] + setup.scatter * rng.standard_normal(
+            len(setup.names)
+        )
+        if setup.name in self.drifts:
+            shown = shown + np.array(self.drifts[setup.name](seconds))[: len(shown)]
+        step, values = setup.resolution, (shown / setup.scales).tolist()
+        return tuple(round(value / step) * step if step else value for value in values)
 
     def measured(
         self,
@@ -168,28 +164,10 @@ class VirtualMachine:
         """
         mounted, found = {setup.name: setup for setup in setups}, list[Reading]()
         for place, seconds, rng in zip(places, ends, chance, strict=False):
-            value, *others = self.read_all(mounted[place.setup], place.pose, place.approach, rng, seconds)
-            found.append(
-                Reading(
-                    place.setup,
-                    place.pose,
-                    place.approach,
-                    value,
-                    others=tuple(others),
-                    time=seconds,
-                    check=place.check,
-                )
-            )
+            value, *more = self.read_all(mounted[place.setup], place.pose, place.approach, rng, seconds)
+            where = place.setup, place.pose, place.approach
+            found.append(Reading(*where, value, others=tuple(more), time=seconds, check=place.check))
         return tuple(found)
-
-    def exactly(self, setup: Setup, pose: Array, actual: Deviation, approach: Array | None = None) -> list[float]:
-        """Return what a set-up would show of what the machine does, nothing linearised, without drift and noise.
-
-        pose, approach : (1, q) where it reads; actual : what the machine does, there or where it touches beside
-        """
-        at = setup.places(pose, approach, deviation=actual)
-        shown: list[float] = (setup.shown(at, self.offsets.get(setup.name, {}))[0] / setup.scales).tolist()
-        return shown
 
     def _done(self, setup: Setup, poses: Array, approaches: Array) -> Deviation:
         """Return what the tool does at places: at the second end of a length against the first.
@@ -235,14 +213,6 @@ class Simulator:
         model, rng = self.machine, np.random.default_rng((whole("Simulator.drawn", "seed", seed, 0), 1))
         drawn = ((f, unique_root(f.covariance) @ rng.standard_normal(len(f.covariance))) for f in model.terms)
         return VirtualMachine(model, tuple(_rough(f, control, rng) for f, control in drawn), *self._mounted(seed))
-
-    def with_coefficients(self, coefficients: Array, seed: int) -> VirtualMachine:
-        """Return a machine whose errors have these control values; rests are drawn.  coefficients : (n,)"""
-        model = self.machine
-        rng = np.random.default_rng((whole("Simulator.with_coefficients", "seed", seed, 0), 1))
-        coefficients = finite("Simulator.with_coefficients", "coefficients", coefficients, (model.size,))
-        each = tuple(_rough(f, coefficients[f.columns], rng) for f in model.terms)
-        return VirtualMachine(model, each, *self._mounted(seed))
 
     def with_curves(self, curves: Mapping[str, TruthCurve], seed: int, path: Path | None = None) -> VirtualMachine:
         """Return a machine with the given curves, linear between their points; errors that have none are zero.
