@@ -31,7 +31,6 @@ from axiscal.tables.registry import offered
 from tests.commands import Command
 from tests.core.strangers import Grid
 from tests.generators.texts import machine_text
-from tests.golden.surfaces import of_paper, plain
 
 MACHINE = "three-axis-mill"
 HEAD = f'machine = "{MACHINE}"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 8\n[[setups]]\n'
@@ -105,40 +104,6 @@ def test_a_grid_goes_from_its_file_to_a_report_by_the_command_line(tmp_path: Pat
     assert (first.value, *first.others) == pytest.approx((0.2e-6, -0.4e-6))
 
 
-STRAY = {
-    'station = ["0 mm", "0 mm", "0 mm"]': "nothing comes of station without a ball bar, tracker or tracer",
-    "mounted = 2": "nothing comes of mounted without an artefact",
-    'length = "100 mm"': "nothing comes of length without a ball bar",
-    'type_b = { scale = "1 um/m" }': "is not known of an instrument such as this own.py:Idle. Take it out",
-    "": "changes nothing. Use it, or take its name out",
-}
-IDLE = GRID.replace("class Grid", "class Idle").replace('- u["turn"] * y', "").replace('+ u["turn"] * x', "")
-
-
-@pytest.mark.parametrize("key", STRAY)
-def test_a_key_or_an_unknown_without_effect_is_refused(tmp_path: Path, key: str) -> None:
-    with pytest.raises(DescriptionError) as refused:
-        described(tmp_path, IDLE, f'name = "idle"\ninstrument = "own.py:Idle"\nmoves = ["X", "Y"]\n{key}\n')
-    assert STRAY[key] in str(refused.value)
-
-
-def test_a_set_up_that_is_not_there_is_named_and_rows_read_by_a_grid_count_no_places(
-    tmp_path: Path, command: Command
-) -> None:
-    campaign, out, readings = plate(tmp_path), tmp_path / "out", tmp_path / "readings.csv"
-    campaign.write_text(campaign.read_text().replace("readings = 8", 'wants = ["positioning X"]\nreadings = 8'))
-    readings.write_text("setup,X_mm,Y_mm,approach,dx_um,dy_um\ntable,20,20,X+ Y+,1,2\n")
-    command("data", "estimate", campaign, readings, "--out", out).refused(
-        'there is no set-up "table"', "Known are plate"
-    )
-    rows = [f"plate,{x},200,X+ Y+,{1e-2 * x},{-2e-2 * x}" for x in range(20, 600, 40)]
-    readings.write_text("\n".join(["setup,X_mm,Y_mm,approach,dx_um,dy_um", *rows]))
-    assert command("data", "estimate", campaign, readings, "--out", out).status == 0
-    paper = of_paper(out / "report.pdf")
-    assert plain("is compared by the first of them") in paper
-    assert plain("positioning X X 0 to 600 at Y 200 · Z 200 – –") in paper
-
-
 def test_its_readings_are_told_by_name_unit_and_count(tmp_path: Path) -> None:
     six = described(tmp_path, SIX, 'name = "six"\ninstrument = "own.py:SixDegrees"\nmoves = ["X"]\n')
     file = tmp_path / "r.csv"
@@ -198,15 +163,6 @@ def test_one_of_ours_written_again_gives_what_ours_gives(tmp_path: Path, name: s
         assert np.abs(one - two).max() < 1e-12
     files, same = (offered(concluded(case_of(each), readings), "csv").files for each in (ours, theirs))
     assert files == same
-
-
-def test_an_unknown_of_ones_own_may_be_called_slope(tmp_path: Path) -> None:
-    """That of our straightedges belongs to the one axis that moves."""
-    (tmp_path / "plate.py").write_text(GRID.replace('"turn"', '"slope"').replace("Grid", "Plate"))
-    text = f'{HEAD}name = "plate"\ninstrument = "plate.py:Plate"\nmoves = ["X", "Y"]\n'
-    (tmp_path / "campaign.toml").write_text(text)
-    (setup,) = read_campaign(tmp_path / "campaign.toml").setups
-    assert [unknown.name for unknown in setup.unknowns] == ["zero_x", "zero_y", "slope"]
 
 
 def test_what_fails_later_names_the_same_line(tmp_path: Path) -> None:
