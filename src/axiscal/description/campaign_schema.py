@@ -44,7 +44,7 @@ from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.setup import FINEST, MOST, Nodes, Reads, Setup, Vector
-from axiscal.measurement.type_b import type_b_names
+from axiscal.measurement.type_b import rows_of
 from axiscal.units import dimension_of, format_quantity, within
 from axiscal_core.theta import Sure
 
@@ -79,7 +79,8 @@ def stated_drift(text: str, kind: type[Setup]) -> float:
 def _type_b(name: str, text: str, known: Beside) -> float:
     """Return the size of a cause that no reading shows."""
     instrument = known.data.get("instrument")
-    causes = {} if instrument is None else type_b_names(instrument)
+    rows = () if instrument is None else rows_of(instrument)
+    causes = {row.name: row for row in rows if row.name not in ("temperature", "expansion")}  # which have keys
     if name not in causes:
         what, named = (
             "{name} is not known of an instrument such as this {instrument}",

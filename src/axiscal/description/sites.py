@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -20,7 +20,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import CONE, Artefact
-from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Line
+from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Bar, Circle, Line
 from axiscal.measurement.charts.room import Coordinate, Room
 from axiscal.measurement.instruments.displacement import Length
 from axiscal.measurement.setup import Setup, Unknown, Vector
@@ -117,8 +117,10 @@ class SiteReader(Stated[SetupTable]):
     def _line(self, ends: tuple[Vector, Vector]) -> Setup:
         step, park = self._step("along"), self._park()
         overrun = 0.0 if self.kind.site == "length" else self._overrun()  # nobody says how ends of a length are met
-        line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
-        poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
+        far = math.dist(*ends)
+        along = Coordinate(0.0, far, step, overrun, finest=FINEST_PLACE)
+        line = Line(self._room(None), park, (along,), np.array(ends))
+        poses = line.poses(np.array([[0.0], [far]]))
         for end, there in enumerate(line.feasible(poses)):
             if not there:
                 what = "the second end of the line is out of travel"
@@ -127,7 +129,10 @@ class SiteReader(Stated[SetupTable]):
                 raise self.misstated("along", what, "Let it end within the travels: {lacking}", lacking=lacks)
         placed = {"chart": line, "direction": self.table.direction or tuple(line.direction.tolist())}
         if issubclass(self.kind, Length):
-            placed |= {"chart": line.at_its_end(), "start": tuple(poses[0].tolist())}
+            placed |= {
+                "chart": replace(line, coordinates=(Coordinate(far, far, far),)),
+                "start": tuple(poses[0].tolist()),
+            }
         return self._standing(linear_axes(self.machine), park, **placed)
 
     def _bar(self, length: float) -> Setup:

@@ -34,16 +34,6 @@ def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
     edges = observation.errors.knots_along(axis)
     for index, cell in observation.cells:
         edges += observation.errors.terms[index].edges(cell, axis)
-    return _between(observation, axis, setup, edges)
-
-
-def knots_along(observation: Observation, axis: int, setup: int) -> Array:
-    """Return the same without the edges of cells."""
-    return _between(observation, axis, setup, observation.errors.knots_along(axis))
-
-
-def _between(observation: Observation, axis: int, setup: int, edges: list[Array]) -> Array:
-    """Return the edges as they meet a set-up's feet, sorted, within where it can be read, with the ends of that."""
     mounted = observation.setups[setup]
     low, high = mounted.span(observation.machine.axes[axis], axis)
     stepped = mounted.base is not None and axis in mounted.moves

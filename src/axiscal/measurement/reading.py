@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import NamedTuple
 
@@ -155,9 +155,7 @@ class Reading:
 
     def under(self, number: int, began: str = "") -> Reading:
         """Return the same reading under the number by which a campaign knows it.  began : who began that"""
-        of_value = self.value, self.std, self.line, self.accepted, self.others, self.time
-        by = "" if self.by == began else self.by
-        return Reading(self.setup, self.pose, self.approach, *of_value, number, self.check, by)
+        return replace(self, number=number, by="" if self.by == began else self.by)
 
     @property
     def values(self) -> tuple[float, ...]:

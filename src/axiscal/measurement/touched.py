@@ -58,18 +58,6 @@ class SideTouch:
     back: Array
 
 
-@dataclass(frozen=True, slots=True)
-class Sphere:
-    """The sphere that touches show, in the unit of the hits.
-
-    centre : where it is; radius : by its sides; apart : how far the pole was from itself when it was touched again
-    """
-
-    centre: tuple[float, float, float]
-    radius: float
-    apart: float
-
-
 def cycle_of(machine: Machine, setup: Setup) -> Cycle:
     """Return how the spheres of a set-up are touched from all sides.
 
@@ -135,19 +123,17 @@ def met_from(machine: Machine, pose: Array) -> Array:
     return met
 
 
-def centred(hits: Array, sides: Array, radius: float) -> Sphere:
-    """Return the sphere of a known radius that is nearest to where it was hit, (m, 3) (Gauss-Newton).
+def centred(hits: Array, sides: Array, radius: float) -> Array:
+    """Return the centre (3,) of the sphere of a known radius that is nearest to where it was hit (Gauss-Newton).
 
-    sides : (m, 3) unit vectors, from where it was met
+    hits : (m, 3); sides : (m, 3) unit vectors, from where it was met
     """
-    centre = hits.mean(axis=0) - radius * sides.mean(axis=0)
+    centre: Array = hits.mean(axis=0) - radius * sides.mean(axis=0)
     for _ in range(10):
         spokes = hits - centre
         lengths = np.linalg.norm(spokes, axis=1)
-        centre += np.linalg.lstsq(spokes / lengths[:, None], lengths - radius, rcond=None)[0]
-    around = np.linalg.norm(hits[1:-1] - centre, axis=1)
-    x, y, z = centre.tolist()
-    return Sphere((x, y, z), float(around.mean()), float(np.linalg.norm(hits[-1] - hits[0])))
+        centre = centre + np.linalg.lstsq(spokes / lengths[:, None], lengths - radius, rcond=None)[0]
+    return centre
 
 
 _OTHER = 0.2e-3
@@ -158,8 +144,10 @@ _AFAR = 0.01
 """m from where the cycle looks for it: nothing that it touches is there."""
 
 
-def found(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array], met: Array) -> Sphere:
-    """Return the sphere of a cycle, workpiece frame, m.
+def read_as(
+    machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array], met: Array
+) -> tuple[float, float, float]:
+    """Return the three values of a reading, m, by the touches of its cycle.
 
     hits : poses (q,) in which it was met, one for each touch; met : (6, 3) unit vectors, from where
     Raises ReadingError where the touches are not those of a sphere of this size near its stated place.
@@ -172,24 +160,21 @@ def found(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array], me
         what = "touch {touch} met something {x}, {y}, {z} along x, y, z from where the ball is stated"
         remedy = "Look whether coordinates are the machine's, without tool length and offsets, and the plan is this one"
         raise ReadingError(what, remedy, touch=far.argmax() + 1, x=x, y=y, z=z)
-    sphere = centred(tips, met, cycle.radius)
-    if abs(sphere.radius - cycle.radius) > _OTHER:
-        seen, said = (format_quantity(each, "mm", 5) for each in (sphere.radius, cycle.radius))
+    centre = centred(tips, met, cycle.radius)
+    radius = float(np.linalg.norm(tips[1:-1] - centre, axis=1).mean())
+    if abs(radius - cycle.radius) > _OTHER:
+        seen, said = (format_quantity(each, "mm", 5) for each in (radius, cycle.radius))
         what = "the four sides show a radius of {seen}, and ball and stylus make {stated}"
-        remedy = "Look at the diameters of ball and stylus, or whether it slips"
-        raise ReadingError(what, remedy, seen=seen, stated=said)
-    if sphere.apart > _LOOSE:
-        apart = format_quantity(sphere.apart, "um", 3)
-        what = "the pole, touched first and last, was {apart} from itself"
-        raise ReadingError(what, "Look whether ball and stylus are fixed, and touch it again", apart=apart)
-    return sphere
-
-
-def read_as(
-    machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array], met: Array
-) -> tuple[float, float, float]:
-    """Return the three values of a reading, m, by the touches of its cycle.  Raises ReadingError as `found` does."""
-    x, y, z = (stated(setup, machine, pose) - np.array(found(machine, setup, pose, hits, met).centre)).tolist()
+        raise ReadingError(
+            what, "Look at the diameters of ball and stylus, or whether it slips", seen=seen, stated=said
+        )
+    if (apart := float(np.linalg.norm(tips[-1] - tips[0]))) > _LOOSE:
+        what, remedy = (
+            "the pole, touched first and last, was {apart} from itself",
+            "Look whether ball and stylus are fixed, and touch it again",
+        )
+        raise ReadingError(what, remedy, apart=format_quantity(apart, "um", 3))
+    x, y, z = (at - centre).tolist()
     return x, y, z
 
 

@@ -157,8 +157,3 @@ def rows_of(kind: type[Setup]) -> tuple[TypeB, ...]:
     """Return the causes that a class of instruments names as its `type_b`."""
     found: tuple[TypeB, ...] = getattr(kind, "type_b", ())
     return found
-
-
-def type_b_names(kind: type[Setup]) -> dict[str, TypeB]:
-    """Return the causes of an instrument that the key type_b of a set-up may state, by name."""
-    return {row.name: row for row in rows_of(kind) if row.name not in ("temperature", "expansion")}

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import drawn_back, tip_at
-from axiscal.measurement.charts.room import Chart, Coordinate, Room, within_cone
+from axiscal.measurement.charts.room import Chart, Room, within_cone
 from axiscal.numerics import Array
 from axiscal_core.axes import Frames
 
@@ -49,17 +49,6 @@ class Line(TipChart):
     """u : how far along, m from the first end.  ends : (2, 3) m, workpiece frame"""
 
     ends: Array
-
-    @classmethod
-    def between_ends(cls, room: Room, ends: Array, park: Array, step: float, overrun: float) -> Line:
-        """Return all of a line.  step : m, 0 continuous; overrun : m, over which a side is come from"""
-        length = float(np.linalg.norm(ends[1] - ends[0]))
-        return cls(room, park, (Coordinate(0.0, length, step, overrun, finest=FINEST_PLACE),), ends)
-
-    def at_its_end(self) -> Line:
-        """Return its second end alone."""
-        far = self.coordinates[0].high
-        return replace(self, coordinates=(Coordinate(far, far, far),))
 
     @property
     def direction(self) -> Array:
