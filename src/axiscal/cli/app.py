@@ -11,10 +11,11 @@ import gc
 import os
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Annotated, Any
 
 import typer
@@ -66,6 +67,7 @@ _GROUPS = {
     "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
     "data": ("Work on readings, records and poses in files.", _DATA),
 }
+_HELP = "-h", "--help"
 _GONE = later("{name} is gone. {instead}.")
 _Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
 """The file of each command; of a group what it is for, and the files of its commands."""
@@ -95,6 +97,7 @@ class AllCommands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return a command by the words that follow, or end with what to use instead of one that is gone."""
+        ctx.meta[_HELP] = any(word in _HELP for word in args)
         if args[0] not in self.places and (instead := instead_of("commands", args[0])):
             ctx.fail(said(_GONE, name=args[0], instead=instead))
         return super().resolve_command(ctx, args)
@@ -112,7 +115,7 @@ class AllCommands(TyperGroup):
                 rich_markup_mode=None,
                 no_args_is_help=True,
             )
-        return None if place is None else _command(cmd_name, place)
+        return None if place is None else _command(cmd_name, place, _signatures if ctx.meta.get(_HELP) else _loaded)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the lists of commands into the help, each with the first sentence that its file says of it."""
@@ -133,19 +136,16 @@ class AllCommands(TyperGroup):
             return super().invoke(ctx)
 
 
-def _command(name: str, place: str) -> Any:
+def _command(name: str, place: str, load: Callable[[str], ModuleType]) -> Any:
     file, _, function = place.partition(".")
     try:
-        module = import_module(f"axiscal.cli.{file}")
+        module = load(file)
     except ModuleNotFoundError as missing:
         port = (missing.name or "").removeprefix("axiscal.ports.")
         if port == missing.name:
             raise
         remedy = "Install the package that brings it"
         raise PortError("{command} needs {name}, which is not installed", remedy, command=name, name=port) from None
-    if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
-        gc.freeze()
-        gc.enable()
     several: typer.Typer | None = getattr(module, "app", None)
     if several is not None:
         return typer.main.get_command(several)
@@ -154,12 +154,49 @@ def _command(name: str, place: str) -> Any:
     return typer.main.get_command(alone)
 
 
+def _loaded(file: str) -> ModuleType:
+    """Return a file of commands as it runs."""
+    module = import_module(f"axiscal.cli.{file}")
+    if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
+        gc.freeze()
+        gc.enable()
+    return module
+
+
+def _signatures(file: str) -> ModuleType:
+    """Return a file of commands without their bodies, and with no more of its imports than signatures name.
+
+    Help needs no more of them, and what commands do takes most of a second to load.
+    """
+    module, kept, named = ModuleType(file), list[ast.stmt](), set[str]()
+    vars(module)["typer"] = typer
+    for node in reversed(_parsed(file)):
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+            node.body = node.body[:1]  # what it says of itself
+        elif isinstance(node, ast.ImportFrom):
+            node.names = [each for each in node.names if {each.name, node.module} & {*named, "__future__"}]
+            if not node.names:
+                continue
+        elif not (
+            isinstance(node, ast.Assign) and named & {each.id for each in node.targets if isinstance(each, ast.Name)}
+        ):
+            continue
+        kept.insert(0, node)
+        named |= {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
+    exec(compile(ast.Module(kept, []), file, "exec"), vars(module))
+    return module
+
+
 def _docstring(place: str) -> str:
     """Return the docstring of a command as its file has it, unloaded."""
     file, _, function = place.partition(".")
-    tree = ast.parse(Path(__file__).with_name(f"{file}.py").read_text(encoding="utf-8"))
-    functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
+    functions = (node for node in _parsed(file) if isinstance(node, ast.FunctionDef))
     return next(ast.get_docstring(each) or "" for each in functions if each.name == (function or file))
+
+
+def _parsed(file: str) -> list[ast.stmt]:
+    """Return what stands in a file of commands."""
+    return ast.parse(Path(__file__).with_name(f"{file}.py").read_text(encoding="utf-8")).body
 
 
 INTERRUPTED = 130
@@ -172,7 +209,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
     no_args_is_help=True,
-    context_settings={"max_content_width": 100, "help_option_names": ["-h", "--help"]},
+    context_settings={"max_content_width": 100, "help_option_names": [*_HELP]},
 )
 
 

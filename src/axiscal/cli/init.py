@@ -61,7 +61,7 @@ def init(
     ] = None,
     instrument: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_names().values())}, or grid.py:Grid; several times."),
+        typer.Option(metavar="NAME", help="Such as laser, ball bar or grid.py:Grid; several times."),
     ] = None,
     target: Annotated[
         str | None, typer.Option(metavar="U", help='The uncertainty wanted, such as "10 um"; "" for none.')

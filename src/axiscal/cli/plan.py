@@ -45,7 +45,9 @@ def plan(
     readings: Annotated[int | None, typer.Option(metavar="M", help="So many readings.", min=1)] = None,
     target: Annotated[str | None, typer.Option(metavar="RMS", help='An accuracy to reach, such as "2 um".')] = None,
     budget: Annotated[str | None, typer.Option(metavar="TIME", help='Machine time, such as "2 h".')] = None,
-    candidates: Annotated[int, typer.Option(metavar="N", help="Places to choose from.", min=10)] = CANDIDATES,
+    candidates: Annotated[
+        int | None, typer.Option(metavar="N", help="Places to choose from, if not as many as usual.", min=10)
+    ] = None,
     gcode: Annotated[
         str | None, typer.Option(metavar="CONTROLLER", help="Write the plan as programs for this control, into --out.")
     ] = None,
@@ -84,13 +86,13 @@ def plan(
     tell_minds(unused_artefacts(described.text))
     ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
     limits = _limits(case, readings, target, budget)
-    refuse_endless(case, limits, candidates)
+    refuse_endless(case, limits, tried := candidates or CANDIDATES)
     if target is not None:
         refuse_out_of_reach(case, limits)
     if (unread := reached_unread(case, limits)) is not None:
         limits = few_more(limits)
     tell_minds(unread, beyond_budget(case, limits))
-    plan = proposed(case, limits, candidates)
+    plan = proposed(case, limits, tried)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
         write_whole(picture, plan_picture(title, case.description, placed(case, plan)).encode())
@@ -100,7 +102,7 @@ def plan(
         machine, setups = case.description.machine, case.description.setups
         count = len(write_programs(machine, setups, placed(case, plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    buys = bought(case, plan.places, plan.seconds, candidates) if details or json else ()
+    buys = bought(case, plan.places, plan.seconds, tried) if details or json else ()
     answer = plan_answer(case, plan, limits, buys, ends=ends)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))

@@ -19,7 +19,6 @@ from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.check import Check
-from axiscal.evaluation.verification import USUAL
 from axiscal.language.spoken import ending, listed, said
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.measurement.reading import Places
@@ -62,7 +61,7 @@ def verify(
         typer.Option(
             min=2,
             max=200,
-            help=f"Places to check; default: what the tables need, {USUAL} or more.",
+            help="Places to check; default: what the tables need, a dozen or more.",
         ),
     ] = None,
     plan: PlacesFile = None,
