@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import os
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, TypeVar, get_type_hints
 
 import typer
 
 from axiscal.exceptions import RecordError, TargetError
 from axiscal.units import Dimension, parse_quantity
 
+Command = TypeVar("Command", bound=Callable[..., None])
+TABLE = tomllib.loads(Path(__file__).with_name("commands.toml").read_text(encoding="utf-8"))
+"""Where commands are and in which group, and the words of what each takes, by file, function and parameter."""
 _COMPLETING = "_AXISCAL_COMPLETE"
 """Set by a shell that asks for completions."""
 
@@ -56,50 +62,28 @@ def length_unit(text: str | None) -> str:
     return text or ""
 
 
-RecordFile = Annotated[
-    Path, typer.Argument(metavar="RECORD", help="The campaign record, a file *.axiscal.", autocompletion=records_here)
-]
-OwnRecord = Annotated[
-    Path,
-    typer.Argument(
-        metavar="RECORD",
-        default_factory=own_record,
-        show_default=False,
-        autocompletion=records_here,
-        help="The campaign record; default: AXISCAL_RECORD, or the only one here.",
-    ),
-]
-Language = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="en or de; default: AXISCAL_LANGUAGE, or that of the computer."),
-]
-ReportLanguage = Annotated[
-    str | None,
-    typer.Option("--language", metavar="NAME", help="en or de; default: that of campaign.toml."),
-]
-CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]
-Log = Annotated[Path | None, typer.Option("--log", metavar="FILE", help="The log of programs of plan --gcode --log.")]
-Programs = Annotated[Path, typer.Option("--programs", metavar="DIR", help="With --log: the folder of these programs.")]
-Template = Annotated[
-    Path | None, typer.Option("--template", metavar="FILE", help="A file saved by your control (heidenhain, fanuc).")
-]
-PlacesFile = Annotated[
-    Path | None, typer.Option("--plan", metavar="FILE.csv", help="Write the places as a file to fill in.")
-]
-Anyway = Annotated[
-    bool, typer.Option("--anyway", help="Write U and tables although the readings contradict each other.")
-]
-Details = Annotated[
-    bool, typer.Option("--details", help="Say before the last screen what U holds for, and all warnings.")
-]
-Unit = Annotated[
-    str | None, typer.Option("--unit", metavar="UNIT", help="Of lengths without one, such as inch; default: mm.")
-]
-Zero = Annotated[str | None, typer.Option(metavar="PLACE", help='Where the printer homes Z, such as "150 mm, 150 mm".')]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
-ResultsFolder = Annotated[
-    Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder for the results; default: beside the record.")
-]
-Out = Annotated[
-    Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for record, result.json, report and tables.")
-]
+_DEFAULTS = {each.__name__: each for each in (own_record, only_record)}
+
+
+def explained(command: Command, rows: Mapping[str, Any]) -> Command:
+    """Return a command whose arguments and options typer shows in the words of the table.
+
+    rows : of `TABLE` by parameter; a text names a row of [shared], as does the parameter itself where there is none
+    """
+    types, found = get_type_hints(command), list[Parameter]()
+    for each in signature(command).parameters.values():
+        row = rows.get(each.name, each.name)
+        words = _words(each.name, **(TABLE["shared"][row] if isinstance(row, str) else row))
+        found.append(each.replace(annotation=Annotated[types[each.name], words]))
+    command.__signature__ = Signature(found)  # type: ignore[attr-defined]
+    return command
+
+
+def _words(name: str, argument: str = "", flags: Sequence[str] = (), default: str = "", **row: Any) -> Any:
+    """Return what typer is told of a parameter.  argument : how it is called in the usage, "" for an option"""
+    if argument:
+        completing = records_here if argument == "RECORD" else None
+        return typer.Argument(
+            metavar=argument, default_factory=_DEFAULTS.get(default), autocompletion=completing, **row
+        )
+    return typer.Option(*(flags or [f"--{name.replace('_', '-')}"]), **row)

@@ -6,15 +6,11 @@ import re
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
-from typing import Annotated
-
-import typer
 
 from axiscal.answers.answer_words import wrapped
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
-from axiscal.cli.arguments import Anyway, Json, RecordFile, Template, Zero
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.rewriting import PROGRAM, Rewriting
 from axiscal.document.ports import part
@@ -36,63 +32,24 @@ from axiscal.units import parse_quantity, to_unit
 
 
 def export(
-    record: RecordFile,
-    to: Annotated[str, typer.Option(metavar="CONTROLLER", help="Which control; `--to list` names them.")],
-    out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for the files and their README.txt.")
-    ] = Path("tables"),
-    template: Template = None,
-    spacing: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="LENGTH",
-            help='Distance of the points, such as "10 mm", or of those of one axis, "X=25 mm"; repeatable.',
-        ),
-    ] = None,
-    number: Annotated[
-        list[str] | None,
-        typer.Option(metavar="AXIS=N", help="Number of an axis in the control, or of each of its joints; repeatable."),
-    ] = None,
-    unit: Annotated[
-        str | None, typer.Option(metavar="mm|in", help="Unit of the control; default: that of travels in machine.toml.")
-    ] = None,
-    mesh: Annotated[
-        int | None, typer.Option(metavar="N", help="Points of a height map along each side; default: as the map read.")
-    ] = None,
-    zero: Zero = None,
-    probe_sign: Annotated[
-        bool, typer.Option("--probe-sign", help="Only a bump of 10 um, which tells the sign of the tables.")
-    ] = False,
-    measuring_system: Annotated[int, typer.Option(metavar="1|2", help="sinumerik: of encoder compensation.")] = 1,
-    on_top_of: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="OLD",
-            help="linuxcnc, sinumerik: what was active: a table, AXIS=FILE, a folder, an INI file; repeatable.",
-        ),
-    ] = None,
-    ini: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.ini",
-            help="linuxcnc-volumetric: your INI file; it and its HAL files are written with the component in them.",
-        ),
-    ] = None,
-    program: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="program: a part program to rewrite."),
-    ] = None,
-    origin: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PLACE", help="program: where X, Y and Z of the machine stand at its zero, with the tool in."
-        ),
-    ] = None,
-    chord: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help='program: how exactly its ways are held; default "0.2 um".')
-    ] = None,
-    anyway: Anyway = False,
-    json: Json = False,
+    record: Path,
+    to: str,
+    out: Path = Path("tables"),
+    template: Path | None = None,
+    spacing: list[str] | None = None,
+    number: list[str] | None = None,
+    unit: str | None = None,
+    mesh: int | None = None,
+    zero: str | None = None,
+    probe_sign: bool = False,
+    measuring_system: int = 1,
+    on_top_of: list[str] | None = None,
+    ini: Path | None = None,
+    program: Path | None = None,
+    origin: str | None = None,
+    chord: str | None = None,
+    anyway: bool = False,
+    json: bool = False,
 ) -> None:
     """Write compensation files for a control.
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import TypeVar
 
 import typer
 
@@ -46,26 +46,13 @@ _MACHINE = "three-axis-mill"
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; it may exist.")] = Path(),
-    machine: Annotated[str | None, typer.Option(metavar="NAME", help="A built-in machine to begin with.")] = None,
-    ini: Annotated[
-        Path | None,
-        typer.Option("--from", metavar="FILE", help="Begin with the INI file of a LinuxCNC or with a printer.cfg."),
-    ] = None,
-    chain: Annotated[
-        str | None, typer.Option(metavar="CHAIN", help='With --from: how it is built, such as "w-Y\'-b-X-Z-t".')
-    ] = None,
-    limits: Annotated[
-        list[str] | None,
-        typer.Option(metavar="LIMITS", help='With --from: of an axis that the file leaves open, such as "Z -300 0".'),
-    ] = None,
-    instrument: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_names().values())}, or grid.py:Grid; several times."),
-    ] = None,
-    target: Annotated[
-        str | None, typer.Option(metavar="U", help='The uncertainty wanted, such as "10 um"; "" for none.')
-    ] = None,
+    folder: Path = Path(),
+    machine: str | None = None,
+    ini: Path | None = None,
+    chain: str | None = None,
+    limits: list[str] | None = None,
+    instrument: list[str] | None = None,
+    target: str | None = None,
 ) -> None:
     """Write a first machine.toml and campaign.toml.
 

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_either
 from axiscal.errors.gauge import machine_check, undescribed
 from axiscal.language.spoken import said
@@ -15,16 +11,8 @@ from axiscal.machine import builtin_names, load_machine
 from axiscal.machine.axis import travel_text
 from axiscal.machine.questions import questions, which_way
 
-app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
 
-
-@app.callback()
-def machine() -> None:
-    """List the built-in machines; check your own description."""
-
-
-@app.command("list")
-def list_machines(json: Json = False) -> None:
+def list_machines(json: bool = False) -> None:
     """List the built-in machines.
 
     \b
@@ -38,8 +26,7 @@ def list_machines(json: Json = False) -> None:
     say_either(json, "axiscal-machines/1", {"machines": rows}, lines)
 
 
-@app.command("show")
-def show(name: Annotated[str, typer.Argument(metavar="NAME", help="A built-in machine.")]) -> None:
+def show(name: str) -> None:
     """Print a built-in description, to be copied and changed.
 
     \b
@@ -50,11 +37,7 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="A built-in ma
     say(load_machine(name).text.rstrip("\n"))
 
 
-@app.command("check")
-def check(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A machine description, or a built-in name.")],
-    json: Json = False,
-) -> None:
+def check(file: Path, json: bool = False) -> None:
     """Check a description of a machine.
 
     It says which combinations of its errors no reading of the tool point can tell apart.

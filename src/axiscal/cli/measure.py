@@ -14,7 +14,6 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, result
 from axiscal.answers.answer_words import answer_text, columns, minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import ask, mind_lines, say
 from axiscal.cli.progress import tell_out_of_reach
@@ -280,7 +279,7 @@ def _plain(shown: float) -> str:
     return decimals(f"{round(shown, digits) + 0.0:.{digits}f}")
 
 
-def measure(record: OwnRecord, out: ResultsFolder = None, language: Language = None) -> None:
+def measure(record: Path, out: Path | None = None, language: str | None = None) -> None:
     """Take the readings of a campaign at one prompt.
 
     It says where to go and what to expect; you type what you read. Type ? for help, pause to stop for now. At the end

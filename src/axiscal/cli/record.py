@@ -6,14 +6,12 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
-from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.printing import mind_lines, say_either, tell
 from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.description.campaign import CampaignDescription
@@ -32,19 +30,17 @@ _ASK = later("Ask for the next one: axiscal step next {record}")
 
 
 def record(
-    record: RecordFile,
-    value: Annotated[
-        list[str] | None, typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".')
-    ] = None,
-    std: Annotated[str | None, typer.Option(metavar="STD", help="Standard deviation; default: the set-up's.")] = None,
-    at: Annotated[str | None, typer.Option(metavar="PLACE", help="Where it was taken, if not where asked.")] = None,
-    setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
-    approach: Annotated[str | None, typer.Option(metavar="SIDES", help='Last motion, such as "X+ Y-".')] = None,
-    accept: Annotated[bool, typer.Option("--accept", help="Believe it, however much it surprises.")] = False,
-    log: Log = None,
-    programs: Programs = Path("programs"),
-    then_next: Annotated[bool, typer.Option("--next", help="Then say which reading comes next.")] = False,
-    json: Json = False,
+    record: Path,
+    value: list[str] | None = None,
+    std: str | None = None,
+    at: str | None = None,
+    setup: str | None = None,
+    approach: str | None = None,
+    accept: bool = False,
+    log: Path | None = None,
+    programs: Path = Path("programs"),
+    then_next: bool = False,
+    json: bool = False,
 ) -> None:
     """Keep a reading: actual minus commanded.
 
@@ -211,13 +207,7 @@ def _directions(text: str) -> dict[str, int]:
     return directions
 
 
-def skip(
-    record: RecordFile,
-    reason: Annotated[list[str], typer.Argument(metavar="REASON", help="Why it cannot be taken.")],
-    leave: Annotated[bool, typer.Option("--leave", help="Nothing more can be read with this set-up.")] = False,
-    then_next: Annotated[bool, typer.Option("--next", help="Then say which reading comes next.")] = False,
-    json: Json = False,
-) -> None:
+def skip(record: Path, reason: list[str], leave: bool = False, then_next: bool = False, json: bool = False) -> None:
     """Skip the reading that is asked for, with its reason.
 
     It says what that costs; the plan is made anew around it. Undo takes it back.

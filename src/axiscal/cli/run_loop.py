@@ -5,14 +5,10 @@ from __future__ import annotations
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, because_text
 from axiscal.campaign.sources import open_source
-from axiscal.cli.arguments import CampaignFile, Details, Json, Out
 from axiscal.cli.outputs import tell_details, write_outputs, written_screen
 from axiscal.cli.printing import say
 from axiscal.cli.progress import shown_progress, tell_out_of_reach
@@ -30,21 +26,13 @@ from axiscal.units import parse_quantity
 
 
 def run_loop(
-    campaign: CampaignFile,
-    out: Out,
-    source: Annotated[
-        str,
-        typer.Option(
-            metavar="SOURCE",
-            help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND or linuxcnc-live:HOST.",
-        ),
-    ],
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the record that DIR holds.")] = False,
-    timeout: Annotated[
-        str, typer.Option(metavar="TIME", help="How long an exec: command may take over one reading.")
-    ] = "10 min",
-    details: Details = False,
-    json: Json = False,
+    campaign: Path,
+    out: Path,
+    source: str,
+    resume: bool = False,
+    timeout: str = "10 min",
+    details: bool = False,
+    json: bool = False,
 ) -> None:
     """Run the whole loop without a person.
 
@@ -112,10 +100,7 @@ def _kept(campaign: Campaign, again: str) -> str:
     return said("{kept}; go on with: {again}", kept=counted(one, many, count, record=campaign.path), again=again)
 
 
-def demo(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path("axiscal-demo"),
-    details: Details = False,
-) -> None:
+def demo(out: Path = Path("axiscal-demo"), details: bool = False) -> None:
     """Calibrate a built-in five-axis machine, from plan to report.
 
     Its hidden errors come from measured curves. It says what was promised and what was reached.

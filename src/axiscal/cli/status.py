@@ -11,7 +11,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
 from axiscal.campaign.evidence import evidence_words, signed_text
 from axiscal.campaign.listing import Standing, standings
-from axiscal.cli.arguments import Details, Json, OwnRecord
 from axiscal.cli.outputs import standing_screen
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import accuracy_text, asked_screen
@@ -25,7 +24,7 @@ from axiscal.record.store import Record
 from axiscal.units import said_quantity, to_unit
 
 
-def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
+def status(record: Path, details: bool = False, json: bool = False) -> None:
     """Say where a campaign stands, or each one of a folder.
 
     Of a record it shows readings, accuracy, minutes, skipped readings, and the open question. Of a folder it shows a
