@@ -165,8 +165,8 @@ def test_ctrl_c_ends_with_a_sentence_and_status_one(folder: Path) -> None:
     terminal.until(STANDS)
     time.sleep(0.3)  # between its prompt and its reading Python would heed the signal only after the next key
     os.write(terminal.terminal, b"\x03")
-    said = " ".join(terminal.until("measure mill.axiscal").split())
-    assert "No reading was added; go on with: axiscal measure mill.axiscal" in said
+    said = " ".join(terminal.until("axiscal measure").split())
+    assert "0 readings are kept in mill.axiscal; go on with: axiscal measure" in said
     assert terminal.ended() == 1
 
 

@@ -12,7 +12,7 @@ from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.rewriting import PROGRAM, Rewriting
+from axiscal.cli.rewriting import PROGRAM, write_program
 from axiscal.document.ports import part
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
@@ -83,7 +83,9 @@ def export(
     given = [*([] if ini is None else ["--ini"]), *options.given]
     wanted = {"--program": program, "--origin": origin, "--chord": chord}
     if to == PROGRAM:
-        Rewriting.asked(program, origin, chord, unit or "mm", given).write(record, out, anyway, json)
+        if other := next((option for option in given if option != "--unit"), ""):
+            raise TableError("{controller} does not take {option}", "leave it out", controller=to, option=other)
+        write_program(record, out, program, origin, chord, unit, anyway, json)
         return
     given += [name for name, value in wanted.items() if value is not None]
     registry.refuse_untaken(to, given)
@@ -110,20 +112,15 @@ def export(
     if json:
         say_document(_document(offered, out))
     else:
-        last = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"]}
-        then = said("load {folder} (README.txt there), then", folder=out)
         made_from = "" if template is None else f" --template {quote(str(template))}"
-        last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
+        then = said("load {folder} (README.txt there), then", folder=out)
+        coming = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
         if not offered.worth:
-            last[said("Next")] = [said("do not load these files: they leave no less error than there is")]
-        found = (
-            wrapped(bump, 4)
-            if bump
-            else wrapped(effect_sentence(said("All files together"), offered.effect, offered.known), 4)
-        )
-        if offered.idle:
-            found += wrapped(said("The files do not move {axes}.", axes=joined(offered.idle)), 4)
-        say("\n".join([*found, *ending(last)]))
+            coming = [said("do not load these files: they leave no less error than there is")]
+        last = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"], said("Next"): coming}
+        effect = effect_sentence(said("All files together"), offered.effect, offered.known)
+        idle = said("The files do not move {axes}.", axes=joined(offered.idle)) if offered.idle else ""
+        say("\n".join([*wrapped(bump or effect, 4), *(wrapped(idle, 4) if idle else ()), *ending(last)]))
 
 
 def _spacing(texts: list[str]) -> float | dict[str, float] | None:
@@ -156,15 +153,13 @@ def _numbers(texts: list[str]) -> dict[str, tuple[int, ...]]:
 
 
 def _document(offered: Export, out: Path) -> dict[str, object]:
-    before, after = (to_unit(value, "um") for value in offered.effect)
+    sizes = dict(zip(("before", "after", "expected"), (*offered.effect, offered.expected), strict=True))
     return {
         "schema": "axiscal-export/1",
         "controller": offered.controller,
         "files": [str(out / name) for name in offered.files],
         "readme": offered.readme,
-        "rms_um_before": before,
-        "rms_um_after": after,
-        "rms_um_expected": to_unit(offered.expected, "um"),
+        **{f"rms_um_{name}": to_unit(size, "um") for name, size in sizes.items()},
         "tables": [
             {
                 "axis": table.axis,

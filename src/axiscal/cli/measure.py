@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -16,10 +17,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import ask, mind_lines, say
-from axiscal.cli.progress import tell_out_of_reach
-from axiscal.cli.texts import help_text, opened_to_write
+from axiscal.cli.texts import opened_to_write, tell_out_of_reach
 from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now
+from axiscal.language.spoken import WORDS, counted, decimals, listed, put, said, speaking, spoken_now
 from axiscal.numerics import Array
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import (
@@ -44,62 +44,46 @@ _Then = Literal["same", "anew", "stands", "finish", "pause"]
 """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(eq=False, slots=True)
 class Prompt:
-    """The dialogue about one campaign.  out : folder for the results"""
+    """The dialogue about one campaign.  out : folder for the results; mounted : the set-up that stands"""
 
     campaign: Campaign
     out: Path
+    mounted: str = ""
 
     def held(self) -> bool:
         """Hold the dialogue; return False where the person pauses, True where the campaign is to be finished."""
         tell_out_of_reach(self.campaign)
-        readings = self.campaign.state.readings
-        then, mounted = "anew", readings[-1].setup if readings else ""
+        self.mounted, then = next((each.setup for each in self.campaign.state.readings[-1:]), ""), "anew"
         while then == "anew":
-            then, mounted = self._answered(self.campaign.next(), mounted)
+            asked = self.campaign.next()
+            then = self._ended(asked) if isinstance(asked, Ended) else self._asked(asked)
         return then == "finish"
 
-    def _answered(self, asked: Asked | Ended, mounted: str) -> tuple[_Then, str]:
-        """Ask, and return what comes then and which set-up stands.  mounted : the one that stands"""
-        if isinstance(asked, Ended):
-            return self._ended(asked), mounted
+    def _asked(self, asked: Asked) -> _Then:
         question = Question.from_campaign(self.campaign, asked)
-        if question.setup != mounted:
+        if question.setup != self.mounted:
             steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
             named = said('Set-up "{setup}"', setup=question.setup)
             say("\n".join([f"\n{named}: {question.mount_sentence}.", *steps]))
-            then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
+            then = self._until_done(said("Enter when it stands, or ? > "), partial(self._heed_at_mounting, question))
             if then == "stands" and progress.open_temperature(self.campaign):
-                then = self._until_done(self._warmed)
+                prompt = said("Temperature of the machine's scale [degC], Enter: not measured > ")
+                then = self._until_done(prompt, self._heed_temperature)
             if then != "stands":
-                return then, mounted
+                return then
+            self.mounted = question.setup
         say(headline(self.campaign, question))
         say(question_lines(question))
-        return self._asked(said("reading [{unit}] > ", unit=question.asks), question, standing=True), question.setup
+        return self._until_done(said("reading [{unit}] > ", unit=question.asks), partial(self._heed, question))
 
-    def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
-        setup = self.campaign.description.setup(question.setup)
-        return self._until_done(
-            lambda: self._heed(answer(ask(prompt), setup, stands(self.campaign)), question, standing)
-        )
-
-    def _warmed(self) -> _Then:
-        """Ask how warm the scale is; Enter is that nobody has measured it."""
-        typed = ask(said("Temperature of the machine's scale [degC], Enter: not measured > "))
-        word, _, text = typed.strip().partition(" ")
-        if wanted := action(word):
-            return self._heed_anywhere(wanted, text)
-        if word:
-            say(f"  {progress.take_note(self.campaign, degrees(typed))}")
-        return "stands"
-
-    def _until_done(self, heed: Callable[[], _Then]) -> _Then:
+    def _until_done(self, prompt: str, heed: Callable[[str], _Then]) -> _Then:
         """Ask until something has been done; a refusal is said, and the same is asked again."""
         then: _Then = "same"
         while then == "same":
             try:
-                then = heed()
+                then = heed(ask(prompt).strip())
             except OvertakenError:
                 self.campaign.looked_at_again()
                 say("  " + said("Nothing was done: the record has moved on, on a page or by another command."))
@@ -108,17 +92,31 @@ class Prompt:
                 say(f"  {failure}")
         return then
 
-    def _heed(self, typed: Array | Word, question: Question, standing: bool) -> _Then:
-        if not isinstance(typed, Word):
-            if standing:
-                return self._keep(typed, question)
+    def _heed_at_mounting(self, question: Question, typed: str) -> _Then:
+        if not typed:
+            return "stands"
+        if action(typed.partition(" ")[0]) is None:
+            answer(typed, self.campaign.description.setup(question.setup), stands(self.campaign))
             say("  " + said("This is a reading: press Enter when the set-up stands, then type it."))
             return "same"
+        return self._heed(question, typed)
+
+    def _heed_temperature(self, typed: str) -> _Then:
+        """Keep how warm the scale is; Enter is that nobody has measured it."""
+        word, _, text = typed.partition(" ")
+        if wanted := action(word):
+            return self._heed_anywhere(wanted, text)
+        if word:
+            say(f"  {progress.take_note(self.campaign, degrees(typed))}")
+        return "stands"
+
+    def _heed(self, question: Question, text: str) -> _Then:
+        typed = answer(text, self.campaign.description.setup(question.setup), stands(self.campaign))
+        if not isinstance(typed, Word):
+            return self._keep(typed, question)
         match typed.action:
-            case "show" if not standing:
-                return "stands"
             case "skip":
-                self._costs(rest=False)
+                say(f"  {cost_sentence(cost_words(self.campaign, rest=False))}")
                 self.campaign.skip(typed.text or ask("  " + said("why can it not be taken?") + " "))
                 say("  " + said("skipped; the plan is made anew around it"))
                 return "anew"
@@ -127,7 +125,7 @@ class Prompt:
             case "stop":
                 return self._stop()
             case "help":
-                say(help_text())
+                say("\n".join(f"  {said(typed):<18} {said(does)}" for typed, does in WORDS["prompt"]["rows"]))
             case "show" | "more":
                 say(question_lines(question))
             case _:
@@ -163,20 +161,14 @@ class Prompt:
             say(f"  {line}")
         return "anew"
 
-    def _costs(self, *, rest: bool) -> bool:
-        """Say what it costs to skip the reading, or to leave the set-up, and return whether that is anything."""
-        words = cost_words(self.campaign, rest=rest)
-        say(f"  {cost_sentence(words)}")
-        return bool(words)
-
     def _leave(self, reason: str, question: Question) -> _Then:
-        setup = question.setup
-        if self._costs(rest=True):
-            choice = said("Type yes to leave it, Enter to go on:")
-            if not _is_yes(choice):
-                return "same"
+        costs = cost_words(self.campaign, rest=True)
+        say(f"  {cost_sentence(costs)}")
+        if costs and not _is_yes(said("Type yes to leave it, Enter to go on:")):
+            return "same"
         self.campaign.skip(reason or said("the set-up was left"), rest=True)
-        say("  " + said('left "{setup}": the plan is made anew without it; undo goes back to it', setup=setup))
+        text = 'left "{setup}": the plan is made anew without it; undo goes back to it'
+        say("  " + said(text, setup=question.setup))
         return "anew"
 
     def _stop(self) -> _Then:
@@ -200,9 +192,10 @@ class Prompt:
         figures = {"figure": said(known.figure), "now": um_text(known.now_um), "minutes": minutes_text(known.minutes)}
         say("\n" + said(done, because=because_text(ended.because), taken=taken, **figures))
         prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
-        return self._until_done(lambda: self._heed_at_end(*ask(prompt).strip().partition(" ")[::2]))
+        return self._until_done(prompt, self._heed_at_end)
 
-    def _heed_at_end(self, word: str, text: str) -> _Then:
+    def _heed_at_end(self, typed: str) -> _Then:
+        word, _, text = typed.partition(" ")
         wanted = action(word)
         if wanted == "":
             return "finish"

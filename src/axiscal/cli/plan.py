@@ -9,7 +9,7 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import above_zero
 from axiscal.cli.printing import say, say_document, say_either, tell_minds
-from axiscal.cli.progress import tell_out_of_reach
+from axiscal.cli.texts import tell_out_of_reach
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.document.durable import write_whole

@@ -13,7 +13,7 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.printing import mind_lines, say_either, tell
-from axiscal.cli.texts import next_text, opened_to_write, question_document
+from axiscal.cli.texts import opened_to_write, question_of
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError, RecordError
@@ -97,12 +97,12 @@ def _answered(
     campaign: Campaign, document: dict[str, object], lines: Sequence[str], *, then_next: bool, as_json: bool
 ) -> None:
     """Say what was done with the question, and ask the next one where that is wanted."""
-    question = campaign.next() if then_next else None
-    if question is not None:
-        document |= {"next": question_document(campaign, question)}
-    coming = said(_ASK, record=campaign.path) if question is None else next_text(campaign, question)
+    coming = said(_ASK, record=campaign.path)
+    if then_next:
+        question, coming = question_of(campaign, campaign.next())
+        document |= {"next": {"schema": "axiscal-next/1", **question}}
     say_either(as_json, "axiscal-record/1", document, [*lines, coming])
-    if question is None:
+    if not then_next:
         with suppress(RecordError):  # it is kept; what cannot be added to it is found out by `next`
             campaign.go_on()
 

@@ -56,7 +56,7 @@ def finish(
       axiscal finish mill.axiscal --out results
     """
 
-    with opened_to_write(record) as campaign:
+    with opened_to_write(record, "finish") as campaign:
         folder = out or results_of(record)
         campaign.log.refuse_other(folder / RECORD)
         campaign.finish()

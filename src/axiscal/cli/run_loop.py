@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
-from functools import partial
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, because_text
+from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Milestone, because_text
 from axiscal.campaign.sources import open_source
 from axiscal.cli.outputs import tell_details, write_outputs, written_screen
-from axiscal.cli.printing import say
-from axiscal.cli.progress import shown_progress, tell_out_of_reach
-from axiscal.cli.texts import saying_what_is_kept
+from axiscal.cli.printing import rewrite, say, tell
+from axiscal.cli.texts import accuracy_text, kept_text, stoppable, tell_out_of_reach
 from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.description.target import Target
 from axiscal.estimation.case import Case
-from axiscal.exceptions import RecordError, TargetError
-from axiscal.language.spoken import capital, counted, said
+from axiscal.exceptions import InputError, RecordError, TargetError
+from axiscal.language.spoken import capital, put, said
+from axiscal.language.stages import listening
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.demo import description, run_demo
 from axiscal.present.result_set import RECORD, mend
 from axiscal.record.events import Asked, Created, Planned
-from axiscal.record.store import Record
-from axiscal.units import parse_quantity
+from axiscal.units import parse_quantity, to_unit
 
 
 def run_loop(
@@ -58,9 +59,12 @@ def run_loop(
                 out.mkdir(parents=True, exist_ok=True)
                 opened = stack.enter_context(Campaign.create(out / RECORD, description))
             tell_out_of_reach(opened)
-            kept = partial(_kept, opened, again)
-            with saying_what_is_kept(kept), shown_progress(description.target) as watch:
-                opened.run(readings, watch)
+            with stoppable(opened, again), shown_progress(description.target) as watch:
+                try:
+                    opened.run(readings, watch)
+                except InputError as failure:
+                    remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=kept_text(opened, again))
+                    raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
         write_outputs(opened, out, as_json=json, details=details)
         because, file = opened.state.finished or "", opened.description.source
     why, written = because_text(because), said("the results so far are written")
@@ -83,8 +87,7 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
     if same and resume:
         return opened
     opened.close()
-    events = Record.open(path, write=False).events()
-    if all(isinstance(stored.event, Created | Planned | Asked) for stored in events):
+    if all(isinstance(stored.event, Created | Planned | Asked) for stored in opened.log.events()):
         path.unlink()
         return None
     if not resume:
@@ -94,10 +97,30 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
     raise RecordError("The campaign or its machine has been changed since this record was begun", remedy, path)
 
 
-def _kept(campaign: Campaign, again: str) -> str:
-    count = len(campaign.state.readings)
-    one, many = "{count} reading is kept in {record}", "{count} readings are kept in {record}"
-    return said("{kept}; go on with: {again}", kept=counted(one, many, count, record=campaign.path), again=again)
+@contextmanager
+def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
+    """Yield what is to be told of every reading: a line that changes on a terminal, elsewhere nothing.
+
+    Nothing is written between two readings: what a source asks whoever stands at the machine stands alone.
+    """
+    with listening(None):
+        if not sys.stderr.isatty():
+            yield lambda milestone: None
+            return
+        try:
+            yield lambda milestone: rewrite(progress_line(milestone, target))
+        finally:
+            tell("")
+
+
+def progress_line(milestone: Milestone, target: Target) -> str:
+    """Return one line: reading, accuracy with its targets, minutes."""
+    number = said("reading {number}", number=milestone.number)
+    if target.readings is not None:
+        number = said("{reading} of {most}", reading=number, most=target.readings)
+    minutes = said("{minutes:.1f} min", minutes=to_unit(milestone.seconds, "min"))
+    accuracy = accuracy_text(milestone.accuracy, target)
+    return put("{number}: {accuracy}, {minutes}", number=number, accuracy=accuracy, minutes=minutes)
 
 
 def demo(out: Path = Path("axiscal-demo"), details: bool = False) -> None:

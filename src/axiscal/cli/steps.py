@@ -15,8 +15,8 @@ from axiscal.campaign.agreement_words import (
     odds_text,
 )
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.printing import say, say_document, say_either
-from axiscal.cli.texts import next_text, opened_to_write, question_document
+from axiscal.cli.printing import say_either
+from axiscal.cli.texts import opened_to_write, question_of
 from axiscal.language.spoken import put, said
 from axiscal.present.guide.progress import take_back, take_note
 
@@ -94,11 +94,8 @@ def next_reading(record: Path, beyond: bool = False, json: bool = False) -> None
     """
 
     with opened_to_write(record) as campaign:
-        asked = campaign.next(beyond=beyond)
-        if json:
-            say_document(question_document(campaign, asked))
-        else:
-            say(next_text(campaign, asked))
+        document, text = question_of(campaign, campaign.next(beyond=beyond))
+        say_either(json, "axiscal-next/1", document, [text])
 
 
 def undo(record: Path, json: bool = False) -> None:

@@ -243,6 +243,12 @@ class State:
         return max(taken, default=0) + 1
 
     @property
+    def result(self) -> KeptResult:
+        """What a campaign that has ended came to."""
+        last = self.undo[-1].event if self.undo else None
+        return last.result if isinstance(last, Finished) else KeptResult()
+
+    @property
     def coming(self) -> tuple[Place, ...]:
         """The places of the readings to come, the one asked for first."""
         return self.plan if self.pending is None else (self.pending.place, *self.plan)
