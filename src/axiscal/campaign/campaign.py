@@ -27,7 +27,6 @@ from axiscal.campaign.ending import (
     result_of,
     standing,
 )
-from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.possible import beginning_of, described, jump_told, kept_text, note_told, refuse_unreadable
 from axiscal.campaign.sources import Request, Skip, Source, answered
 from axiscal.description.campaign import CampaignDescription
@@ -302,32 +301,27 @@ class Campaign(AbstractContextManager["Campaign"]):
         """Ask and record until a target is reached, and return why it stopped.
 
         watch : called with the beginning and with every reading that is kept
-        Raises SourceError, or KeyboardInterrupt between two readings; what was kept is kept.
+        Raises SourceError, or KeyboardInterrupt at any time; what was kept is kept.
         """
         path, in_a_row = [self._milestone()], 0
         watch(path[0])
-        with noted_interrupts() as heeding:
-            while True:
-                accuracies = [milestone.accuracy for milestone in path]
-                before = partial(estimated, self.case(), self.state.readings[:-FUTILE])
-                hopeless = out_of_reach(self.description.target, accuracies, before, self.estimate())
-                asked = Ended(hopeless) if hopeless and not self.reached() else self.next()
-                if isinstance(asked, Ended):
-                    return self.finish(asked.because)
-                with heeding():
-                    answer = answered(source, self.request(asked))
-                if isinstance(answer, Skip):
-                    self.skip(answer.reason)
-                    in_a_row += 1
-                    refuse_endless(in_a_row, answer)
-                else:
-                    self.record(answer.value, answer.std, others=answer.others, live=answer.live)
-                    in_a_row = 0
-                    path.append(self._milestone())
-                    watch(path[-1])
-                    refuse_implausible(self.estimate())
-                with heeding():
-                    pass  # before the next plan is made
+        while True:
+            before = partial(estimated, self.case(), self.state.readings[:-FUTILE])
+            hopeless = out_of_reach(self.description.target, [each.accuracy for each in path], before, self.estimate())
+            asked = Ended(hopeless) if hopeless and not self.reached() else self.next()
+            if isinstance(asked, Ended):
+                return self.finish(asked.because)
+            answer = answered(source, self.request(asked))
+            if isinstance(answer, Skip):
+                self.skip(answer.reason)
+                in_a_row += 1
+                refuse_endless(in_a_row, answer)
+            else:
+                self.record(answer.value, answer.std, others=answer.others, live=answer.live)
+                in_a_row = 0
+                path.append(self._milestone())
+                watch(path[-1])
+                refuse_implausible(self.estimate())
 
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""
