@@ -128,6 +128,7 @@ def sign(record: Path, json: bool = False) -> None:
         campaign.sign()
         found = campaign.log.signed()
         assert found is not None
-        document = {"record": str(record), "event": found.number, **found.by._asdict(), "holds": found.holds}
-        words = f"{record}: {signed_text(campaign.log)}. Public key: {found.by.key}. Keep {key_file()} to yourself."
+        by = {name: getattr(found, name) for name in ("person", "computer", "key", "signature", "holds")}
+        document = {"record": str(record), "event": found.number, **by}
+        words = f"{record}: {signed_text(campaign.log)}. Public key: {found.key}. Keep {key_file()} to yourself."
         say_either(json, "axiscal-signature/1", document, [words])
