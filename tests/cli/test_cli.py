@@ -135,6 +135,7 @@ COMMANDS = ("axiscal.campaign", "axiscal.cli.plan", "axiscal.cli.report")
         (["--version"], HEAVY, "axiscal 0."),
         (["--help"], COMMANDS, "Commands:"),
         (["step", "--help"], COMMANDS, "Commands:"),
+        (["plan", "--help"], (*COMMANDS, "numpy"), "--readings"),
         (["next", "m.axiscal"], SLOW, "Reading 1"),
         (["status", "m.axiscal"], SLOW, "READINGS"),
     ],

@@ -47,7 +47,12 @@ def test_a_command_is_watched_and_its_line_goes_when_it_ends(monkeypatch: pytest
         pass
     assert err.getvalue() == ""
     monkeypatch.setattr(stages, "_QUIET", 0.0)
-    monkeypatch.setattr(stages, "rewrite", lambda text: (rewrite(text), shown.set()))
+
+    def seen(text: str) -> None:
+        rewrite(text)
+        shown.set()
+
+    monkeypatch.setattr(stages, "rewrite", seen)
     with stages.shown_stages(), stage("long work"):
         assert shown.wait(20)
     said = [line.strip() for line in err.getvalue().split("\r") if line]

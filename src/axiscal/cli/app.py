@@ -1,12 +1,11 @@
 """All commands in one application, and the one place where a failure becomes a paragraph on stderr.
 
-The file of a command is loaded only when the command is called. So files of commands import what they need at their
-top, and `axiscal --help` only reads what they say of themselves.
+The file of a command is loaded only when the command is run. So files of commands import what they need at their top,
+and help only reads the table of their words.
 """
 
 from __future__ import annotations
 
-import ast
 import gc
 import os
 import re
@@ -15,14 +14,14 @@ from collections import ChainMap
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
-from pathlib import Path
+from inspect import Signature
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
-from axiscal.cli.arguments import TABLE, explained
+from axiscal.cli.arguments import TABLE, parameters, words_of
 from axiscal.cli.printing import agreed, complain, say
 from axiscal.document.consent import asking, nobody
 from axiscal.document.gone import instead_of
@@ -36,7 +35,7 @@ _GONE = later("{name} is gone. {instead}.")
 
 
 class AllCommands(TyperGroup):
-    """The commands of a group, "" for all, each loaded from its file when it is called.
+    """The commands of a group, "" for all.
 
     sections : those that help and completion show, by the heading over them; places : the files of all
     """
@@ -59,19 +58,18 @@ class AllCommands(TyperGroup):
         return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command or group by its name, loaded now; None if there is no such command."""
+        """Return a command or group by its name; None if there is no such command."""
         place = self.places.get(cmd_name)
         if place is None or cmd_name not in _GROUPS:
             return None if place is None else _command(cmd_name, place)
         return AllCommands(cmd_name, name=cmd_name, help=place, rich_markup_mode=None, no_args_is_help=True)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the lists of commands into the help, each with the first sentence that its file says of it."""
+        """Write the lists of commands into the help, each with the first line of its own."""
         for title, places in self.sections.items():
             with formatter.section(title):
-                formatter.write_dl(
-                    [(name, place if places is _GROUPS else _summary(place)) for name, place in places.items()]
-                )
+                lines = {name: _GROUPS.get(name) or words_of(at)["help"].splitlines()[0] for name, at in places.items()}
+                formatter.write_dl([*lines.items()])
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was called; each is a door of planning or estimating."""
@@ -82,29 +80,27 @@ class AllCommands(TyperGroup):
 
 
 def _command(name: str, place: str) -> Any:
+    """Return a command as the table has it; its file is loaded when it is run."""
     file, _, function = place.partition(".")
-    try:
-        module = import_module(f"axiscal.cli.{file}")
-    except ModuleNotFoundError as missing:
-        port = (missing.name or "").removeprefix("axiscal.ports.")
-        if port == missing.name:
-            raise
-        remedy = "Install the package that brings it"
-        raise PortError("{command} needs {name}, which is not installed", remedy, command=name, name=port) from None
-    if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
-        gc.freeze()
-        gc.enable()
+
+    def called(**given: Any) -> None:
+        try:
+            module = import_module(f"axiscal.cli.{file}")
+        except ModuleNotFoundError as missing:
+            port = (missing.name or "").removeprefix("axiscal.ports.")
+            if port == missing.name:
+                raise
+            what, remedy = "{command} needs {name}, which is not installed", "Install the package that brings it"
+            raise PortError(what, remedy, command=name, name=port) from None
+        if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
+            gc.freeze()
+            gc.enable()
+        getattr(module, function)(**given)
+
+    called.__signature__ = Signature([*parameters(place)])  # type: ignore[attr-defined]
     alone = typer.Typer(rich_markup_mode=None, add_completion=False)
-    alone.command(name)(explained(getattr(module, function), TABLE.get(file, {}).get(function, {})))
+    alone.command(name, help=words_of(place)["help"])(called)
     return typer.main.get_command(alone)
-
-
-def _summary(place: str) -> str:
-    """Return the first line of the docstring of a command as its file has it, unloaded."""
-    file, _, function = place.partition(".")
-    tree = ast.parse(Path(__file__).with_name(f"{file}.py").read_text(encoding="utf-8"))
-    (found,) = (node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == function)
-    return (ast.get_docstring(found) or "").splitlines()[0]
 
 
 INTERRUPTED = 130

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
-from inspect import Parameter, Signature, signature
+from collections.abc import Iterator, Mapping
+from inspect import Parameter
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, Any
 
 import typer
 
 from axiscal.exceptions import RecordError, TargetError
 from axiscal.units import Dimension, parse_quantity
 
-Command = TypeVar("Command", bound=Callable[..., None])
 TABLE = tomllib.loads(Path(__file__).with_name("commands.toml").read_text(encoding="utf-8"))
 """Where commands are and in which group, and the words of what each takes, by file, function and parameter."""
 _COMPLETING = "_AXISCAL_COMPLETE"
@@ -62,28 +61,43 @@ def length_unit(text: str | None) -> str:
     return text or ""
 
 
-_DEFAULTS = {each.__name__: each for each in (own_record, only_record)}
+_FACTORIES = {each.__name__: each for each in (own_record, only_record)}
+_TYPES: Mapping[str, Any] = {"text": str, "texts": list[str], "path": Path, "number": int, "flag": bool, "choice": bool}
 
 
-def explained(command: Command, rows: Mapping[str, Any]) -> Command:
-    """Return a command whose arguments and options typer shows in the words of the table.
+def words_of(place: str) -> Mapping[str, Any]:
+    """Return what the table says of a command.  place : "file.function" """
+    file, _, function = place.partition(".")
+    found: Mapping[str, Any] = TABLE[file][function]
+    return found
 
-    rows : of `TABLE` by parameter; a text names a row of [shared], as does the parameter itself where there is none
+
+def parameters(place: str) -> Iterator[Parameter]:
+    """Yield the arguments and options of a command as typer reads them.
+
+    A text in the place of a row names one of [shared], as does the parameter itself where there is none.
     """
-    types, found = get_type_hints(command), list[Parameter]()
-    for each in signature(command).parameters.values():
-        row = rows.get(each.name, each.name)
-        words = _words(each.name, **(TABLE["shared"][row] if isinstance(row, str) else row))
-        found.append(each.replace(annotation=Annotated[types[each.name], words]))
-    command.__signature__ = Signature(found)  # type: ignore[attr-defined]
-    return command
+    words = words_of(place)
+    for name in words["takes"]:
+        row = words.get(name, name)
+        yield _parameter(name, **(TABLE["shared"][row] if isinstance(row, str) else row))
 
 
-def _words(name: str, argument: str = "", flags: Sequence[str] = (), default: str = "", **row: Any) -> Any:
-    """Return what typer is told of a parameter.  argument : how it is called in the usage, "" for an option"""
+def _parameter(
+    name: str, type: str = "text", default: Any = None, required: bool | None = None, **row: Any
+) -> Parameter:
+    """Return a parameter.  required : left out for an argument that is, and an option that is not"""
+    argument, kind = row.pop("argument", ""), _TYPES[type]
     if argument:
+        factory = _FACTORIES.get(row.pop("factory", ""))
         completing = records_here if argument == "RECORD" else None
-        return typer.Argument(
-            metavar=argument, default_factory=_DEFAULTS.get(default), autocompletion=completing, **row
-        )
-    return typer.Option(*(flags or [f"--{name.replace('_', '-')}"]), **row)
+        words = typer.Argument(metavar=argument, default_factory=factory, autocompletion=completing, **row)
+    else:
+        words = typer.Option(*row.pop("flags", [f"--{name.replace('_', '-')}"]), **row)
+    if default is not None or type == "flag":
+        default = Path(default) if type == "path" else default or kind()
+    elif argument != "" if required is None else required:
+        default = Parameter.empty
+    else:
+        kind |= None
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, words])

@@ -51,20 +51,7 @@ def export(
     anyway: bool = False,
     json: bool = False,
 ) -> None:
-    """Write compensation files for a control.
-
-    They are read back and tried in a simulated control first. README.txt says what they hold and what they leave.
-
-    \b
-    Examples:
-      axiscal export mill.axiscal --to linuxcnc --out tables
-      axiscal export router.axiscal --to linuxcnc --number Y=1 --number Y=2 --out tables
-      axiscal export mill.axiscal --to linuxcnc-volumetric --ini ~/linuxcnc/configs/mill/mill.ini --out tables
-      axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
-      axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
-      axiscal export router.axiscal --to program --program part.ngc --origin "120 mm, 80 mm, -60 mm" --out corrected
-    """
-
+    """Write compensation files for a control."""
     if to == "list":
         say("\n".join([*registry.controllers(), PROGRAM]))
         return

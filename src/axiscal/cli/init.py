@@ -54,19 +54,7 @@ def init(
     instrument: list[str] | None = None,
     target: str | None = None,
 ) -> None:
-    """Write a first machine.toml and campaign.toml.
-
-    Every line has a word of explanation; the command asks for what is not given. It begins with a built-in machine,
-    the INI file of a LinuxCNC or a printer.cfg, and marks with CHECK what such a file cannot say. Nothing is
-    written over.
-
-    \b
-    Examples:
-      axiscal init mill
-      axiscal init mill --machine three-axis-mill --instrument laser --instrument "ball bar" --target "20 um"
-      axiscal init mill --from ~/linuxcnc/configs/mill/mill.ini --instrument ballbar --target "30 um"
-      axiscal init bed --from printer.cfg --instrument probe --target "30 um"
-    """
+    """Write a first machine.toml and campaign.toml."""
     if ini is not None and machine is not None:
         raise typer.BadParameter(said("give either --machine or --from, not both"))
     if ini is None and (chain is not None or limits):

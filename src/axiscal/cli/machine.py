@@ -13,13 +13,7 @@ from axiscal.machine.questions import questions, which_way
 
 
 def list_machines(json: bool = False) -> None:
-    """List the built-in machines.
-
-    \b
-    Example:
-      axiscal machine list
-    """
-
+    """List the built-in machines."""
     machines = {name: load_machine(name) for name in builtin_names()}
     rows = [{"name": key, "title": machine.name, "chain": machine.chain} for key, machine in machines.items()]
     lines = (f"{key:20} {machine.chain:24} {machine.name}" for key, machine in machines.items())
@@ -27,26 +21,12 @@ def list_machines(json: bool = False) -> None:
 
 
 def show(name: str) -> None:
-    """Print a built-in description, to be copied and changed.
-
-    \b
-    Example:
-      axiscal machine show three-axis-mill > machine.toml
-    """
-
+    """Print a built-in description, to be copied and changed."""
     say(load_machine(name).text.rstrip("\n"))
 
 
 def check(file: Path, json: bool = False) -> None:
-    """Check a description of a machine.
-
-    It says which combinations of its errors no reading of the tool point can tell apart.
-
-    \b
-    Example:
-      axiscal machine check machine.toml
-    """
-
+    """Check a description of a machine."""
     machine = load_machine(str(file))
     hidden, absent = machine_check(machine), undescribed(machine)
     open_ones = (*questions(machine), *which_way(machine))

@@ -273,16 +273,7 @@ def _plain(shown: float) -> str:
 
 
 def measure(record: Path, out: Path | None = None, language: str | None = None) -> None:
-    """Take the readings of a campaign at one prompt.
-
-    It says where to go and what to expect; you type what you read. Type ? for help, pause to stop for now. At the end
-    it writes the results.
-
-    \b
-    Examples:
-      axiscal measure mill.axiscal
-      axiscal measure mill.axiscal -o results --language de
-    """
+    """Take the readings of a campaign at one prompt."""
     folder = out or results_beside(record)
     with speaking(chosen(language)):
         with opened_to_write(record, "measure") as campaign:

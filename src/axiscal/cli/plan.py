@@ -42,7 +42,7 @@ def plan(
     readings: int | None = None,
     target: str | None = None,
     budget: str | None = None,
-    candidates: int = CANDIDATES,
+    candidates: int | None = None,
     gcode: str | None = None,
     out: Path = Path("programs"),
     log: bool = False,
@@ -50,20 +50,7 @@ def plan(
     details: bool = False,
     json: bool = False,
 ) -> None:
-    """Plan which readings to take, and say how good they make it.
-
-    It says how well each row is then known, the minutes, and what to mount in turn. Nothing is recorded. Without
-    options the campaign's own target counts. --target alone plans within the campaign's own readings and budget.
-
-    \b
-    Examples:
-      axiscal plan campaign.toml --readings 40
-      axiscal plan campaign.toml --target "2 um" --json
-      axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
-      axiscal plan campaign.toml --readings 40 --gcode linuxcnc --log
-      axiscal plan campaign.toml --readings 40 --picture where.svg
-    """
-
+    """Plan which readings to take, and say how good they make it."""
     if log and gcode is None:
         raise PlanError("--log is of programs, and none are asked for", "Add --gcode CONTROLLER, or leave --log out")
     if picture is not None and picture.suffix.lower() != ".svg":
@@ -75,13 +62,13 @@ def plan(
     tell_minds(unused_artefacts(described.text))
     ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
     limits = _limits(case, readings, target, budget)
-    refuse_endless(case, limits, candidates)
+    refuse_endless(case, limits, tried := candidates or CANDIDATES)
     if target is not None:
         refuse_out_of_reach(case, limits)
     if (unread := reached_unread(case, limits)) is not None:
         limits = few_more(limits)
     tell_minds(unread, beyond_budget(case, limits))
-    plan = proposed(case, limits, candidates)
+    plan = proposed(case, limits, tried)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
         write_whole(picture, plan_picture(title, case.description, placed(case, plan)).encode())
@@ -91,7 +78,7 @@ def plan(
         machine, setups = case.description.machine, case.description.setups
         count = len(write_programs(machine, setups, placed(case, plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    buys = bought(case, plan.places, plan.seconds, candidates) if details or json else ()
+    buys = bought(case, plan.places, plan.seconds, tried) if details or json else ()
     answer = plan_answer(case, plan, limits, buys, ends=ends)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
@@ -126,15 +113,7 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
 
 
 def start(campaign: Path, record: Path | None = None, json: bool = False) -> None:
-    """Begin a campaign: make its record.
-
-    The record carries both descriptions; later changes of the files do not touch it.
-
-    \b
-    Example:
-      axiscal step start campaign.toml mill.axiscal
-    """
-
+    """Begin a campaign: make its record."""
     description = read_campaign(campaign)
     path = record or Path(f"{campaign.stem}.axiscal")
 

@@ -42,22 +42,7 @@ def record(
     then_next: bool = False,
     json: bool = False,
 ) -> None:
-    """Keep a reading: actual minus commanded.
-
-    A value is positive along (about) the set-up's direction. It is on the disk when the command ends. A reading that
-    the others contradict is kept but not used, and the answer says so. Take it back with undo and read again, or
-    record it with --accept if it is right.
-
-    \b
-    Examples:
-      axiscal step record mill.axiscal "-1.7 um"
-      axiscal step record mill.axiscal 2.1um --std 0.2um
-      axiscal step record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
-      axiscal step record mill.axiscal "0.4 um" --next
-      axiscal step record mill.axiscal "1.2 -0.4 0.8 um"      x, y and z of a sphere
-      axiscal step record mill.axiscal --log axiscal_3F2A9C01.txt --programs programs
-    """
-
+    """Keep a reading: actual minus commanded."""
     text = " ".join(value or [])
     if log is not None:
         if text or at or setup or approach or std or accept or then_next:
@@ -208,15 +193,7 @@ def _directions(text: str) -> dict[str, int]:
 
 
 def skip(record: Path, reason: list[str], leave: bool = False, then_next: bool = False, json: bool = False) -> None:
-    """Skip the reading that is asked for, with its reason.
-
-    It says what that costs; the plan is made anew around it. Undo takes it back.
-
-    \b
-    Examples:
-      axiscal step skip mill.axiscal "the beam is blocked here"
-      axiscal step skip mill.axiscal "the laser has to go back" --leave
-    """
+    """Skip the reading that is asked for, with its reason."""
     why = " ".join(reason)
     with opened_to_write(record) as campaign:
         costs = cost_words(campaign, rest=leave)

@@ -24,15 +24,7 @@ from axiscal.record.store import Record
 
 
 def copy_record(record: Path, to: Path | None = None, json: bool = False) -> None:
-    """Copy a record, checked and whole.
-
-    Another command may be writing to it. The copy replaces an earlier copy of the same record, and nothing else.
-
-    \b
-    Example:
-      axiscal data copy mill.axiscal /media/stick
-    """
-
+    """Copy a record, checked and whole."""
     beside = record.with_name(f"{record.name}.copy")
     target = beside if to is None else to / record.name if to.is_dir() else to
     log = Record.open(record, write=False)
@@ -68,29 +60,13 @@ def repair(
     campaign: str = "",
     json: bool = False,
 ) -> None:
-    """Make a new record of all that stands whole in a damaged one.
-
-    It prints what is missing and keeps that as a note in the new record. Where two wrote at once it asks whether the
-    readings of both count. The old file stays as it is.
-
-    \b
-    Example:
-      axiscal data repair mill.axiscal mill-repaired.axiscal
-    """
+    """Make a new record of all that stands whole in a damaged one."""
     begun = None if beginning is None else beginning_of(read_campaign(beginning))
     _say(new, repaired([record], new, partial(_asked, take), beginning=begun, campaign=campaign), json)
 
 
 def merge(record: Path, other: Path, new: Path, take: bool | None = None, json: bool = False) -> None:
-    """Make a new record of all that two copies of a record hold.
-
-    Where both went on from one event it asks whether the readings of both count. A damaged record gets back what a copy
-    still has.
-
-    \b
-    Example:
-      axiscal data merge mill.axiscal stick/mill.axiscal both.axiscal
-    """
+    """Make a new record of all that two copies of a record hold."""
     _say(new, repaired([record, other], new, partial(_asked, take)), json)
 
 
@@ -115,14 +91,7 @@ def _say(new: Path, found: Repaired, as_json: bool) -> None:
 
 
 def sign(record: Path, json: bool = False) -> None:
-    """Sign a record with your key.
-
-    Your key is made the first time; keep its file to yourself. The signature stands for all that was recorded before.
-
-    \b
-    Example:
-      axiscal data sign mill.axiscal
-    """
+    """Sign a record with your key."""
     make_key()
     with opened_to_write(record) as campaign:
         campaign.sign()

@@ -20,15 +20,7 @@ from axiscal.present.result_set import RECORD
 
 
 def report(record: Path, out: Path | None = None, language: str | None = None) -> None:
-    """Write the report of a campaign, finished or not.
-
-    The report is a PDF to sign, in the language of --language, AXISCAL_LANGUAGE or campaign.toml, else in English.
-
-    \b
-    Example:
-      axiscal report mill.axiscal --out mill.pdf --language de
-    """
-
+    """Write the report of a campaign, finished or not."""
     target = out or record.with_suffix(".pdf")
     option = f"report --out FILE{target.suffix.lower()}"
     if instead := instead_of("options", option):
@@ -47,15 +39,7 @@ def report(record: Path, out: Path | None = None, language: str | None = None) -
 def finish(
     record: Path, out: Path | None = None, anyway: bool = False, details: bool = False, json: bool = False
 ) -> None:
-    """End a campaign and write its results.
-
-    A finished campaign is written again, into the same folder if you like; `axiscal step undo` takes the end back.
-
-    \b
-    Example:
-      axiscal finish mill.axiscal --out results
-    """
-
+    """End a campaign and write its results."""
     with opened_to_write(record, "finish") as campaign:
         folder = out or results_of(record)
         campaign.log.refuse_other(folder / RECORD)

@@ -35,16 +35,7 @@ def run_loop(
     details: bool = False,
     json: bool = False,
 ) -> None:
-    """Run the whole loop without a person.
-
-    It asks and reads from SOURCE until a target is reached. After Ctrl-C or a source that dies, --resume goes on.
-
-    \b
-    Examples:
-      axiscal step run campaign.toml --source sim:7 --out results
-      axiscal step run campaign.toml --source "exec:./laser.py --port 3" --out results
-    """
-
+    """Run the whole loop without a person."""
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
     again = f'axiscal step run {campaign} --source "{source}" --out {out} --resume'
     mend(out)
@@ -124,15 +115,7 @@ def progress_line(milestone: Milestone, target: Target) -> str:
 
 
 def demo(out: Path = Path("axiscal-demo"), details: bool = False) -> None:
-    """Calibrate a built-in five-axis machine, from plan to report.
-
-    Its hidden errors come from measured curves. It says what was promised and what was reached.
-
-    \b
-    Example:
-      axiscal demo --out demo-out
-    """
-
+    """Calibrate a built-in five-axis machine, from plan to report."""
     case, folder, number = Case(description()), out, 1
     while (folder / RECORD).exists():  # the first of out, out-2, out-3, ... that holds no campaign yet
         number += 1

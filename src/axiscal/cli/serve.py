@@ -13,16 +13,7 @@ from axiscal.present.whose_language import chosen
 def serve(
     record: Path | None, port: int = 0, start: bool = False, browser: bool = False, language: str | None = None
 ) -> None:
-    """Plan and measure on a page in the browser.
-
-    The page is for this computer only; its address holds a token that is new at every start. Several windows may be
-    open at once.
-
-    \b
-    Examples:
-      axiscal serve
-      axiscal serve mill.axiscal
-    """
+    """Plan and measure on a page in the browser."""
     from axiscal.web.serving import serve_page  # a server, which no prompt needs
 
     opened = None if start else record

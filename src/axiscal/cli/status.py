@@ -26,17 +26,7 @@ from axiscal.units import said_quantity, to_unit
 
 
 def status(record: Path, details: bool = False, json: bool = False) -> None:
-    """Say where a campaign stands, or each one of a folder.
-
-    Of a record it shows readings, accuracy, minutes, skipped readings, and the open question. Of a folder it shows a
-    line for each record with what it needs next, without estimating. It runs no code that came with a record.
-
-    \b
-    Examples:
-      axiscal status mill.axiscal
-      axiscal status records
-    """
-
+    """Say where a campaign stands, or each one of a folder."""
     if record.is_dir():
         _say_folder(record, json)
         return

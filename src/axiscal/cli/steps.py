@@ -24,16 +24,7 @@ from axiscal.present.guide.progress import take_back, take_note
 def accept(
     record: Path, cause: str | None = None, setup: str | None = None, before: int | None = None, json: bool = False
 ) -> None:
-    """Accept a mistake, or tell that a zero was set anew.
-
-    The estimate sees the readings without it; undo takes it back. Later readings count as they are read.
-
-    \b
-    Examples:
-      axiscal step accept mill.axiscal
-      axiscal step accept mill.axiscal jump
-      axiscal step accept mill.axiscal jump --setup "dial along X" --before 9
-    """
+    """Accept a mistake, or tell that a zero was set anew."""
     if before is not None and cause != "jump":
         raise typer.BadParameter(said("--before N belongs to jump"))
     if cause is None:
@@ -84,45 +75,21 @@ def _accepted(
 
 
 def next_reading(record: Path, beyond: bool = False, json: bool = False) -> None:
-    """Say which reading to take next.
-
-    The same question comes until it is answered by `record` or skipped.
-
-    \b
-    Example:
-      axiscal step next mill.axiscal
-    """
-
+    """Say which reading to take next."""
     with opened_to_write(record) as campaign:
         document, text = question_of(campaign, campaign.next(beyond=beyond))
         say_either(json, "axiscal-next/1", document, [text])
 
 
 def undo(record: Path, json: bool = False) -> None:
-    """Take back the last reading, skip, accepted mistake or end.
-
-    Its question is open again. The record still shows that it happened.
-
-    \b
-    Example:
-      axiscal step undo mill.axiscal
-    """
-
+    """Take back the last reading, skip, accepted mistake or end."""
     with opened_to_write(record) as campaign:
         document, sentence = take_back(campaign)
     say_either(json, "axiscal-undo/1", document, [sentence])
 
 
 def note(record: Path, text: list[str], json: bool = False) -> None:
-    """Keep a sentence in the record.
-
-    Such as who measured, or what was repaired, also after the end. It changes no figure; but a temperature alone,
-    "21.4 degC", counts as that of the scale which the set-up reads.
-
-    \b
-    Example:
-      axiscal step note mill.axiscal "new ball screw X"
-    """
+    """Keep a sentence in the record."""
     with opened_to_write(record) as campaign:
         sentence = take_note(campaign, " ".join(text))
         kept = campaign.state.notes

@@ -42,20 +42,7 @@ def verify(
     details: bool = False,
     json: bool = False,
 ) -> None:
-    """Check a compensated machine at places not read before.
-
-    First it plans. Read these places without the tables and with them; then give both files. It says whether the
-    tables work, whether the machine is as promised, and whether it keeps a tolerance (ISO 14253-1). One of twenty
-    machines that are as promised is called worse.
-
-    \b
-    Examples:
-      axiscal verify mill.axiscal --points 12 --plan check.csv
-      axiscal verify mill.axiscal --found found.csv --left left.csv --tolerance "5 um"
-      axiscal verify mill.axiscal --source sim:7 --to linuxcnc
-      axiscal verify mill.axiscal --to linuxcnc-volumetric --source linuxcnc-live --found found.csv --left left.csv
-    """
-
+    """Check a compensated machine at places not read before."""
     if bump is not None:
         _keep_sign(record, to, bump, json)
         return
