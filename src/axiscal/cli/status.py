@@ -16,7 +16,7 @@ from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import accuracy_text, asked_screen
 from axiscal.document.consent import asking
 from axiscal.exceptions import CodeError, RecordError
-from axiscal.language.spoken import counted, later, listed, said
+from axiscal.language.spoken import counted, later, said
 from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
 from axiscal.present.plan_answer import coming_answer
@@ -44,9 +44,6 @@ def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
     if details:
         say("\n".join(_lines(campaign)))
     say(standing_screen(campaign))
-    for person, numbers in _by_others(campaign).items():
-        readings = listed(", ", [str(number) for number in numbers])
-        say(said("By {person}: readings {readings}.", person=person, readings=readings))
 
 
 def _say_unrun(log: Record, unrun: CodeError, as_json: bool) -> None:
@@ -57,15 +54,6 @@ def _say_unrun(log: Record, unrun: CodeError, as_json: bool) -> None:
     lines = [f"{log.path}: {readings}.", evidence_words(log), ended, str(unrun)]
     document = {"readings": len(state.readings), "finished": state.finished, "signed": signed_text(log) or None}
     say_either(as_json, "axiscal-status/1", {**document, "unrun": str(unrun)}, filter(None, lines))
-
-
-def _by_others(campaign: Campaign) -> dict[str, list[int]]:
-    """Return the numbers of the readings that others took than who began the campaign, by person."""
-    found: dict[str, list[int]] = {}
-    for index, reading in enumerate(campaign.state.readings):
-        if reading.by:
-            found.setdefault(reading.by, []).append(reading.numbered(index))
-    return found
 
 
 def _lines(campaign: Campaign) -> list[str]:
@@ -94,7 +82,6 @@ def _document(campaign: Campaign) -> dict[str, object]:
     planned : what is known after the plan, before the first reading
     skipped : readings that could not be taken
     signed : who answers for how much of the record, and whether it was changed since
-    by : readings that others took than who began the campaign, by person
     """
     known, planned, answer = campaign.so_far(), coming_answer(campaign), standing_answer(campaign)
     state, target = campaign.state, campaign.description.target
@@ -116,7 +103,6 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "mind": contradictions(campaign),
         "question": campaign.request(state.pending).message() if state.pending else None,
         "accepted": [change_words(each) for each in state.accepted],
-        "by": _by_others(campaign),
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "signed": signed_text(campaign.log) or None,
         "skipped": [

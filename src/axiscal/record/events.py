@@ -33,7 +33,7 @@ class Created:
 
     machine_text, campaign_text : the two descriptions, word for word
     machine_source, campaign_source : where they were read; versions : of axiscal and of what it computes with
-    prior_text : the campaign whose result is its prior, as `heritage` writes it; by : who wrote it; "" for none
+    prior_text : the campaign whose result is its prior, as `heritage` writes it; "" for none
     usual_doubts, fine_knots, whole_lengths : what nothing is stated of is doubted as is usual, knots are as close as
         is cheap, and a length is one reading, not one at each end; records of before could not say these
     """
@@ -47,7 +47,6 @@ class Created:
     usual_doubts: bool = False
     fine_knots: bool = False
     whole_lengths: bool = False
-    by: str = field(default="", compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -355,7 +354,7 @@ class Folding:
             asked = self.pending.reading if self.pending else self.highest + 1
             number = asked if event.reading.number is None else event.reading.number
             self.highest = max(self.highest, number)
-            self.written.append(event.reading.under(number, self.created.by if self.created else ""))
+            self.written.append(event.reading.under(number))
             self.readings.append(self.written[-1])
             self.renew |= self.pending is None or event.reading.place != self.pending.place
         elif isinstance(event, Finished):

@@ -20,7 +20,7 @@ from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Mistake
 from axiscal.language.spoken import counted, decimals, listed, said
-from axiscal.measurement.reading import by_text, reading_text, reading_unit, reading_units, shown_coordinate, units_of
+from axiscal.measurement.reading import reading_text, reading_unit, reading_units, shown_coordinate, units_of
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
@@ -283,10 +283,7 @@ _LATEST = 3
 
 
 class KeptReading(AnswerDocument):
-    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), whether it is doubted.
-
-    by : "by Anna" for one that another person took than who began the campaign
-    """
+    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), whether it is doubted."""
 
     number: int
     setup: str
@@ -295,7 +292,6 @@ class KeptReading(AnswerDocument):
     unit: str
     at: str
     doubted: bool
-    by: str
 
 
 def latest(campaign: Campaign) -> Iterator[KeptReading]:
@@ -315,5 +311,4 @@ def latest(campaign: Campaign) -> Iterator[KeptReading]:
             unit=reading_units(setup),
             at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
             doubted=index in doubted,
-            by=by_text(reading),
         )
