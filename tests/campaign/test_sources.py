@@ -226,14 +226,6 @@ def test_the_noise_of_a_reading_does_not_depend_on_those_before(opened: Opened) 
     assert len(set(readings)) == 5
 
 
-def test_given_curves_are_read_by_the_simulation(opened: Opened, tmp_path: Path) -> None:
-    """X bears the workpiece: where this stands 50 um further along x, the tool stands 50 um short."""
-    (tmp_path / "truth.csv").write_text("error,position_mm,value_um\nEXX,0,50\nEXX,600,50\n")
-    answer = opened(f"truth:{tmp_path}/truth.csv").read(REQUEST)
-    assert isinstance(answer, Answer)
-    assert answer.value == pytest.approx(-50e-6, abs=6 * SETUP.noise)
-
-
 @pytest.fixture
 def table(tmp_path: Path, opened: Opened) -> Callable[[str], Source]:
     def write(text: str) -> Source:

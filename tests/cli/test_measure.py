@@ -147,19 +147,6 @@ def test_a_pause_goes_on_where_it_was_and_answers_no_question_of_another_program
     assert kept(folder / "mill.axiscal") == [2.0, 2.5]
 
 
-@pytest.mark.long
-def test_what_was_said_to_be_on_the_disk_is_there_after_a_kill(folder: Path) -> None:
-    terminal = Terminal(folder)
-    terminal.until(STANDS)
-    terminal.stand()
-    terminal.until("reading [um] > ")
-    terminal.type("3.5")
-    terminal.until("it is on the disk")
-    os.kill(terminal.pid, signal.SIGKILL)
-    assert terminal.ended() == -signal.SIGKILL
-    assert kept(folder / "mill.axiscal") == [3.5]
-
-
 def test_ctrl_c_ends_with_a_sentence_and_status_one(folder: Path) -> None:
     terminal = Terminal(folder)
     terminal.until(STANDS)
