@@ -200,7 +200,7 @@ def test_a_question_stands_alone_between_lines_of_progress(monkeypatch: pytest.M
     source = LiveSource(line, campaign.machine, InForce())
     request = next(request for request in wanted(campaign, 60) if tried(campaign, request))
     monkeypatch.setattr("axiscal.cli.run_loop.progress_line", lambda *_: "reading 1: so far so good")
-    with shown_progress(campaign.target) as watch:
+    with shown_progress() as watch:
         watch(None)  # type: ignore[arg-type]
         assert isinstance(source.read(request), Answer)
     (asked,) = [text for text in shown.getvalue().split("\n") if "Enter makes one step" in text]

@@ -90,7 +90,7 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     assert "reading 1 of 4" in shown
     assert "+ where the tool stands too far towards +x" in shown
     terminal.type("-1,7")
-    assert "kept reading 1 at X = " in terminal.until("reading [um] > ")
+    assert "kept reading 1; it is on the disk" in terminal.until("reading [um] > ")
     terminal.type("twelve")
     assert "Type ? for what can be typed" in terminal.until("reading [um] > ")
     terminal.type("0.0005 mm")

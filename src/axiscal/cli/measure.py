@@ -11,15 +11,15 @@ from functools import partial
 from pathlib import Path
 from typing import Literal
 
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
-from axiscal.answers.answer_words import answer_text, columns, minutes_text
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside
+from axiscal.answers.answer_words import minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.cli.outputs import write_outputs
+from axiscal.cli.outputs import standing_screen, write_outputs
 from axiscal.cli.printing import ask, mind_lines, say
 from axiscal.cli.texts import opened_to_write, tell_out_of_reach
 from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.language.spoken import WORDS, counted, decimals, listed, put, said, speaking, spoken_now
+from axiscal.language.spoken import WORDS, decimals, listed, put, said, speaking, spoken_now
 from axiscal.numerics import Array
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import (
@@ -27,7 +27,6 @@ from axiscal.present.guide.question import (
     Word,
     action,
     answer,
-    coordinates_text,
     degrees,
     question_text,
     stands,
@@ -149,8 +148,7 @@ class Prompt:
         kept, told = slips.keep_as(self.campaign, question, typed, cause)
         if told:
             say(f"  {told}")
-        at = coordinates_text(question.places, moves=True) or said('set-up "{setup}"', setup=question.setup)
-        say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
+        say("  " + said("kept reading {number}; it is on the disk", number=kept.number))
         minds, named = progress.others_doubted(self.campaign, before), progress.named_now(self.campaign)
         if named is not None and named != asked:
             say(f"  {named.question}")
@@ -173,24 +171,14 @@ class Prompt:
 
     def _stop(self) -> _Then:
         """Say what there would be if the campaign ended here, and end it where the person wants that."""
-        now = progress.Progress.of(self.campaign)
-        stands = "Now {figure} = {now}; with the {coming} to come, in about {minutes} min, {promised}."
-        coming = counted("{count} reading", "{count} readings", now.coming)
-        minutes, promised = minutes_text(now.left_minutes), um_text(now.promised_um)
-        figures = {"figure": said(now.figure), "now": um_text(now.now_um), "promised": promised}
-        say("  " + said(stands, coming=coming, minutes=minutes, **figures))
-        rows = answer_text(standing_answer(self.campaign), "").rows
-        say("\n".join(columns(rows)) if rows else "")
+        say(standing_screen(self.campaign))
         choice = said("Type yes to end it here and write the results, Enter to go on:")
         return "finish" if _is_yes(choice) else "same"
 
     def _ended(self, ended: Ended) -> _Then:
         """Say that nothing more is to be measured, and ask whether to write the results, go on or back."""
-        known = progress.Progress.of(self.campaign)
-        taken = counted("{count} reading", "{count} readings", known.taken)
-        done = "Done: {because}. {figure} = {now}, {taken} in {minutes} min."
-        figures = {"figure": said(known.figure), "now": um_text(known.now_um), "minutes": minutes_text(known.minutes)}
-        say("\n" + said(done, because=because_text(ended.because), taken=taken, **figures))
+        say("\n" + said("Done: {because}.", because=because_text(ended.because)))
+        say(standing_screen(self.campaign))
         prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
         return self._until_done(prompt, self._heed_at_end)
 
@@ -259,17 +247,10 @@ def question_lines(question: Question) -> str:
 
 def expected_text(question: Question) -> str:
     """Return what each number of the reading is expected to be, with two standard deviations."""
-    shown = [f"{_plain(each.mean)} ± {_plain(each.half)}" for each in question.expected]
+    shown = [f"{decimals(f'{each.mean:.1f}')} ± {decimals(f'{each.half:.1f}')}" for each in question.expected]
     if len({*question.units}) > 1:
-        shown = [f"{each} {unit}" for each, unit in zip(shown, question.units, strict=True)]
-        return ", ".join(shown)
+        return ", ".join(f"{each} {unit}" for each, unit in zip(shown, question.units, strict=True))
     return f"{', '.join(shown)} {question.unit}"
-
-
-def _plain(shown: float) -> str:
-    """Return a number with one decimal, none from a hundred on, and no minus before zero."""
-    digits = 1 if abs(shown) < 100 else 0
-    return decimals(f"{round(shown, digits) + 0.0:.{digits}f}")
 
 
 def measure(record: Path, out: Path | None = None, language: str | None = None) -> None:

@@ -12,9 +12,8 @@ from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Milestone, because
 from axiscal.campaign.sources import open_source
 from axiscal.cli.outputs import tell_details, write_outputs, written_screen
 from axiscal.cli.printing import rewrite, say, tell
-from axiscal.cli.texts import accuracy_text, kept_text, stoppable, tell_out_of_reach
+from axiscal.cli.texts import kept_text, stoppable, tell_out_of_reach
 from axiscal.description.campaign import CampaignDescription, read_campaign
-from axiscal.description.target import Target
 from axiscal.estimation.case import Case
 from axiscal.exceptions import InputError, RecordError, TargetError
 from axiscal.language.spoken import capital, put, said
@@ -23,7 +22,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.present.demo import description, run_demo
 from axiscal.present.result_set import RECORD, mend
 from axiscal.record.events import Asked, Created, Planned
-from axiscal.units import parse_quantity, to_unit
+from axiscal.units import parse_quantity, said_quantity, to_unit
 
 
 def run_loop(
@@ -50,7 +49,7 @@ def run_loop(
                 out.mkdir(parents=True, exist_ok=True)
                 opened = stack.enter_context(Campaign.create(out / RECORD, description))
             tell_out_of_reach(opened)
-            with stoppable(opened, again), shown_progress(description.target) as watch:
+            with stoppable(opened, again), shown_progress() as watch:
                 try:
                     opened.run(readings, watch)
                 except InputError as failure:
@@ -89,7 +88,7 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
 
 
 @contextmanager
-def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
+def shown_progress() -> Iterator[Callable[[Milestone], None]]:
     """Yield what is to be told of every reading: a line that changes on a terminal, elsewhere nothing.
 
     Nothing is written between two readings: what a source asks whoever stands at the machine stands alone.
@@ -99,19 +98,15 @@ def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
             yield lambda milestone: None
             return
         try:
-            yield lambda milestone: rewrite(progress_line(milestone, target))
+            yield lambda milestone: rewrite(progress_line(milestone))
         finally:
             tell("")
 
 
-def progress_line(milestone: Milestone, target: Target) -> str:
-    """Return one line: reading, accuracy with its targets, minutes."""
-    number = said("reading {number}", number=milestone.number)
-    if target.readings is not None:
-        number = said("{reading} of {most}", reading=number, most=target.readings)
-    minutes = said("{minutes:.1f} min", minutes=to_unit(milestone.seconds, "min"))
-    accuracy = accuracy_text(milestone.accuracy, target)
-    return put("{number}: {accuracy}, {minutes}", number=number, accuracy=accuracy, minutes=minutes)
+def progress_line(milestone: Milestone) -> str:
+    """Return one line: reading, accuracy, minutes."""
+    rms, passed = said_quantity(milestone.accuracy.rms, "um"), to_unit(milestone.seconds, "min")
+    return said("reading {number}: RMS {rms}, {minutes:.1f} min", number=milestone.number, rms=rms, minutes=passed)
 
 
 def demo(out: Path = Path("axiscal-demo"), details: bool = False) -> None:
@@ -121,7 +116,7 @@ def demo(out: Path = Path("axiscal-demo"), details: bool = False) -> None:
         number += 1
         folder = out.with_name(f"{out.name}-{number}")
     folder.mkdir(parents=True, exist_ok=True)
-    with shown_progress(case.description.target) as watch:
+    with shown_progress() as watch:
         result = run_demo(case, folder, watch)
     if details:
         tell_details(result)

@@ -13,7 +13,7 @@ from axiscal.campaign.evidence import evidence_words, signed_text
 from axiscal.campaign.listing import standings
 from axiscal.cli.outputs import standing_screen
 from axiscal.cli.printing import say, say_document, say_either
-from axiscal.cli.texts import accuracy_text, asked_screen
+from axiscal.cli.texts import asked_screen
 from axiscal.document.consent import asking
 from axiscal.exceptions import CodeError, RecordError
 from axiscal.language.spoken import counted, later, said
@@ -58,8 +58,9 @@ def _say_unrun(log: Record, unrun: CodeError, as_json: bool) -> None:
 
 def _lines(campaign: Campaign) -> list[str]:
     state = campaign.state
-    accuracy = accuracy_text(campaign.so_far().accuracy, campaign.description.target)
-    lines = [said("standard uncertainty {accuracy}", accuracy=accuracy)]
+    known = campaign.so_far().accuracy
+    rms, worst = said_quantity(known.rms, "um"), said_quantity(known.worst, "um")
+    lines = [said("standard uncertainty RMS {rms}, worst {worst}", rms=rms, worst=worst)]
     if state.readings:
         lines.append(agreement_words(campaign.estimate(), campaign.path))
     for gap in state.skipped:

@@ -1,4 +1,4 @@
-"""A campaign that a command changes, and its questions and accuracies in the words and units of the workshop."""
+"""A campaign that a command changes, and its questions in the words and units of the workshop."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.printing import tell
-from axiscal.description.target import Target
-from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError
 from axiscal.language.spoken import counted, ending, said
 from axiscal.measurement.reading import asked_values, reading_unit, sense
@@ -19,7 +17,6 @@ from axiscal.present.guide.question import axis_places, question_text, sign_on, 
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
 from axiscal.record.events import Asked
-from axiscal.units import said_quantity
 
 
 def asked_screen(campaign: Campaign, asked: Asked) -> str:
@@ -47,16 +44,6 @@ def question_of(campaign: Campaign, asked: Asked | Ended) -> tuple[dict[str, obj
     more = f"axiscal step next {record} --beyond    # {said('one reading more')}"
     coming = ending({said("Next"): [f"axiscal finish {record} --out results", more]})
     return {"question": None, "stop": asked.because}, "\n".join([ended, *coming])
-
-
-def accuracy_text(known: Accuracy, aimed: Target) -> str:
-    """Return the standard uncertainty with what is aimed at, where that is anything."""
-    figures = (said_quantity(known.rms, "um"), aimed.rms), (said_quantity(known.worst, "um"), aimed.worst)
-    found, largest = (
-        text if target is None else said("{figure} (target {target})", figure=text, target=said_quantity(target, "um"))
-        for text, target in figures
-    )
-    return said("RMS {rms}, worst {worst}", rms=found, worst=largest)
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:
