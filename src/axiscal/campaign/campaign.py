@@ -36,7 +36,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.exceptions import AmbiguityError, RecordError
+from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
 from axiscal.measurement.reading import Place, Reading, seconds_since
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.promise import plan_basis
@@ -200,7 +200,10 @@ class Campaign(AbstractContextManager["Campaign"]):
         """
         refuse_finished(self.state.finished, self.path)
         place = at or self.open_question().place
-        refuse_unreadable(self.description.setup(place.setup), (value, *others), std, self.state.mounted)
+        if gone := next((each for each in self.state.mounted if each.name == place.setup), None):
+            what = '"{setup}" has gone: its zero jumped'
+            raise ReadingError(what, 'Read "{instead}"', setup=gone.name, instead=gone.setup)
+        refuse_unreadable(self.description.setup(place.setup), (value, *others), std)
         time = seconds_since(self.begun, self.state.readings) if live else None
         where = place.setup, place.pose, place.approach
         self._append(Recorded(Reading(*where, value, std, None, accepted, others, time, check=place.check)))
