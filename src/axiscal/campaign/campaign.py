@@ -52,7 +52,7 @@ from axiscal.record.events import (
     Recorded,
     Skipped,
     State,
-    Undoable,
+    Stored,
     Undone,
 )
 from axiscal.record.store import Record
@@ -226,7 +226,7 @@ class Campaign(AbstractContextManager["Campaign"]):
         """Keep by how much the bump in the tables of a control moved the tool today, m, also after the end."""
         self._append(Bumped(controller, moved, datetime.now(UTC).date().isoformat()))
 
-    def undo(self) -> Undoable:
+    def undo(self) -> Stored:
         """Take back the last reading, skip, accepted mistake, temperature or finish; its question is open again."""
         if not self.state.undo:
             raise RecordError("There is nothing to take back", "Go on with `axiscal step next`", self.path)

@@ -34,11 +34,9 @@ from axiscal.description.first_files import (
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.description.printer_file import is_printer_file
-from axiscal.document import shown
 from axiscal.exceptions import DescriptionError, InputError
-from axiscal.language.spoken import counted, ending, joined, listed, said
+from axiscal.language.spoken import counted, ending, listed, said
 from axiscal.machine import builtin_names
-from axiscal.measurement.readers.probe_offset import pair_of
 
 _Answer = TypeVar("_Answer")
 _MACHINE = "three-axis-mill"
@@ -62,21 +60,13 @@ def init(
     try:
         begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
         begun = replace(begun, folder=folder)
-        given = instrument and instruments_of(", ".join(instrument), folder)
-        names = given or _instruments(begun)
-        if "probe" in names and not given and begun.beside is None:
-            begun = _with_probe(begun)
+        names = (instrument and instruments_of(", ".join(instrument), folder)) or _instruments(begun)
         wanted = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
         made = partial(first_described, begun, names)
         described = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
     except EOFError:
-        asked = {
-            said("--machine or --from"): machine is None and ini is None,
-            "--instrument": not instrument,
-            "--target": target is None,
-        }
-        lacking = joined([option for option, lacks in asked.items() if lacks])
-        raise DescriptionError("Nobody answered", "Give {options}", options=lacking) from None
+        remedy = "Give --machine or --from, --instrument and --target"
+        raise DescriptionError("Nobody answered", remedy) from None
     write_files(folder, described)
     written, campaign = folder / "machine.toml", folder / "campaign.toml"
     say(said("{file}: change it to what your machine is", file=written))
@@ -155,20 +145,6 @@ def _lengths(axes: Collection[str], text: str) -> dict[str, float]:
         remedy, example = "Write a number for each of {axes}, such as {example}", " ".join(["400"] * count)
         raise DescriptionError(what, remedy, text=text, count=count, axes=" ".join(axes), example=example)
     return dict(zip(axes, lengths, strict=True))
-
-
-def _with_probe(begun: Beginning) -> Beginning:
-    """Return a machine with the place of its probe, which is asked for."""
-    question = said("How far does the probe stand beside the tool point along X and Y, in mm? Enter for 0 0")
-
-    def standing(text: str) -> Beginning:
-        beside = pair_of((text or "0 0").replace(",", " ").split())
-        if beside is None:
-            what, remedy = "{text} are not two lengths in mm", 'Write those along X and along Y, such as "-33 -46"'
-            raise DescriptionError(what, remedy, text=shown(text))
-        return replace(begun, beside=beside)
-
-    return _answered(question, (), standing)
 
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:

@@ -191,17 +191,6 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True)
-class Undoable:
-    """What can be taken back, and what was before it: question, highest number; readings before a mistake."""
-
-    number: int
-    event: Done
-    pending: Asked | None
-    highest: int
-    readings: tuple[Reading, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
 class State:
     """Where the campaign stands.
 
@@ -226,7 +215,7 @@ class State:
     plan: tuple[Place, ...] = ()
     plan_basis: str = ""
     renew: bool = False
-    undo: tuple[Undoable, ...] = ()
+    undo: tuple[Stored, ...] = ()
     notes: tuple[Note, ...] = ()
     mounted: tuple[Mounted, ...] = ()
     last: int = 0
@@ -282,9 +271,10 @@ def fold(events: Iterable[Stored]) -> State:
 
 @dataclass(eq=False, slots=True)
 class Folding:
-    """The state while events are added to it, in time proportional to their number; fields as of `State`.
+    """The state while events are added to it; fields as of `State`.
 
-    highest : number of a reading or a skip so far.  `add` raises EventOrderError, and then nothing has happened
+    highest : number of a reading or a skip so far; story : the events that stand
+    `add` raises EventOrderError, and then nothing has happened
     """
 
     created: Created | None = None
@@ -297,10 +287,11 @@ class Folding:
     plan_basis: str = ""
     renew: bool = False
     continued: str | None = None
-    undo: list[Undoable] = field(default_factory=list)
+    undo: list[Stored] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)
     mounted: list[Mounted] = field(default_factory=list)
     bumps: list[Bumped] = field(default_factory=list)
+    story: list[Stored] = field(default_factory=list)
     highest: int = 0
     last: int = 0
 
@@ -333,20 +324,21 @@ class Folding:
             self._take_back(event)
         elif isinstance(event, (Noted, Warmed)):
             after = self.readings[-1].number or len(self.readings) if self.readings else 0
-            warm = event if isinstance(event, Warmed) else None
-            self.notes.append(Note(event.text, stored.at, after, warm))
-            self.undo += [Undoable(stored.number, warm, self.pending, self.highest)] if warm else []
+            self.notes.append(Note(event.text, stored.at, after, event if isinstance(event, Warmed) else None))
         elif isinstance(event, Mounted):
             self.mounted.append(event)
         elif isinstance(event, Bumped):
             self.bumps.append(event)
-        elif not isinstance(event, (Signed, Continued, Lost)):
-            before = tuple(self.readings) if isinstance(event, Accepted) else ()
-            step = Undoable(stored.number, event, self.pending, self.highest, before)
-            self._accept(event) if isinstance(event, Accepted) else self._take(event)
-            self.undo.append(step)
+        elif isinstance(event, Accepted):
+            self._accept(event)
+        elif isinstance(event, (Recorded, Skipped, Finished)):
+            self._take(event)
         if not isinstance(event, _SILENT):
             self.continued = event.grounds if isinstance(event, Continued) else None
+        if not isinstance(event, Undone):
+            self.story.append(stored)
+        if isinstance(event, Done):
+            self.undo.append(stored)
         self.last = stored.number
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
@@ -382,22 +374,15 @@ class Folding:
         self.renew = True
 
     def _take_back(self, event: Undone) -> None:
+        """Tell the story anew without what is taken back, and what was asked since."""
         if not self.undo or self.undo[-1].number != event.event:
             raise EventOrderError(f"event {event.event} was taken back, but it was not the last one that can be")
-        step = self.undo.pop()
-        if self.pending is not None and self.pending != step.pending:
-            self.plan.insert(0, self.pending.place)  # it was asked for and never taken
-        if isinstance(step.event, Recorded):
-            self.readings.pop()
-            self.written.pop()
-        elif isinstance(step.event, Accepted):
-            self.readings = list(step.readings)
-            self.mounted = [each for each in self.mounted if each.branch or each.name != step.event.name]
-        elif isinstance(step.event, Skipped):
-            self.plan = [] if self.skipped.pop().whole else self.plan  # a plan without the set-up is none to go on from
-        elif isinstance(step.event, Warmed):
-            self.notes.remove(next(note for note in reversed(self.notes) if note.warmed is not None))
-        else:
-            self.finished = None
-        self.pending, self.highest = step.pending, step.highest
-        self.renew |= not isinstance(step.event, Warmed)  # places do not depend on it
+        step, renew, anew = self.undo[-1].event, self.renew, Folding()
+        for each in self.story:
+            if each.number < event.event or not (each.number == event.event or isinstance(each.event, Asked)):
+                anew.add(each)
+        for name in [each.name for each in fields(self)]:
+            setattr(self, name, getattr(anew, name))
+        if isinstance(step, Skipped) and step.rest:
+            self.plan = []  # a plan without the set-up is none to go on from
+        self.renew = renew or not isinstance(step, Warmed)  # places do not depend on it
