@@ -137,6 +137,7 @@ COMMANDS = ("axiscal.campaign", "axiscal.cli.plan", "axiscal.cli.report", "numpy
         (["step", "--help"], COMMANDS, "Commands:"),
         (["plan", "--help"], COMMANDS, "--readings"),
         (["data", "repair", "--help"], COMMANDS, "--json"),
+        (["plan", "--help"], (*COMMANDS, "numpy"), "--readings"),
         (["next", "m.axiscal"], SLOW, "Reading 1"),
         (["status", "m.axiscal"], SLOW, "READINGS"),
     ],

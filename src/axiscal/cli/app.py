@@ -1,27 +1,27 @@
 """All commands in one application, and the one place where a failure becomes a paragraph on stderr.
 
-The file of a command is loaded only when the command is called. So files of commands import what they need at their
-top, and `axiscal --help` only reads what they say of themselves.
+The file of a command is loaded only when the command is run. So files of commands import what they need at their top,
+and help only reads the table of their words.
 """
 
 from __future__ import annotations
 
-import ast
 import gc
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections import ChainMap
+from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
-from pathlib import Path
-from types import ModuleType
+from inspect import Signature
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
+from axiscal.cli.arguments import TABLE, parameters, words_of
 from axiscal.cli.printing import agreed, complain, say
 from axiscal.document.consent import asking, nobody
 from axiscal.document.gone import instead_of
@@ -30,65 +30,21 @@ from axiscal.exceptions import AxiscalError, InputError, PortError
 from axiscal.language.spoken import WORDS, later, said, speaking
 from axiscal.present.whose_language import chosen
 
-_MAIN = {
-    "init": "init",
-    "plan": "plan",
-    "measure": "measure",
-    "serve": "serve.serve",
-    "finish": "report.finish",
-    "export": "export",
-    "verify": "verify",
-    "status": "status",
-    "report": "report",
-    "demo": "run_loop.demo",
-}
-"""In the order of `--help`: a file with a function of its name, or "file.function"; `app` where it has subcommands."""
-_STEP = {
-    "start": "plan.start",
-    "next": "steps.next_reading",
-    "record": "record",
-    "undo": "steps.undo",
-    "accept": "steps.accept",
-    "note": "steps.note",
-    "skip": "record.skip",
-    "status": "status",
-    "run": "run_loop",
-}
-_DATA = {
-    "estimate": "estimate",
-    "iso230": "estimate.iso230",
-    "predict": "estimate.predict",
-    "copy": "records.copy_record",
-    "sign": "records.sign",
-    "repair": "records.repair",
-    "merge": "records.merge",
-}
-_GROUPS = {
-    "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
-    "data": ("Work on readings, records and poses in files.", _DATA),
-}
-_HELP = "-h", "--help"
+_TREE, _GROUPS = TABLE["commands"], TABLE["groups"]
 _GONE = later("{name} is gone. {instead}.")
-_Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
-"""The file of each command; of a group what it is for, and the files of its commands."""
-_SECTIONS: Mapping[str, _Places] = {"Commands": _MAIN, "More commands, in groups": {**_GROUPS, "machine": "machine"}}
-_SALVAGE = {"salvage": "records.repair"}
-_UNGROUPED = {**_STEP, **_DATA, **_SALVAGE}
-"""The names that commands had before: they work, and no help lists them."""
 
 
 class AllCommands(TyperGroup):
-    """Commands, each loaded from its file when it is called.
+    """The commands of a group, "" for all.
 
-    sections : those that help and completion show, by the heading over them; unlisted : the others
+    sections : those that help and completion show, by the heading over them; places : the files of all
     """
 
-    def __init__(
-        self, sections: Mapping[str, _Places] = _SECTIONS, unlisted: _Places = _UNGROUPED, **attributes: Any
-    ) -> None:
+    def __init__(self, group: str = "", **attributes: Any) -> None:
         super().__init__(**attributes)
-        self.sections = sections
-        self.places = dict(unlisted) | {name: place for each in sections.values() for name, place in each.items()}
+        self.sections = {"Commands": _TREE[group or "main"]} | ({} if group else {"More commands, in groups": _GROUPS})
+        before = [_TREE[name] for name in {"": ("hidden", "step", "data"), "data": ("hidden",)}.get(group, ())]
+        self.places: dict[str, str] = dict(ChainMap(*self.sections.values(), *before))
         self.commands = dict.fromkeys(self.places, TyperCommand("not loaded"))
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -97,36 +53,23 @@ class AllCommands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return a command by the words that follow, or end with what to use instead of one that is gone."""
-        ctx.meta[_HELP] = any(word in _HELP for word in args)
         if args[0] not in self.places and (instead := instead_of("commands", args[0])):
             ctx.fail(said(_GONE, name=args[0], instead=instead))
         return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command or group by its name, loaded now; None if there is no such command."""
+        """Return a command or group by its name; None if there is no such command."""
         place = self.places.get(cmd_name)
-        if isinstance(place, tuple):
-            shown = {"Commands": place[1]}
-            return AllCommands(
-                shown,
-                _SALVAGE if cmd_name == "data" else {},
-                name=cmd_name,
-                help=place[0],
-                rich_markup_mode=None,
-                no_args_is_help=True,
-            )
-        return None if place is None else _command(cmd_name, place, _signatures if ctx.meta.get(_HELP) else _loaded)
+        if place is None or cmd_name not in _GROUPS:
+            return None if place is None else _command(cmd_name, place)
+        return AllCommands(cmd_name, name=cmd_name, help=place, rich_markup_mode=None, no_args_is_help=True)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the lists of commands into the help, each with the first sentence that its file says of it."""
+        """Write the lists of commands into the help, each with the first line of its own."""
         for title, places in self.sections.items():
             with formatter.section(title):
-                formatter.write_dl(
-                    [
-                        (name, place[0] if isinstance(place, tuple) else _docstring(place).splitlines()[0])
-                        for name, place in places.items()
-                    ]
-                )
+                lines = {name: _GROUPS.get(name) or words_of(at)["help"].splitlines()[0] for name, at in places.items()}
+                formatter.write_dl([*lines.items()])
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was called; each is a door of planning or estimating."""
@@ -136,67 +79,28 @@ class AllCommands(TyperGroup):
             return super().invoke(ctx)
 
 
-def _command(name: str, place: str, load: Callable[[str], ModuleType]) -> Any:
+def _command(name: str, place: str) -> Any:
+    """Return a command as the table has it; its file is loaded when it is run."""
     file, _, function = place.partition(".")
-    try:
-        module = load(file)
-    except ModuleNotFoundError as missing:
-        port = (missing.name or "").removeprefix("axiscal.ports.")
-        if port == missing.name:
-            raise
-        remedy = "Install the package that brings it"
-        raise PortError("{command} needs {name}, which is not installed", remedy, command=name, name=port) from None
-    several: typer.Typer | None = getattr(module, "app", None)
-    if several is not None:
-        return typer.main.get_command(several)
+
+    def called(**given: Any) -> None:
+        try:
+            module = import_module(f"axiscal.cli.{file}")
+        except ModuleNotFoundError as missing:
+            port = (missing.name or "").removeprefix("axiscal.ports.")
+            if port == missing.name:
+                raise
+            what, remedy = "{command} needs {name}, which is not installed", "Install the package that brings it"
+            raise PortError(what, remedy, command=name, name=port) from None
+        if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
+            gc.freeze()
+            gc.enable()
+        getattr(module, function)(**given)
+
+    called.__signature__ = Signature([*parameters(place)])  # type: ignore[attr-defined]
     alone = typer.Typer(rich_markup_mode=None, add_completion=False)
-    alone.command(name)(getattr(module, function or file))
+    alone.command(name, help=words_of(place)["help"])(called)
     return typer.main.get_command(alone)
-
-
-def _loaded(file: str) -> ModuleType:
-    """Return a file of commands as it runs."""
-    module = import_module(f"axiscal.cli.{file}")
-    if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
-        gc.freeze()
-        gc.enable()
-    return module
-
-
-def _signatures(file: str) -> ModuleType:
-    """Return a file of commands without their bodies, and with no more of its imports than signatures name.
-
-    Help needs no more of them, and what commands do takes most of a second to load.
-    """
-    module, kept, named = ModuleType(file), list[ast.stmt](), set[str]()
-    vars(module)["typer"] = typer
-    for node in reversed(_parsed(file)):
-        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
-            node.body = node.body[:1]  # what it says of itself
-        elif isinstance(node, ast.ImportFrom):
-            node.names = [each for each in node.names if {each.name, node.module} & {*named, "__future__"}]
-            if not node.names:
-                continue
-        elif not (
-            isinstance(node, ast.Assign) and named & {each.id for each in node.targets if isinstance(each, ast.Name)}
-        ):
-            continue
-        kept.insert(0, node)
-        named |= {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
-    exec(compile(ast.Module(kept, []), file, "exec"), vars(module))
-    return module
-
-
-def _docstring(place: str) -> str:
-    """Return the docstring of a command as its file has it, unloaded."""
-    file, _, function = place.partition(".")
-    functions = (node for node in _parsed(file) if isinstance(node, ast.FunctionDef))
-    return next(ast.get_docstring(each) or "" for each in functions if each.name == (function or file))
-
-
-def _parsed(file: str) -> list[ast.stmt]:
-    """Return what stands in a file of commands."""
-    return ast.parse(Path(__file__).with_name(f"{file}.py").read_text(encoding="utf-8")).body
 
 
 INTERRUPTED = 130
@@ -209,7 +113,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=True,
     no_args_is_help=True,
-    context_settings={"max_content_width": 100, "help_option_names": [*_HELP]},
+    context_settings={"max_content_width": 100, "help_option_names": ["-h", "--help"]},
 )
 
 

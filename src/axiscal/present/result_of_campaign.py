@@ -30,7 +30,6 @@ from axiscal.language.stages import stage
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.reading import (
     approach_text,
-    by_text,
     direction_text,
     shown_pose,
     units_of,
@@ -272,7 +271,6 @@ def _history(campaign: Campaign, known: Estimation) -> list[HistoryRow]:
                 innovation=to_unit(innovation, units[0]),
                 surprise=surprise,
                 approach=approach_text(known.case.description.machine.axes, reading.approach),
-                by=by_text(reading),
                 rejected=away is not None,
                 **_accuracy(moment),
             )
