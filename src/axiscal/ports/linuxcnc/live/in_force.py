@@ -11,8 +11,8 @@ from typing import Any
 from axiscal.exceptions import SourceError, TableError
 from axiscal.tables import vcomp_file
 
-_SWITCH_OFF = "Set axiscal-vcomp.enable to 0 and wait a second"
-_SWITCH_ON = "Set axiscal-vcomp.enable to 1 and wait a second"
+_SWITCH = "Set axiscal-vcomp.enable to {to} and wait a second"
+_AGAIN = "Put the exported files in, and start LinuxCNC again"
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +32,10 @@ class InForce:
         """Return that of the files in a folder, as `axiscal export` wrote them; raises TableError, OSError."""
         texts = {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
         digests = {name: hashlib.sha256(text).hexdigest() for name, text in texts.items()}
-        for name, text in texts.items():
-            if name.endswith(".vcomp"):
-                whole = text.decode("ascii", "replace")
-                vcomp_file.read(whole, str(folder / name))
-                return cls(True, int(whole.split()[-1], 16), {name: digests[name]})
+        if (whole := next((name for name in texts if name.endswith(".vcomp")), None)) is not None:
+            text = texts[whole].decode("ascii", "replace")
+            vcomp_file.read(text, str(folder / whole))
+            return cls(True, int(text.split()[-1], 16), {whole: digests[whole]})
         tables = {name: digests[name] for name in texts if name.endswith(".comp") and not name.startswith("axiscal")}
         if not tables:
             what, remedy = "it holds no file for LinuxCNC", "Name the folder that axiscal export has written"
@@ -45,43 +44,32 @@ class InForce:
 
     def refuse(self, status: dict[str, Any]) -> None:
         """Raise SourceError where the machine is compensated by anything else.  status : as the agent says it"""
-        joints = ", ".join(str(joint) for joint in status["compensated"])
-        if not self.active:
-            _refuse_any(joints, status)
-        elif self.checksum is not None:
-            self._refuse_other_file(joints, status)
-        elif self.files:
-            self._refuse_other_tables(status)
-        elif not joints and not status["whole"]:
-            what = "a compensation is to be in force, and neither COMP_FILE nor BACKLASH nor axiscal-vcomp.active is"
-            raise SourceError(what, "Switch it on, or say compensation_active = false")
-
-    def _refuse_other_file(self, joints: str, status: dict[str, Any]) -> None:
-        if status["checksum"] is None:
-            remedy = "Put the exported files in, and start it again"
-            raise SourceError("axiscal-vcomp is not loaded in LinuxCNC", remedy)
-        if int(status["checksum"], 0) != self.checksum:
+        joints, whole = ", ".join(str(joint) for joint in status["compensated"]), status["whole"]
+        held = None if status["checksum"] is None else int(status["checksum"], 0)
+        lacking = ", ".join(name for name, digest in self.files.items() if digest not in status["tables"])
+        what = remedy = ""
+        if not self.active and joints:
+            what = "COMP_FILE or BACKLASH of joint {joints} is in force, and the campaign is measured without"
+            remedy = "Take it out of the INI file, or name its files in compensation_active"
+        elif not self.active and whole:
+            what, remedy = "axiscal-vcomp.active is true, and the campaign is measured without a compensation", _SWITCH
+        elif self.checksum is not None and held is None:
+            what, remedy = "axiscal-vcomp is not loaded in LinuxCNC", "Put the exported files in, and start it again"
+        elif self.checksum is not None and held != self.checksum:
             what = "axiscal-vcomp holds another file than the one that was exported (axiscal-vcomp.checksum)"
-            raise SourceError(what, "Put the exported files in, and start LinuxCNC again")
-        if not status["whole"]:
-            raise SourceError("axiscal-vcomp.active is not true, and the correction is to be in force", _SWITCH_ON)
-        if joints:
+            remedy = _AGAIN
+        elif self.checksum is not None and not whole:
+            what, remedy = "axiscal-vcomp.active is not true, and the correction is to be in force", _SWITCH
+        elif self.checksum is not None and joints:
             what = "COMP_FILE or BACKLASH of joint {joints} is in force beside axiscal-vcomp"
-            raise SourceError(what, "Take it out of the INI file", joints=joints)
-
-    def _refuse_other_tables(self, status: dict[str, Any]) -> None:
-        lacking = [name for name, digest in self.files.items() if digest not in status["tables"]]
-        if lacking:
-            what = "no joint has {lacking} as its COMP_FILE, as it was exported"
-            raise SourceError(what, "Put the exported files in, and start LinuxCNC again", lacking=", ".join(lacking))
-        if status["whole"]:
-            raise SourceError("axiscal-vcomp.active is true beside the tables", _SWITCH_OFF)
-
-
-def _refuse_any(joints: str, status: dict[str, Any]) -> None:
-    if joints:
-        what = "COMP_FILE or BACKLASH of joint {joints} is in force, and the campaign is measured without"
-        raise SourceError(what, "Take it out of the INI file, or name its files in compensation_active", joints=joints)
-    if status["whole"]:
-        what = "axiscal-vcomp.active is true, and the campaign is measured without a compensation"
-        raise SourceError(what, _SWITCH_OFF)
+            remedy = "Take it out of the INI file"
+        elif self.checksum is None and lacking:
+            what, remedy = "no joint has {lacking} as its COMP_FILE, as it was exported", _AGAIN
+        elif self.checksum is None and self.files and whole:
+            what, remedy = "axiscal-vcomp.active is true beside the tables", _SWITCH
+        elif self.active and not (self.files or joints or whole):
+            what = "a compensation is to be in force, and neither COMP_FILE nor BACKLASH nor axiscal-vcomp.active is"
+            remedy = "Switch it on, or say compensation_active = false"
+        if what:
+            to = int(self.checksum is not None)
+            raise SourceError(what, remedy, joints=joints, lacking=lacking, to=to)
