@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from axiscal.answers.answer_words import wrapped
 from axiscal.campaign.agreement_words import agreement_words
@@ -18,7 +18,7 @@ from axiscal.language.spoken import ending, said, speaking
 from axiscal.measurement.readers.text_file import TextFile, read_text
 from axiscal.present.result_of_campaign import record_state
 from axiscal.present.result_set import result_set, write_manifest
-from axiscal.programs.part_program import Spot
+from axiscal.programs.part_program import Spot, Unit
 from axiscal.tables.rewriting import Rewritten, rewrite
 from axiscal.units import format_quantity, parse_quantity, to_unit, within
 from axiscal_core.threads import one_thread
@@ -33,7 +33,7 @@ class Rewriting(NamedTuple):
     """What is rewritten.  unit : of lengths before G20 or G21; origin, chord : m"""
 
     file: TextFile
-    unit: Literal["mm", "in"]
+    unit: Unit
     origin: Spot
     chord: float
 

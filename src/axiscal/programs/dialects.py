@@ -99,8 +99,8 @@ class Dialect:
         for axis in axes:
             if not re.fullmatch(self.axes, axis.name):
                 remedy = "Name the axes of the machine by the letters {letters}"
-                told = {"control": self.title, "axis": axis.name, "letters": " ".join(LETTERS)}
-                raise ProgramError("{control} programs have no axis {axis}", remedy, **told)
+                what, letters = "{control} programs have no axis {axis}", " ".join(LETTERS)
+                raise ProgramError(what, remedy, control=self.title, axis=axis.name, letters=letters)
 
     def logging(self) -> Log:
         """Return how the control writes a log; raises ProgramError where it writes none."""

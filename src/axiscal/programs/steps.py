@@ -201,7 +201,7 @@ class ProgramAxes:
     def moves(self, start: Decimals, stop: Decimals) -> Iterator[Move]:
         """Yield the moves from one place to another, group after group; none where nothing is to move."""
         for group in self.groups:
-            begin, end = ({k: where[k] for k in group} for where in (start, stop))
+            begin, end = (dict[int, Decimal]((k, where[k]) for k in group) for where in (start, stop))
             for to in self._places(begin, end):
                 ways = {k: to[k] - begin[k] for k in group if to[k] != begin[k]}
                 yield Move({k: to[k] for k in ways}, self._feed(ways, ways), self._seconds(ways))
@@ -231,7 +231,7 @@ class ProgramAxes:
             raise ProgramError(what, remedy, axes=" ".join(self._names(self._with(next(iter(axes))))))
         return feed
 
-    def _places(self, begin: Places, end: Places) -> Iterator[Places]:
+    def _places(self, begin: Places, end: Places) -> Iterator[dict[int, Decimal]]:
         """Yield the places on a straight way, its end included, between which no axis turns far; none for no way."""
         if begin == end:
             return
@@ -260,8 +260,9 @@ class ProgramAxes:
                 exact(to_unit(each, "mm")).quantize(s.step) for each, s in zip(touch.back, self.scales, strict=True)
             ]
             yield from self.along(standing, [*way, beside])
-            texts = (tuple(f"{values[k] + 0:f}" for k in group) for values in (into, steps, beside))
-            yield Touched(target.number, number, self._names(group), *texts, fast, slow, travel, seconds)
+            ends, backs, begins = (tuple(f"{values[k] + 0:f}" for k in group) for values in (into, steps, beside))
+            where = self._names(group), ends, backs, begins
+            yield Touched(target.number, number, *where, fast, slow, travel, seconds)
             yield from self.along(beside, way[::-1])
             standing = way[0]
         yield from self.moves(standing, target.position)

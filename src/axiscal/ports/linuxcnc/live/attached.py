@@ -148,7 +148,8 @@ class LiveSource:
 
     def _touch(self, step: Touched, way: _WayToBall) -> Array:
         """Touch one side, fast and then slowly, and return the pose (q,) in which it was met."""
-        expected, told = way.expected(step), {"touch": step.touch, "reading": step.reading}
+        expected = way.expected(step)
+        told: dict[str, Any] = {"touch": step.touch, "reading": step.reading}
         for feed in (step.fast, step.slow):
             answer = self._sent("G38.3", step.letters, step.into, feed)
             if not answer["tripped"]:
@@ -277,8 +278,10 @@ class _WayToBall:
     def met(self, probed: dict[str, float], status: dict[str, Any]) -> Array:
         """Return the pose (q,) of a touch: rotary axes where they were sent.  probed : in the machine's units"""
         at = zip(self._machine.axes, self.target.position, strict=True)
-        sent = [from_unit(float(v), a.unit) if a.rotary else probed[a.name] * scale(status, False) for a, v in at]
-        return np.array(sent)
+        found: Array = np.array(
+            [from_unit(float(v), a.unit) if a.rotary else probed[a.name] * scale(status, False) for a, v in at]
+        )
+        return found
 
 
 _SAME = 1e-6

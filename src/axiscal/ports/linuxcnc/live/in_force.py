@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from axiscal.exceptions import SourceError, TableError
+from axiscal.language.spoken import later
 from axiscal.tables import vcomp_file
 
-_SWITCH = "Set axiscal-vcomp.enable to {to} and wait a second"
-_AGAIN = "Put the exported files in, and start LinuxCNC again"
+_SWITCH = later("Set axiscal-vcomp.enable to {to} and wait a second")
+_AGAIN = later("Put the exported files in, and start LinuxCNC again")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ class InForce:
         digests = {name: hashlib.sha256(text).hexdigest() for name, text in texts.items()}
         if (whole := next((name for name in texts if name.endswith(".vcomp")), None)) is not None:
             text = texts[whole].decode("ascii", "replace")
-            vcomp_file.read(text, str(folder / whole))
+            vcomp_file.refuse_changed(text, str(folder / whole))
             return cls(True, int(text.split()[-1], 16), {whole: digests[whole]})
         tables = {name: digests[name] for name in texts if name.endswith(".comp") and not name.startswith("axiscal")}
         if not tables:
