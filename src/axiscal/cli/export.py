@@ -16,7 +16,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Anyway, Json, RecordFile, Template, Zero
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.rewriting import PROGRAM, Rewriting
+from axiscal.cli.rewriting import PROGRAM, rewrite_program
 from axiscal.document.ports import part
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
@@ -126,7 +126,7 @@ def export(
     given = [*([] if ini is None else ["--ini"]), *options.given]
     wanted = {"--program": program, "--origin": origin, "--chord": chord}
     if to == PROGRAM:
-        Rewriting.asked(program, origin, chord, unit or "mm", given).write(record, out, anyway, json)
+        rewrite_program(record, program, origin, chord, unit or "mm", given, out, anyway, json)
         return
     given += [name for name, value in wanted.items() if value is not None]
     registry.refuse_untaken(to, given)

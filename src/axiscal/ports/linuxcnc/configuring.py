@@ -17,7 +17,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from axiscal.description.ini_file import IniFile, read_ini
-from axiscal.description.ini_machine import BELTS, IniAxis, IniMachine, machine_of
+from axiscal.description.ini_machine import BELTS, IniMachine, machine_of
 from axiscal.document.ports import rendered
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
@@ -27,7 +27,6 @@ from axiscal.ports.linuxcnc.volumetric_tables import HAL_FILE, LOADRT
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
-from axiscal.units import format_quantity, from_unit
 from axiscal_core.machine import Machine
 
 LIBRARY = Path("/usr/share/linuxcnc/hallib")
@@ -42,14 +41,12 @@ _FUNCTION = re.compile(r"\s*addf\s+(motion-command-handler|motion-controller)\s+
 _ARROWS = {"=>", "<=", "<=>"}
 _OLD_WORDS = re.compile(r"\s*(linkps|linksp|linkpp|newsig|unlinkp)\b")
 _BY_HAND = "wire it by hand: axiscal-volumetric.hal, written without --ini, says how"
-_APART = 1e-6
-"""m: pivots nearer than a micrometre are one."""
 
 
 def export_into(ini: Path, estimate: Estimate, options: ExportOptions) -> Export:
     """Return the files of the component with those of a configuration; raises InputError."""
     found = configured(ini)
-    minded = agreeing(found, estimate.machine)
+    refuse_other_machine(found, estimate.machine)
     offered = export(estimate, "linuxcnc-volumetric", options_of(found, options))
     patched, tables = found.patched()
     beside = [name for name in offered.files if name.endswith(".vcomp")]
@@ -60,14 +57,13 @@ def export_into(ini: Path, estimate: Estimate, options: ExportOptions) -> Export
     lines = "line" if tables == 1 else "lines"
     taken = f" {tables} {lines} of COMP_FILE and BACKLASH taken out." if tables else ""
     copied = "".join(f" {name} is a copy out of LinuxCNC's library." for name in placed if name in found.library)
-    notes = (
+    note = (
         f"INTO YOUR CONFIGURATION: stop LinuxCNC, then sh {_APPLY} FOLDER (of {ini.name}); back again: "
         f"sh {_UNDO} FOLDER. Both refuse where a file is not the one that was read. The files as they were are "
-        f"kept in its folder before-axiscal.{taken}{copied}",
-        *minded,
+        f"kept in its folder before-axiscal.{taken}{copied}"
     )
     kept = [line for line in offered.readme.split("\n") if not line.startswith(f"- Put {beside[0]} and ")]
-    readme = "\n".join(kept).replace("\nThese files hold ", "\n".join(["", *notes, "These files hold "]), 1)
+    readme = "\n".join(kept).replace("\nThese files hold ", f"\n{note}\nThese files hold ", 1)
     return replace(offered, files=files, readme=readme)
 
 
@@ -221,14 +217,14 @@ def options_of(found: Configured, options: ExportOptions) -> ExportOptions:
     return replace(options, unit=found.machine.build.unit, numbers={a.letter: a.joints for a in found.machine.axes})
 
 
-def agreeing(found: Configured, machine: Machine) -> tuple[str, ...]:
-    """Return what to mind; raises TableError where INI file and machine.toml describe different machines."""
-    own, described = {axis.letter: axis for axis in found.machine.axes}, {axis.name: axis for axis in machine.axes}
-    if set(own) != set(described):
+def refuse_other_machine(found: Configured, machine: Machine) -> None:
+    """Raise TableError where INI file and machine.toml describe different machines."""
+    own, described = {axis.letter for axis in found.machine.axes}, {axis.name: axis for axis in machine.axes}
+    if own != set(described):
         what = "the INI file has axes {own}, machine.toml {described}"
         remedy = "the component corrects the whole chain: describe all of them"
         raise TableError(what, remedy, found.ini.path, own=" ".join(sorted(own)), described=" ".join(sorted(described)))
-    build, notes = found.machine.build, list[str]()
+    build = found.machine.build
     for name, axis in described.items():
         against = name in build.reversed
         if build.sure and axis.rotary and against != axis.reversed:
@@ -238,29 +234,3 @@ def agreeing(found: Configured, machine: Machine) -> tuple[str, ...]:
             remedy = "write direction = {way} in machine.toml, and evaluate the readings again"
             kinematics, way = build.kinematics, "reversed" if against else "iso"
             raise TableError(what, remedy, found.ini.path, kinematics=kinematics, axis=name, way=way)
-        notes += _beyond(own[name], axis.travel, axis.unit, axis.cyclic)
-        if build.sure and axis.rotary and name in build.origins:
-            notes += _elsewhere(name, [float(from_unit(v, build.unit)) for v in build.origins[name]], axis.origin)
-    return tuple(notes)
-
-
-def _beyond(own: IniAxis, travel: tuple[float, float], unit: str, cyclic: bool) -> list[str]:
-    low, high = (float(from_unit(end, own.unit)) for end in (own.low, own.high))
-    if cyclic or (low >= travel[0] - _APART and high <= travel[1] + _APART):
-        return []
-    ends = " to ".join(format_quantity(end, unit) for end in (low, high))
-    known = " to ".join(format_quantity(end, unit) for end in travel)
-    return [
-        f"{own.letter} may go {ends}, and was calibrated over {known}: beyond, the correction stays near that of the "
-        "end."
-    ]
-
-
-def _elsewhere(name: str, pivot: list[float], origin: tuple[float, ...]) -> list[str]:
-    if max(abs(a - b) for a, b in zip(pivot, origin, strict=True)) <= _APART:
-        return []
-    there, here = (", ".join(format_quantity(v, "mm", 6) for v in place) for place in (pivot, origin))
-    return [
-        f"WARNING: the kinematics turn {name} about ({there}), machine.toml about ({here}): one of them is not the "
-        "machine that was measured."
-    ]

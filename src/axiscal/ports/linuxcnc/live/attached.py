@@ -220,7 +220,7 @@ class _WayToBall:
         self._machine, self._request = machine, request
         setup, pose = request.setup, np.array([request.pose])
         self._axes = ProgramAxes.from_setup(machine, setup, _DECIMALS)
-        self._pose = (drawn_back(machine, pose, above) if above else pose)[0]
+        self._pose: Array = (drawn_back(machine, pose, above) if above else pose)[0]
         back = drawn_back(machine, pose, setup.retract)[0].tolist()
         self.target: ReadingTarget = target(self._axes.scales, setup.name, request.reading, back, request.approach)
 
@@ -278,10 +278,8 @@ class _WayToBall:
     def met(self, probed: dict[str, float], status: dict[str, Any]) -> Array:
         """Return the pose (q,) of a touch: rotary axes where they were sent.  probed : in the machine's units"""
         at = zip(self._machine.axes, self.target.position, strict=True)
-        found: Array = np.array(
-            [from_unit(float(v), a.unit) if a.rotary else probed[a.name] * scale(status, False) for a, v in at]
-        )
-        return found
+        sent = [from_unit(float(v), a.unit) if a.rotary else probed[a.name] * scale(status, False) for a, v in at]
+        return np.array(sent)
 
 
 _SAME = 1e-6

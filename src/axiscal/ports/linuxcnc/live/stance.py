@@ -5,12 +5,9 @@ It runs beside LinuxCNC with `agent`, under the system's Python. Coordinates are
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
 import re
 import subprocess
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 LETTERS = "XYZABCUVW"
@@ -46,8 +43,9 @@ class Stance:
             "axes": {a: [limits[a][f"{end}_position_limit"] for end in ("min", "max")] for a in letters},
             "position": {a: float(stat.position[LETTERS.index(a)]) for a in letters},
             "joints": self.joint_places(),
-            "compensated": [n for n in joints if self._table(n) or stat.joint[n]["backlash"] != 0.0],
-            "tables": [self._digest(self._table(n)) for n in joints],
+            "compensated": [
+                n for n in joints if self._said(f"JOINT_{n}", "COMP_FILE") or stat.joint[n]["backlash"] != 0.0
+            ],
             "whole": _bit(f"{_WHOLE}.active"),
             "checksum": _pin(f"{_WHOLE}.checksum"),
             "tip": self._tip(),
@@ -110,16 +108,6 @@ class Stance:
         if not words or words[0] not in _SWITCHED:
             return None
         return _bit(f"kinstype.is-{1 if 'sparm=identityfirst' in words else 0}")
-
-    def _table(self, joint: int) -> str:
-        return self._said(f"JOINT_{joint}", "COMP_FILE")
-
-    def _digest(self, name: str) -> str | None:
-        """Return the SHA-256 of a COMP_FILE as it is on the disk, None where there is none that can be read."""
-        with contextlib.suppress(OSError):
-            text = (Path(self.stat.ini_filename).parent / name).read_bytes() if name else b""
-            return hashlib.sha256(text).hexdigest() if name else None
-        return None
 
     def _said(self, section: str, key: str) -> str:
         """Return what the INI file says, "" where it is silent."""
