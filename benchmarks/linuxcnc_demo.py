@@ -1,6 +1,6 @@
 """The whole loop on a real control: LinuxCNC moves, hidden errors are added, tables go in, the error is gone.
 
-    python -m tests.linuxcnc.demo --out DIR
+    python -m benchmarks.linuxcnc_demo --out DIR
 
 A campaign drives a LinuxCNC through MDI, what it makes is loaded, LinuxCNC starts anew, and positions that were never
 measured are visited as found, with the tables, and with the realtime component that corrects everything at once: on a
@@ -58,7 +58,7 @@ _WHAT = {
     "xyzbc": "xyzbc-trt-kins in TCP mode",
     "xyzac-all": "xyzac-trt-kins in TCP mode, all 30 error motions",
 }
-FOLDER = Path(__file__).with_name("machines")
+FOLDER = Path(__file__).resolve().parents[1] / "tests" / "linuxcnc" / "machines"
 SEED = 2005
 """Any seed: the demo is to be the same every time."""
 _AT_ONCE = 2
