@@ -1,8 +1,8 @@
 """What an instrument sees of the machine: rows over all unknowns, A of the machine and b of the set-ups.
 
 y = g(t)ᵀ A + f(t)ᵀ b + v (B&H eq. 29-30, and b). The columns are the machine's error coefficients, then the unknowns of
-every set-up. Then follow, as they come, the rests of visited cells and the drifts of zeros that wander. Readings in one
-cell share its rest, so repeating there does not average it away.
+every set-up. Then follow, as they come, the rests of visited cells. Readings in one cell share its rest, so repeating
+there does not average it away.
 
 Whose an unknown is: that of one set-up, or of an artefact, a bar or a tool which several set-ups share.
 
@@ -12,9 +12,8 @@ Where readings are linearised: about the machine that is believed, instead of ab
 
     e_i(x) = f_i(x) − h_i x,    y_i ← y_i − e_i(x)                                                (chord iteration)
 
-f_i what the instrument would show by the exact chain where errors and unknowns are x, h_i the row of the reading. With
-rows at the nominal machine each round converges by the largest rotation, about 1e-3. If that is not enough, the rows
-are taken at x as well (Gauss-Newton; Bell and Cathey 1993).
+f_i what the instrument would show by the exact chain where errors and unknowns are x, h_i the row of the reading. Rows
+stay those of the nominal machine: each round converges by the largest rotation, about 1e-3.
 """
 
 from __future__ import annotations
@@ -28,9 +27,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.volume import MovedErrors, deviations_of
+from axiscal.errors.volume import deviations_of
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
+from axiscal.measurement.cells import Cell, CellColumns, RestEffects, add_rests, rest_effects
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.travel import belongs, feet_of
 from axiscal.numerics import Array
@@ -87,10 +86,6 @@ def unknowns_at(artefact: Artefact, balls: tuple[int, ...]) -> tuple[Unknown, ..
     return (*whole, *(Unknown(f"{ball}_{axis}", artefact.calibrated, artefact.name) for ball, axis in each))
 
 
-Zero = tuple[int, int]
-"""Index of a set-up, and the number of its zero: 0, or of each number of its readings."""
-
-
 class Rows(NamedTuple):
     """rows : (m, size) over all unknowns; variances : (m,) noise and the rests of cells not visited yet, m² or rad²."""
 
@@ -105,28 +100,19 @@ class JointRows(NamedTuple):
     covariances: Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class About:
-    """point : (k,) errors of the machine, then unknowns of the set-ups; bent : rows are those of the machine there"""
-
-    point: Array
-    bent: bool = False
-
-
 @dataclass(frozen=True, eq=False)
 class Observation:
     """The linear map from all unknowns to readings.
 
     errors : the machine's error model; setups : in the order of the campaign
-    about : where it is linear, None for the nominal machine
-    cells : column of the rest of each visited cell; courses : how each zero has wandered that may
+    about : (k,) errors, then unknowns of the set-ups, about which it is linear; None for the nominal machine
+    cells : column of the rest of each visited cell
     """
 
     errors: Machine
     setups: tuple[Setup, ...]
-    about: About | None = None
+    about: Array | None = None
     cells: Mapping[Cell, int] = field(default_factory=dict)
-    courses: Mapping[Zero, Course] = field(default_factory=dict)
 
     @property
     def machine(self) -> Machine:
@@ -136,13 +122,12 @@ class Observation:
     @cached_property
     def size(self) -> int:
         """Number of unknowns."""
-        wandering = sum(len(course.columns) for course in self.courses.values())
-        return self.errors.size + len(self.unknowns) + len(self.cells) + wandering
+        return self.errors.size + len(self.unknowns) + len(self.cells)
 
     @property
     def bare(self) -> Observation:
         """The map before any cell was visited."""
-        return replace(self, cells=MappingProxyType({}), courses=MappingProxyType({}))
+        return replace(self, cells=MappingProxyType({}))
 
     def among(self, setups: Collection[int]) -> tuple[Observation, NDArray[np.intp]]:
         """Return the map where other set-ups have no unknowns of their own, and its columns among those here, (k,)."""
@@ -151,11 +136,10 @@ class Observation:
         kept, first = np.arange(bare.size), self.bare.size
         for setup in setups:
             kept[bare.unknowns_of(setup)] = self.unknowns_of(setup)
-        about = None if self.about is None else replace(self.about, point=self.about.point[kept])
+        about = None if self.about is None else self.about[kept]
         shift = first - bare.size
         cells = {cell: column - shift for cell, column in self.cells.items()}
-        courses = {zero: replace(c, columns=tuple(k - shift for k in c.columns)) for zero, c in self.courses.items()}
-        return replace(bare, about=about, cells=cells, courses=courses), np.append(kept, np.arange(first, self.size))
+        return replace(bare, about=about, cells=cells), np.append(kept, np.arange(first, self.size))
 
     def prior_covariance(self) -> Array:
         """Return the covariance of all unknowns before the first reading, (size, size)."""
@@ -167,8 +151,8 @@ class Observation:
         return result
 
     def rest_variances(self, after: Observation) -> Array:
-        """Return the prior variances of the columns that `after` has beyond this map: rests, and drifts of 1."""
-        result = np.ones(after.size - self.size)
+        """Return the prior variances of the columns that `after` has beyond this map."""
+        result = np.zeros(after.size - self.size)
         for cell, column in after.cells.items():
             if cell not in self.cells:
                 result[column - self.size] = self.errors.terms[cell[0]].rest ** 2
@@ -192,29 +176,21 @@ class Observation:
     def _owned(self) -> Owned:
         return Owned.by(self.setups)
 
-    def rows(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> Rows:
+    def rows(self, setup: int, poses: Array, approaches: Array) -> Rows:
         """Return what the first number of readings of a set-up would tell (B&H eq. 29-30); arguments as of all."""
-        return self.rows_each(setup, poses, approaches, times)[0]
+        return self.rows_each(setup, poses, approaches)[0]
 
-    def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
-        """Return what each number of readings of a set-up would tell.
+    def rows_each(self, setup: int, poses: Array, approaches: Array) -> list[Rows]:
+        """Return what each number of readings of a set-up would tell.  poses, approaches : (m, q)"""
+        return list(map(Rows, *self._rows(setup, poses, approaches)[:2]))
 
-        poses, approaches : (m, q)
-        times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
-        """
-        return list(map(Rows, *self._rows(setup, poses, approaches, times)[:2]))
-
-    def _rows(
-        self, setup: int, poses: Array, approaches: Array, times: Array | None = None
-    ) -> tuple[Array, Array, Array]:
+    def _rows(self, setup: int, poses: Array, approaches: Array) -> tuple[Array, Array, Array]:
         """Return rows (k, m, size), variances (k, m) and levers (k, terms, m) of the numbers of each reading."""
-        mounted, at = self.setups[setup], self._places(setup, poses, approaches)
+        mounted, at = self.setups[setup], self.setups[setup].places(poses, approaches)
         levers = self._levers(setup, at)
         rows = np.zeros((len(levers), len(poses), self.size))
         rows[:, :, : self.errors.size] = self._error_rows(setup, levers, poses, approaches)
         rows[:, :, self.unknowns_of(setup)] = self.setups[setup].own_slopes(at).swapaxes(0, 1)
-        for number, course in self.drifts_shown(setup):
-            rows[number][:, list(course.columns)] = course.rows(times)
         variances = mounted.noise**2 + self._unknown_sides(mounted, levers, poses, approaches)
         effects = self._rest_effects(mounted, levers, poses, approaches)
         add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.visited(effects), rows, variances)
@@ -269,7 +245,7 @@ class Observation:
     def nonlinear_part(self, setup: int, poses: Array, approaches: Array) -> Array:
         """Return what each number of readings shows beside rows times unknowns, where it is not linear, (m, k)."""
         if self.about is not None:
-            point = self.about.point
+            point = self.about
             return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
         mounted = self.setups[setup]
         at, found = mounted.places(poses), mounted.found_at
@@ -301,7 +277,7 @@ class Observation:
 
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""
-        at = self._places(setup, poses, approaches)
+        at = self.setups[setup].places(poses, approaches)
         rows = self._error_rows(setup, self._levers(setup, at), poses, approaches)
         own: Array = self.setups[setup].own_slopes(at) @ point[self.unknowns_of(setup)]
         return own + (rows @ point[: self.errors.size]).T
@@ -316,13 +292,9 @@ class Observation:
     def _rest_effects(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> RestEffects:
         return rest_effects(self.errors, mounted, levers, poses, approaches, self.with_rest)
 
-    def drifts_shown(self, setup: int) -> Iterator[tuple[int, Course]]:
-        """Yield the drifts that readings of a set-up show, each with the number that shows it."""
-        return ((number, course) for (owner, number), course in self.courses.items() if owner == setup)
-
     def levers(self, setup: int, poses: Array) -> Array:
         """Return what a unit of each error adds to each number of readings, sides apart, (numbers, terms, m)."""
-        return self._levers(setup, self._places(setup, poses))
+        return self._levers(setup, self.setups[setup].places(poses))
 
     def _levers(self, setup: int, at: At) -> Array:
         mounted = self.setups[setup]
@@ -330,10 +302,6 @@ class Observation:
         if mounted.base is not None:  # what stands on a way sees no other axis, and no carriage
             levers *= np.array([belongs(term, mounted.moves[0]) for term in self.errors.terms])[:, None]
         return levers
-
-    def _places(self, setup: int, poses: Array, approaches: Array | None = None) -> At:
-        actual = self.errors.motion(poses) if isinstance(self.errors, MovedErrors) else None
-        return self.setups[setup].places(poses, approaches, actual)
 
     @cached_property
     def with_rest(self) -> tuple[int, ...]:

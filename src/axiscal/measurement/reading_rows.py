@@ -1,12 +1,12 @@
 """The rows of many readings, of set-ups mixed as they come: all numbers of all of them, one after another.
 
-With readings come unknowns: the rests of cells that they are the first to lie in, and how zeros wander.
+With readings come unknowns: the rests of cells that they are the first to lie in.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.cells import Cell, Course, RestEffects, rest_effects
-from axiscal.measurement.observation import Observation, Zero
+from axiscal.measurement.cells import Cell, RestEffects, rest_effects
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -24,39 +24,22 @@ _ROUNDING = 1e-12
 """A lever of this size is rounding: m/rad, 1, or rad/rad."""
 
 
-def visited(
-    observation: Observation, places: Places, times: Array | None = None, among: Collection[Cell] | None = None
-) -> Observation:
-    """Return the map with columns for the cells of places that had none, and for how far zeros may have wandered.
+def visited(observation: Observation, places: Places) -> Observation:
+    """Return the map with columns for the cells of places that had none.
 
-    times : (m,) of the readings, s, NaN where nobody looked at a clock; among : cells that may have one, None for all
-    Columns come in the order of the places; of each its zeros first, then the cells in the order of the functions.
+    Columns come in the order of the places; of each in the order of the functions.
     """
-    fresh, cells, courses = _fresh_cells(observation, places, among), dict(observation.cells), dict(observation.courses)
-    size = observation.size
-    for i, setup in enumerate(places.setups.tolist()):
-        if times is not None and observation.setups[setup].drift > 0 and not np.isnan(times[i]):
-            size = _let_wander(observation, courses, setup, float(times[i]), size)
-        size = _let_in(cells, fresh.get(i, ()), size)
-    if size == observation.size:
-        return observation
-    return replace(observation, cells=MappingProxyType(cells), courses=MappingProxyType(courses))
+    fresh = _fresh_cells(observation, places)
+    return with_cells(observation, [cell for place in sorted(fresh) for cell in fresh[place]])
 
 
 def with_cells(observation: Observation, visited: Iterable[Cell]) -> Observation:
     """Return the map with columns for those of some cells that had none, in their order."""
-    cells = dict(observation.cells)
-    if _let_in(cells, visited, observation.size) == observation.size:
+    fresh = dict.fromkeys(cell for cell in visited if cell not in observation.cells)
+    if not fresh:
         return observation
-    return replace(observation, cells=MappingProxyType(cells))
-
-
-def _let_in(cells: dict[Cell, int], visited: Iterable[Cell], size: int) -> int:
-    """Give cells that have none a column, in place, and return how many columns there are then."""
-    for cell in visited:
-        if cell not in cells:
-            cells[cell], size = size, size + 1
-    return size
+    columns = dict(zip(fresh, range(observation.size, observation.size + len(fresh)), strict=True))
+    return replace(observation, cells=MappingProxyType({**observation.cells, **columns}))
 
 
 def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffects:
@@ -71,7 +54,7 @@ def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffec
     return found._replace(reach=np.where(reach > _ROUNDING, reach, 0.0))
 
 
-def _fresh_cells(observation: Observation, places: Places, among: Collection[Cell] | None) -> dict[int, list[Cell]]:
+def _fresh_cells(observation: Observation, places: Places) -> dict[int, list[Cell]]:
     """Return the cells without a column whose rest shows at each place, by its index; none for most places."""
     fresh = defaultdict[int, list[Cell]](list)
     for setup, mine in places.by_setup() if observation.with_rest else ():
@@ -79,23 +62,8 @@ def _fresh_cells(observation: Observation, places: Places, among: Collection[Cel
         where, which = np.nonzero(((observation.cell_columns.visited(shown) < 0) & (shown.reach > 0)).T)
         cells = zip(shown.functions[which].tolist(), shown.cells[which, where].tolist(), strict=True)
         for place, cell in zip(mine[where].tolist(), cells, strict=True):
-            if among is None or cell in among:
-                fresh[place].append(cell)
+            fresh[place].append(cell)
     return fresh
-
-
-def _let_wander(observation: Observation, courses: dict[Zero, Course], setup: int, time: float, size: int) -> int:
-    """Follow the drift of a set-up's zeros to a time, s, in place, and return how many columns there are then."""
-    mounted = observation.setups[setup]
-    for number in range(len(mounted.names)):
-        before = courses.get((setup, number))
-        if before is None:
-            courses[setup, number] = Course.from_zero(mounted.drift, time, size)
-            size += 1
-        elif before.needs_node(time):
-            courses[setup, number] = before.with_node(time, size)
-            size += 2
-    return size
 
 
 class PlaceRows(NamedTuple):
@@ -123,18 +91,13 @@ class Seen(NamedTuple):
     reading: NDArray[np.intp]
 
 
-def rows_at(observation: Observation, places: Places, times: Array | None = None) -> PlaceRows:
-    """Return what readings at places would tell, cells without columns as noise.
-
-    times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
-    """
+def rows_at(observation: Observation, places: Places) -> PlaceRows:
+    """Return what readings at places would tell, cells without columns as noise."""
     each = numbers_of_setups(observation.setups)[places.setups]
     first, count = np.cumsum(each) - each, int(each.sum())
     rows, variances = np.zeros((count, observation.size)), np.zeros(count)
     for setup, mine in places.by_setup():
-        poses, approaches = places.poses[mine], places.approaches[mine]
-        when = None if times is None else times[mine]
-        for number, part in enumerate(observation.rows_each(setup, poses, approaches, when)):
+        for number, part in enumerate(observation.rows_each(setup, places.poses[mine], places.approaches[mine])):
             rows[first[mine] + number], variances[first[mine] + number] = part
     return PlaceRows(rows, variances, np.repeat(np.arange(len(places)), each))
 
@@ -142,7 +105,7 @@ def rows_at(observation: Observation, places: Places, times: Array | None = None
 def seen(observation: Observation, readings: Sequence[Reading]) -> Seen:
     """Return what readings tell, of cells that are visited or not."""
     places = places_of(observation.setups, readings)
-    found = rows_at(observation, places, times_of(readings))
+    found = rows_at(observation, places)
     usual = np.array([setup.noise**2 for setup in observation.setups])[places.setups]
     own = np.array([0.0 if r.std is None else r.std**2 - noise for r, noise in zip(readings, usual, strict=True)])
     values = linear_values(observation, places, readings)
