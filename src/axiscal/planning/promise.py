@@ -22,6 +22,7 @@ from axiscal.exceptions import PlanError
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at, times_of
 from axiscal.numerics import Array
+from axiscal.planning.plan.task import Limits
 from axiscal.units import to_unit
 from axiscal_core.normal import Normal
 from axiscal_core.problem import Problem
@@ -44,8 +45,8 @@ class WantedAccuracy(NamedTuple):
     floor: float
 
 
-def asked(target: Target, yardstick: Yardstick) -> tuple[WantedAccuracy, ...]:
-    """Return the accuracies that a target asks for; a campaign ends at the first that is reached."""
+def asked(target: Target | Limits, yardstick: Yardstick) -> tuple[WantedAccuracy, ...]:
+    """Return the accuracies that a target or limits ask for; a campaign ends at the first that is reached."""
     given = ("rms", target.rms), ("worst", target.worst), ("U", target.expanded)
     return tuple(WantedAccuracy(name, limit, floor_of(name, yardstick)) for name, limit in given if limit is not None)
 
