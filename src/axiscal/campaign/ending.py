@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 from axiscal.campaign.sources import Skip
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.expanded import known_to
+from axiscal.estimation.accuracy.expanded import WantedAccuracy, asked, known_to
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.known_rows import known_rows
 from axiscal.exceptions import RecordError, SourceError
 from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
-from axiscal.planning.promise import FEW, WantedAccuracy, asked
+from axiscal.planning.promise import FEW
 from axiscal.record.events import KeptResult
 from axiscal.units import format_quantity
 

@@ -30,6 +30,7 @@ from axiscal_core.threads import one_thread
 AT_ONCE = 400
 """Products of matrices cost the least for some hundreds of readings at a time."""
 _STATED = np.zeros(0)
+"""θ of no size that varies."""
 
 
 class Block(NamedTuple):

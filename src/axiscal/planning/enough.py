@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from functools import partial
 
-from axiscal.estimation.accuracy.expanded import known_to
+from axiscal.estimation.accuracy.expanded import asked, known_to
 from axiscal.estimation.accuracy.yardstick import attainable
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
@@ -21,7 +21,7 @@ from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.other_readings import put_among, with_both_sides, with_rooms
 from axiscal.planning.plan.order import interleaved, set_ups_in_order
 from axiscal.planning.plan.task import Goal, Limits, Task
-from axiscal.planning.promise import FEW, asked, foreseen
+from axiscal.planning.promise import FEW, foreseen
 
 
 def reached_by(case: Case, limits: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()) -> bool:

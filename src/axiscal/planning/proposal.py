@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.expanded import expanded, known_to
+from axiscal.estimation.accuracy.expanded import asked, expanded, known_to
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import PlanError, TargetError
@@ -28,7 +28,7 @@ from axiscal.planning.plan.minutes import stretched
 from axiscal.planning.plan.plan import MANY, Plan, judged
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import asked, foreseen
+from axiscal.planning.promise import foreseen
 from axiscal.planning.unseen import hidden_of
 from axiscal.units import format_quantity, said_quantity, to_unit
 from axiscal_core.threads import one_thread
