@@ -32,7 +32,7 @@ from axiscal.answers.row_words import row_name
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
 from axiscal.campaign.evidence import overruled
-from axiscal.estimation.accuracy.expanded import known_to, reach
+from axiscal.estimation.accuracy.expanded import asked, known_to, reach
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
@@ -44,7 +44,6 @@ from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.reading import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
-from axiscal.planning.promise import asked
 from axiscal.tables.offer import places
 from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by

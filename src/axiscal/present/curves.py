@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.estimation.estimation import Estimation, paths
+from axiscal.estimation.estimation import Estimation
 from axiscal.language.spoken import WORDS, said
 from axiscal.measurement.reading import Reading, units_of
 from axiscal.measurement.reading_rows import seen
@@ -83,7 +83,7 @@ def constants(estimation: Estimation) -> dict[str, ConstantFigures]:
             own[f"{setup.name}: {unknown.name}"] = found
     for setup in case.description.setups:  # how far zeros that may wander came from the first reading to the last
         ways = zip(setup.names, units_of(setup), strict=True)
-        for (way, unit), path in zip(ways, paths(estimation, setup), strict=False):
+        for (way, unit), path in zip(ways, estimation.history.drifts(setup.name), strict=False):
             spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
             sizes = (float(each[-1]) for each in (path.mean, path.std, path.prior))
             own[f"{setup.name}: drift" + (f"_{way}" if way else "")] = _constant(spoken, unit, *sizes)

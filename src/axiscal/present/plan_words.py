@@ -62,7 +62,7 @@ def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
 
 def open_questions(description: CampaignDescription) -> list[str]:
     """Return what descriptions leave open besides a compensation that may be active: sizes that can hardly be meant."""
-    open_yet = [unused_artefacts(description.text), *(each.words for each in description.unsourced)]
+    open_yet = [unused_artefacts(description.text)]
     beside = (
         'How far does the probe of "{setup}" stand beside the nozzle? Write it as offset = ["-33 mm", "-46 mm", '
         '"0 mm"], from the nozzle; until then it is taken to stand at the nozzle, where no axis that rolls deceives it.'
