@@ -43,8 +43,7 @@ from axiscal.document.gone import instead_of
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.artefact import reads_as
-from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.setup import FINEST, Nodes, Reads, Setup, Vector
+from axiscal.measurement.setup import FINEST, MOST, Nodes, Reads, Setup, Vector
 from axiscal.measurement.type_b import type_b_names
 from axiscal.units import dimension_of, format_quantity, within
 from axiscal_core.theta import Sure

@@ -158,7 +158,7 @@ class SiteReader(Stated[SetupTable]):
                 raise self.misstated(
                     "ball" if self.table.ball else key, what, 'Name one, such as ball = "{ball}"', **named
                 )
-            return artefact.balls[balls[0]].place, artefact.unknowns(balls), artefact, balls
+            return artefact.balls[balls[0]].place, _unknowns_at(artefact, balls), artefact, balls
         if place is None:
             remedy = 'Write station = ["0 mm", "0 mm", "100 mm"], in the workpiece frame, or artefact = "cup"'
             raise self.misstated("length", "it is not said about which place the bar turns", remedy)
@@ -204,7 +204,7 @@ class SiteReader(Stated[SetupTable]):
         rooms, spots = tuple(self._room(artefact, ball) for ball in balls), artefact.points[list(balls)]
         where = rooms[0], park, (*number, *turns), spots, rooms, *self._cone(artefact), turning
         chart, moves = Balls(*where, back, coming, self._touching(artefact)), {*turning, *linear_axes(self.machine)}
-        unknowns = (*artefact.unknowns(balls), *self.around.tool)
+        unknowns = (*_unknowns_at(artefact, balls), *self.around.tool)
         placed = {"chart": chart, "contact": contact, "unknowns": unknowns, "artefact": artefact, "balls": balls}
         return self._standing(sorted(moves), park, **placed)
 
@@ -283,6 +283,17 @@ class SiteReader(Stated[SetupTable]):
 
     def _room(self, artefact: Artefact | None, *touching: int) -> Room:
         return Room.among(self.machine, artefact, touching)
+
+
+def _unknowns_at(artefact: Artefact, balls: tuple[int, ...]) -> tuple[Unknown, ...]:
+    """Return what set-ups at some balls of an artefact leave open of where these are."""
+    each = [(artefact.balls[i].name, axis) for i in balls for axis in "xyz"]
+    if artefact.calibrated is None:
+        return tuple(Unknown(f"{ball}_{axis}", artefact.placed, artefact.standing) for ball, axis in each)
+    whole = [Unknown(f"place_{axis}", artefact.placed, artefact.standing) for axis in "xyz"]
+    whole += [Unknown(f"turn_{axis}", artefact.turned, artefact.standing) for axis in "xyz"]
+    whole += [Unknown("scale", artefact.scale, artefact.name)] if artefact.scale > 0 else []
+    return (*whole, *(Unknown(f"{ball}_{axis}", artefact.calibrated, artefact.name) for ball, axis in each))
 
 
 def lacking(machine: Machine, pose: Array) -> str:

@@ -16,11 +16,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.setup import Unknown, Vector
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
 from axiscal_core import rigid
 
+Vector = tuple[float, float, float]
 PLACED, TURNED, SCALE, CONE = 1e-3, 1e-3, 0.5e-6, float(np.radians(100.0))
 
 
@@ -90,16 +90,6 @@ class Artefact:
         balls = tuple(Ball(ball.name, (x, y, z)) for ball, (x, y, z) in zip(self.balls, places, strict=True))
         x, y, z = (put._turned @ self.free).tolist()
         return replace(put, balls=balls, free=(x, y, z))
-
-    def unknowns(self, balls: tuple[int, ...]) -> tuple[Unknown, ...]:
-        """Return what set-ups at some balls leave open of where these are."""
-        each = [(self.balls[i].name, axis) for i in balls for axis in "xyz"]
-        if self.calibrated is None:
-            return tuple(Unknown(f"{ball}_{axis}", self.placed, self.standing) for ball, axis in each)
-        whole = [Unknown(f"place_{axis}", self.placed, self.standing) for axis in "xyz"]
-        whole += [Unknown(f"turn_{axis}", self.turned, self.standing) for axis in "xyz"]
-        whole += [Unknown("scale", self.scale, self.name)] if self.scale > 0 else []
-        return (*whole, *(Unknown(f"{ball}_{axis}", self.calibrated, self.name) for ball, axis in each))
 
     def nearest(self, points: Array, among: tuple[int, ...]) -> NDArray[np.intp]:
         """Return which of some balls each point (m, 3) is next to, (m,)."""

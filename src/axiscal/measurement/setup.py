@@ -41,6 +41,8 @@ Nodes = tuple[float, float, int]
 FINEST = 1e-10
 """No reading is known better than this, m or rad: an atom's width. Smaller noise is a slip, and ends in rounding."""
 
+MOST = 4
+"""Stations that read at once; no more are known to be bought together."""
 STEEL = 11.7e-6
 """1/K, of what scales, screws and workpieces are made of as a rule."""
 

@@ -85,8 +85,6 @@ def _from_zeros(place: Array, u: Unknowns) -> list[Array]:
 
 
 SHIFTS = ("station_x", "station_y", "station_z")
-MOST = 4
-"""Stations; no more are known to be bought together."""
 _OWN = ("zero", *SHIFTS)
 
 
