@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, Knowledge
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path
 from axiscal.estimation.history import History
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from tests.generators import laser_axis

@@ -16,7 +16,6 @@ from axiscal.errors.gauge import MANY_READINGS, unseen_factor
 from axiscal.errors.volume import Alignment, VolumeMoments, even_poses, volume_moments
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.intervals import as_shown
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.artefact import reads_as
@@ -24,7 +23,7 @@ from axiscal.measurement.candidates import corners, spread
 from axiscal.measurement.instruments.distance import TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Place, Places, Reading
-from axiscal.measurement.reading_rows import rows_at
+from axiscal.measurement.reading_rows import places_of, rows_at, seen, visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
@@ -33,6 +32,7 @@ from axiscal_core.eigen import root_of
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.theta import Kind, Sizes
+from axiscal_core.threads import one_thread
 from axiscal_core.usual import sizes_of
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
@@ -45,6 +45,25 @@ _QUICK = 32
 _YARDSTICKS = 4
 """The case as stated, as learnt, with bands and with what explains the readings; 1,000 unknowns take 50 MB each."""
 Columns = tuple[int, int, int]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Knowledge:
+    """What is known while a machine is read: the map to readings and the belief over its unknowns, which grow together.
+
+    observation : with columns for the rests of visited cells; belief : over all its columns
+    A reading opens the rest of each cell that it meets: reading there again does not average the rest away.
+    """
+
+    observation: Observation
+    belief: Normal
+
+    @one_thread()
+    def read(self, readings: Sequence[Reading]) -> Knowledge:
+        """Return what is known after readings."""
+        wider = visited(self.observation, places_of(self.observation.setups, readings))
+        belief, numbers = self.belief.wider(np.sqrt(self.observation.rest_variances(wider))), seen(wider, readings)
+        return Knowledge(wider, belief.read(numbers.rows, numbers.values, numbers.variances))
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,11 +12,10 @@ import numpy as np
 
 from axiscal.estimation.accuracy.expanded import Expanded, expanded, reach
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.estimation.case import Case, Timed
+from axiscal.estimation.case import Case, Knowledge, Timed
 from axiscal.estimation.functionals.asked import AskedRow, rows_served
 from axiscal.estimation.history import History
 from axiscal.estimation.judged import Doubt, objection
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown, map_grid, rest_means, where_read
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, Knowledge
 from axiscal.estimation.intervals import sited
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.problem import problem
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import times_of, with_cells

@@ -17,8 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.case import Case
-from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.case import Case, Knowledge
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.measurement.reading_rows import Seen, scaled_values, seen, shown_by_each
 from axiscal.numerics import Array

@@ -12,8 +12,7 @@ from functools import partial
 
 from axiscal.estimation.accuracy.expanded import asked, known_to
 from axiscal.estimation.accuracy.yardstick import attainable
-from axiscal.estimation.case import Case
-from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.case import Case, Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading

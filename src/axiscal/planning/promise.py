@@ -10,9 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.case import Case, timed
+from axiscal.estimation.case import Case, Knowledge, timed
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import Contribution
 from axiscal.estimation.promise.problem import problem
 from axiscal.exceptions import PlanError
