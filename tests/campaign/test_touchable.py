@@ -117,15 +117,6 @@ def test_what_cannot_be_touched_is_skipped_before_anything_moves() -> None:
     assert not all(skipped)
 
 
-def test_a_trial_above_the_ball_that_has_no_room_is_skipped_too() -> None:
-    campaign = described(8)
-    first = next(request for request in wanted(campaign, 60) if not tried(campaign, request))
-    control = made(campaign)
-    answer = attached(campaign, control, tried=False).read(first)
-    assert isinstance(answer, Skip)
-    assert control.lines == []
-
-
 def tried(campaign: CampaignDescription, request: Request) -> bool:
     try:
         return bool(_WayToBall(campaign.machine, request).trial())

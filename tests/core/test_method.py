@@ -26,14 +26,6 @@ def _paper() -> ac.Case:
     return ac.Case(machine, [dial], usual="off", sure="exactly")
 
 
-def test_figure_4_one_after_another_and_equation_37() -> None:
-    case, taken, falls = _paper(), ac.Places("dial", np.zeros((0, 1))), list[float]()
-    for _ in range(7):
-        taken = taken + case.next(taken if len(taken) else None, criterion="joint")
-        falls.append(case.evaluate(taken, criterion="joint").J)
-    assert falls == pytest.approx([6.862436, 5.292276, 3.733758, 2.213547, 1.077412, 0.619999, 0.196335], abs=5e-5)
-
-
 def test_readings_chosen_together_beat_those_one_after_another() -> None:
     plan = _paper().plan(readings=7, criterion="joint")
     assert pytest.approx(TOGETHER, rel=1e-5) == plan.J

@@ -141,8 +141,6 @@ def _assigned(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ast.expr]]:
             yield from ((name.id, value) for name, value in pairs if isinstance(name, ast.Name))
 
 
-
-
 def _held(nodes: Iterable[ast.AST]) -> dict[str, list[str]]:
     """Return the texts that names are given."""
     found: dict[str, list[str]] = {}

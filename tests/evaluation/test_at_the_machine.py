@@ -208,12 +208,3 @@ def test_tables_are_known_by_what_is_in_them(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     with pytest.raises(TableError, match="no file for LinuxCNC"):
         InForce.from_folder(tmp_path / "empty")
-
-
-def test_nothing_or_anything_may_be_in_force() -> None:
-    InForce().refuse(READY)
-    InForce(True).refuse(READY | {"compensated": [0]})
-    InForce(True).refuse(READY | {"whole": True})
-    for wanted, status in ((InForce(), {"whole": True}), (InForce(), {"compensated": [0]}), (InForce(True), {})):
-        with pytest.raises(SourceError):
-            wanted.refuse(READY | status)

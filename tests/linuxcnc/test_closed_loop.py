@@ -13,11 +13,11 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.tables.registry import export
 from axiscal.tables.round_trip import drawn_and_known
+from benchmarks.linuxcnc_demo import close_loop
 from tests.generators.known import truth_of
-from tests.linuxcnc.demo import EXAMPLES, close_loop, description
 from tests.linuxcnc.lab import can_load
 from tests.linuxcnc.needed import LONG
-from tests.linuxcnc.virtual import LinuxcncMachine
+from tests.linuxcnc.virtual import EXAMPLES, LinuxcncMachine, description
 
 pytestmark = LONG
 

@@ -17,12 +17,11 @@ from axiscal.tables.surface import left_by, rms
 from axiscal.tables.vcomp_applying import fnv1a
 from axiscal.tables.vcomp_file import read
 from tests.figures import held
-from tests.linuxcnc.demo import EXAMPLES
 from tests.linuxcnc.lab import Joint, Session, Settings
 from tests.linuxcnc.needed import WITH_COMPONENT
 from tests.linuxcnc.running import ControlError
 from tests.linuxcnc.test_closed_loop import known, spread
-from tests.linuxcnc.virtual import LinuxcncMachine
+from tests.linuxcnc.virtual import EXAMPLES, LinuxcncMachine
 from tests.tables.test_vcomp_file import signed
 
 pytestmark = [*WITH_COMPONENT, pytest.mark.long]
