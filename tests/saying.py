@@ -1,7 +1,5 @@
 """What the package says in any test is a message that is translated, and each {name} in it has its value."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 from string import Formatter

@@ -1,7 +1,5 @@
 """When an accuracy counts as reached, and when it is said that no reading can reach it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import replace

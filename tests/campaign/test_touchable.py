@@ -1,7 +1,5 @@
 """What is planned can be touched: on random machines, near the ends of their travels, by a control that goes there."""
 
-from __future__ import annotations
-
 import io
 from contextlib import suppress
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The method of the core against the paper, brute force and its own definitions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@
 equation, and a test that checks it, cite it as `B&H eq. 23` or `B&H eq. 21-23`.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ A translator edits `language/translations/NAME.po`; this adds messages that are 
 writes `NAME.mo`, which the program reads.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import tomllib

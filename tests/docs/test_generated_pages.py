@@ -1,7 +1,5 @@
 """Pages made from the code say what the code says; every numbered equation has a function and a test."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The house as built agrees with the house as drawn."""
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

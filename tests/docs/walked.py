@@ -5,8 +5,6 @@
 gives it as JSON.  FOLDER : where the command is given
 """
 
-from __future__ import annotations
-
 import ast
 import io
 import json

@@ -1,7 +1,5 @@
 """Errors of two axes against a plain twin with all control values, and against brute quadrature."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

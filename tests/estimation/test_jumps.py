@@ -1,7 +1,5 @@
 """A zero that jumps is weighed as the dense density says, and named on machines that no model drew.."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

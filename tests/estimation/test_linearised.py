@@ -1,7 +1,5 @@
 """How far from linear readings are: draws of our own, estimates made twice, the exact chain taken off."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """One bad reading: it is found, named, and moves nothing; one that somebody vouches for is believed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The posterior is the mixture that the equations say, it covers what it promises, and names bad readings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -1,7 +1,5 @@
 """An instrument that is sick is weighed as the dense density says, named, and put right."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

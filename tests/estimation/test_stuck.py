@@ -1,7 +1,5 @@
 """An instrument that is stuck is weighed as the dense density says, and named; what a coarse display repeats is not."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from math import log

@@ -1,7 +1,5 @@
 """How far a reading is from what those before it allow, and readings in another unit, which are refused."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A check with spheres that the machine touches itself: where it goes, what may be in force, and what is kept."""
 
-from __future__ import annotations
-
 import hashlib
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The check after compensation: new places, both extremes, and a verdict that knows its uncertainty."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

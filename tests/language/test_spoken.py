@@ -1,7 +1,5 @@
 """Prompt, page and refusals in other languages: nothing is left out, nothing lost on the way to the screen."""
 
-from __future__ import annotations
-
 import re
 from string import Formatter
 

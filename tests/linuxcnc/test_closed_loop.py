@@ -1,7 +1,5 @@
 """The loop on a real control: what LinuxCNC does with our tables is what we said, and the error is gone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

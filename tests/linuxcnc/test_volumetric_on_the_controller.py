@@ -1,7 +1,5 @@
 """The whole correction in LinuxCNC's own servo thread: it sends motors where our reader says, smoothly, and refuses."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ LinuxCNC makes every move; where it sends the motors, the hidden errors of the v
 are loaded into it act as they would on the shop floor.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

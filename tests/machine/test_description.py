@@ -1,7 +1,5 @@
 """Axes and knots of a machine from its TOML text; the built-in machines are what they say."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

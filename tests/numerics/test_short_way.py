@@ -1,7 +1,5 @@
 """Short ways against OR-tools, which finds the shortest of few places and bounds that of many."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from ortools.sat.python import cp_model

@@ -1,7 +1,5 @@
 """A network that fails, and a server that is killed, lose and double nothing: what is sent twice counts once."""
 
-from __future__ import annotations
-
 import contextlib
 import http.client
 import os

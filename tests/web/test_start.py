@@ -1,7 +1,5 @@
 """From nothing to the first reading on the page: what a person sees, touches and types, and what stands on the disk."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
