@@ -26,9 +26,7 @@ pytestmark = pytest.mark.long
 
 SEED = 3
 CONTROL = "linuxcnc-volumetric"
-CAMPAIGN = 'tool_length = "1 um"
-tool_eccentricity = "0.5 um"
-' + table.CAMPAIGN
+CAMPAIGN = 'tool_length = "1 um"\ntool_eccentricity = "0.5 um"\n' + table.CAMPAIGN
 READY: dict[str, Any] = {"compensated": [], "whole": None, "checksum": None}
 
 

@@ -1,7 +1,5 @@
 """What a campaign gave, as texts that are kept: documents with fewer digits and points."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """The steps of a campaign over HTTP, looked at from outside: what is kept is what is on the disk."""
 
-from __future__ import annotations
-
 import io
 import re
 import time
