@@ -4,8 +4,6 @@ The core's instruments are those that a stranger wrote. Both pose their readings
 they have in common, and `tests.generators.dense_posterior` judges that.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

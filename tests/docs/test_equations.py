@@ -3,8 +3,6 @@
 `docs/equations.md` is made from the docstrings here and in the package: a test that checks an equation names it.
 """
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

@@ -3,8 +3,6 @@
 How large it is the core says (`tests/core/test_beside_the_product.py`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

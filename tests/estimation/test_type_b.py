@@ -1,7 +1,5 @@
 """What no reading shows: the page that says it, and its columns worked out by hand."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """ISO 230-2 figures: published evaluations of real tests, a naive twin, the standard's definitions, any readings."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A result such as a five-axis campaign has, a bare one, and one whose every text is an attack."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every misuse of what stands beside the core is refused by a class of ours, which says where."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

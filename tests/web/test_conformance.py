@@ -3,8 +3,6 @@
 `make requests` is the long run; AXISCAL_REQUESTS says how many of each kind.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections import Counter

@@ -1,13 +1,9 @@
 """A network that fails, and a server that is killed, lose and double nothing: what is sent twice counts once."""
 
-from __future__ import annotations
-
 import contextlib
 import http.client
 import os
-import re
 import signal
-import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,9 +11,9 @@ from uuid import uuid4
 
 import pytest
 
-from tests.web.browser import Browser, Page
+from tests.web.browser import Browser
 from tests.web.served import PATIENCE, Served, kept, served, serving, started
-from tests.web.test_page import arrived, stand, type_reading
+from tests.web.test_page import arrived, stand
 
 KILLED = """
 import os, signal, sys
@@ -41,13 +37,6 @@ def killed_at_a_step(record: Path, before: str, *options: str) -> Iterator[Serve
     with serving(record, *options, program=KILLED.format(before=before)) as (page, process):
         yield page
         assert process.wait(timeout=PATIENCE) == -signal.SIGKILL
-
-
-def free_port() -> int:
-    """Return a port that nobody uses."""
-    with socket.socket() as any_free:
-        any_free.bind(("127.0.0.1", 0))
-        return int(any_free.getsockname()[1])
 
 
 @pytest.mark.parametrize("moment", MOMENTS)
@@ -84,35 +73,6 @@ def test_each_step_counts_once_and_a_refused_one_may_come_again(tmp_path: Path) 
             assert page.state()["last"] == once
         assert page.call("undo", after=0, step="no id").status == 422
     assert kept(record) == [-1.7, 0.5]
-
-
-def outbox(page: Page) -> object:
-    """Return what the browser still has to send."""
-    return page.value("localStorage.getItem('axiscal steps')")
-
-
-@pytest.mark.long
-@pytest.mark.chromium
-@pytest.mark.parametrize("moment", MOMENTS)
-def test_the_page_sends_what_the_killed_server_did_not_answer(browser: Browser, tmp_path: Path, moment: str) -> None:
-    record, port = started(tmp_path), str(free_port())
-    with served(record, "--port", port) as first:
-        page = browser.page(768, 1024)
-        arrived(page, first)
-        stand(page)
-        type_reading(page, "-1.7")
-    with killed_at_a_step(record, MOMENTS[moment], "--port", port) as second:
-        page.open(second.address)
-        page.until("document.activeElement.id === 'field'")
-        page.enter("0.5")
-    page.until("document.getElementById('heard').textContent.startsWith('No answer yet')")
-    assert re.findall('"text":"([^"]*)"', str(outbox(page))) == ["0.5"]
-    with served(record, "--port", port) as third:
-        page.open(third.address)
-        page.until("document.getElementById('count').textContent === 'reading 3 of 4'")
-        page.until("localStorage.getItem('axiscal steps') === '[]'")
-        type_reading(page, "0.4")
-    assert kept(record) == [-1.7, 0.5, 0.4]
 
 
 @pytest.mark.long

@@ -1,8 +1,8 @@
 """What an instrument sees of the machine: rows over all unknowns, A of the machine and b of the set-ups.
 
 y = g(t)ᵀ A + f(t)ᵀ b + v (B&H eq. 29-30, and b). The columns are the machine's error coefficients, then the unknowns of
-every set-up. Then follow, as they come, the rests of visited cells and the drifts of zeros that wander. Readings in one
-cell share its rest, so repeating there does not average it away.
+every set-up. Then follow, as they come, the rests of visited cells: an error's part that splines miss, one number in
+each short cell. Readings in one cell share its rest, so repeating there does not average it away.
 
 What has an owner is one quantity wherever it is met: all set-ups that read the same ball share the column of its place.
 
@@ -10,9 +10,8 @@ Where readings are linearised: about the machine that is believed, instead of ab
 
     e_i(x) = f_i(x) − h_i x,    y_i ← y_i − e_i(x)                                                (chord iteration)
 
-f_i what the instrument would show by the exact chain where errors and unknowns are x, h_i the row of the reading. With
-rows at the nominal machine each round converges by the largest rotation, about 1e-3. If that is not enough, the rows
-are taken at x as well (Gauss-Newton; Bell and Cathey 1993).
+f_i what the instrument would show by the exact chain where errors and unknowns are x, h_i the row of the reading. Rows
+stay those of the nominal machine: each round converges by the largest rotation, about 1e-3.
 """
 
 from __future__ import annotations
@@ -25,8 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.volume import MovedErrors, deviations_of
-from axiscal.measurement.cells import Cell, Course
+from axiscal.errors.volume import deviations_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.travel import belongs, feet_of
@@ -68,16 +66,8 @@ def owned(setups: Sequence[Setup]) -> Owned:
     return Owned(tuple(unknown for _, unknown in found.values()), tuple(columns))
 
 
-Zero = tuple[int, int]
-"""Index of a set-up, and the number of its zero: 0, or of each number of its readings."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class About:
-    """point : (k,) errors of the machine, then unknowns of the set-ups; bent : rows are those of the machine there"""
-
-    point: Array
-    bent: bool = False
+Cell = tuple[int, int]
+"""Index of an error with a rest, and the number of the cell along its axis, or of the plane of its axes."""
 
 
 class RestEffects(NamedTuple):
@@ -97,15 +87,14 @@ class Observation:
     """The linear map from all unknowns to readings.
 
     errors : the machine's error model; setups : in the order of the campaign
-    about : where it is linear, None for the nominal machine
-    cells : column of the rest of each visited cell; courses : how each zero has wandered that may
+    about : (k,) errors, then unknowns of the set-ups, about which it is linear; None for the nominal machine
+    cells : column of the rest of each visited cell
     """
 
     errors: Machine
     setups: tuple[Setup, ...]
-    about: About | None = None
+    about: Array | None = None
     cells: Mapping[Cell, int] = field(default_factory=dict)
-    courses: Mapping[Zero, Course] = field(default_factory=dict)
 
     @property
     def machine(self) -> Machine:
@@ -115,13 +104,12 @@ class Observation:
     @cached_property
     def size(self) -> int:
         """Number of unknowns."""
-        wandering = sum(len(course.columns) for course in self.courses.values())
-        return self.errors.size + len(self.unknowns) + len(self.cells) + wandering
+        return self.errors.size + len(self.unknowns) + len(self.cells)
 
     @property
     def bare(self) -> Observation:
         """The map before any cell was visited."""
-        return replace(self, cells={}, courses={})
+        return replace(self, cells={})
 
     def among(self, setups: Collection[int]) -> tuple[Observation, NDArray[np.intp]]:
         """Return the map where other set-ups have no unknowns of their own, and its columns among those here, (k,)."""
@@ -130,11 +118,10 @@ class Observation:
         kept, first = np.arange(bare.size), self.bare.size
         for setup in setups:
             kept[bare.unknowns_of(setup)] = self.unknowns_of(setup)
-        about = None if self.about is None else replace(self.about, point=self.about.point[kept])
+        about = None if self.about is None else self.about[kept]
         shift = first - bare.size
         cells = {cell: column - shift for cell, column in self.cells.items()}
-        courses = {zero: replace(c, columns=tuple(k - shift for k in c.columns)) for zero, c in self.courses.items()}
-        return replace(bare, about=about, cells=cells, courses=courses), np.append(kept, np.arange(first, self.size))
+        return replace(bare, about=about, cells=cells), np.append(kept, np.arange(first, self.size))
 
     def prior_covariance(self) -> Array:
         """Return the covariance of all unknowns before the first reading, (size, size)."""
@@ -148,8 +135,8 @@ class Observation:
         return np.concatenate([np.diagonal(self.errors.covariance()), own])
 
     def rest_variances(self, after: Observation) -> Array:
-        """Return the prior variances of the columns that `after` has beyond this map: rests, and drifts of 1."""
-        result = np.ones(after.size - self.size)
+        """Return the prior variances of the columns that `after` has beyond this map."""
+        result = np.zeros(after.size - self.size)
         for cell, column in after.cells.items():
             if cell not in self.cells:
                 result[column - self.size] = self.errors.terms[cell[0]].rest ** 2
@@ -173,11 +160,8 @@ class Observation:
         """How many numbers a reading of each set-up has, (setups,)."""
         return np.array([len(setup.names) for setup in self.setups], dtype=np.intp)
 
-    def numbers(self, places: Places, times: Array | None = None) -> Numbers:
-        """Return what readings at places would tell (B&H eq. 29-30): rows, and the rests of cells without a column.
-
-        times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
-        """
+    def numbers(self, places: Places) -> Numbers:
+        """Return what readings at places would tell (B&H eq. 29-30): rows, and the rests of cells without a column."""
         each = self.counts[places.setups]
         first, place = np.cumsum(each) - each, np.repeat(np.arange(len(places)), each)
         rows, noise = np.zeros((len(place), self.size)), np.zeros(len(place))
@@ -186,12 +170,10 @@ class Observation:
         cell = np.zeros(reach.shape, dtype=np.intp)
         for index, mine in places.by_setup():
             setup, poses, approaches = self.setups[index], places.poses[mine], places.approaches[mine]
-            at, to = self._places(index, poses, approaches), first[mine][:, None] + np.arange(self.counts[index])
+            at, to = setup.places(poses, approaches), first[mine][:, None] + np.arange(self.counts[index])
             levers = self._levers(index, at)
             rows[to, : self.errors.size] = self._error_rows(index, levers, poses, approaches).swapaxes(0, 1)
             rows[to[:, :, None], self.unknowns_of(index)] = setup.own_slopes(at)
-            for number, course in self._drifts(index):
-                rows[to[:, number, None], course.columns] = course.rows(None if times is None else times[mine])
             noise[to] = np.sqrt(setup.noise**2 + self._unknown_sides(setup, levers, poses, approaches)).T
             found = self._rests(setup, levers, poses, approaches)
             reach[to, : len(found.functions)] = found.reach.transpose(2, 0, 1)
@@ -268,8 +250,8 @@ class Observation:
     def nonlinear_part(self, setup: int, poses: Array, approaches: Array) -> Array:
         """Return what each number of readings shows beside rows times unknowns, where it is not linear, (m, k)."""
         if self.about is not None:
-            point = self.about.point
-            return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
+            shown = self.shown(setup, poses, approaches, self.about)
+            return shown - self._first_order(setup, poses, approaches, self.about)
         mounted = self.setups[setup]
         at, found = mounted.places(poses), mounted.found_at
         linear: Array = mounted.own_slopes(at, [*found]) @ np.array([*found.values()])
@@ -300,18 +282,14 @@ class Observation:
 
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""
-        at = self._places(setup, poses, approaches)
+        at = self.setups[setup].places(poses, approaches)
         rows = self._error_rows(setup, self._levers(setup, at), poses, approaches)
         own: Array = self.setups[setup].own_slopes(at) @ point[self.unknowns_of(setup)]
         return own + (rows @ point[: self.errors.size]).T
 
-    def _drifts(self, setup: int) -> Iterator[tuple[int, Course]]:
-        """Yield the drifts that readings of a set-up show, each with the number that shows it."""
-        return ((number, course) for (owner, number), course in self.courses.items() if owner == setup)
-
     def levers(self, setup: int, poses: Array) -> Array:
         """Return what a unit of each error adds to each number of readings, sides apart, (numbers, terms, m)."""
-        return self._levers(setup, self._places(setup, poses))
+        return self._levers(setup, self.setups[setup].places(poses))
 
     def _levers(self, setup: int, at: At) -> Array:
         mounted = self.setups[setup]
@@ -319,10 +297,6 @@ class Observation:
         if mounted.base is not None:  # what stands on a way sees no other axis, and no carriage
             levers *= np.array([belongs(term, mounted.moves[0]) for term in self.errors.terms])[:, None]
         return levers
-
-    def _places(self, setup: int, poses: Array, approaches: Array | None = None) -> At:
-        actual = self.errors.motion(poses) if isinstance(self.errors, MovedErrors) else None
-        return self.setups[setup].places(poses, approaches, actual)
 
     @cached_property
     def with_rest(self) -> tuple[int, ...]:

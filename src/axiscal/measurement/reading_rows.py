@@ -1,20 +1,19 @@
 """Many readings, of set-ups mixed as they come: all numbers of all of them, one after another.
 
-With readings come unknowns: the rests of cells that they are the first to lie in, and how zeros wander.
+With readings come unknowns: the rests of cells that they are the first to lie in.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.cells import Cell, Course
-from axiscal.measurement.observation import Observation, RestEffects
+from axiscal.measurement.observation import Cell, Observation, RestEffects
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -23,34 +22,20 @@ _ROUNDING = 1e-12
 """A lever of this size is rounding: m/rad, 1, or rad/rad."""
 
 
-def visited(
-    observation: Observation, places: Places, times: Array | None = None, among: Collection[Cell] | None = None
-) -> Observation:
-    """Return the map with columns for the cells of places that had none, and for how far zeros may have wandered.
+def visited(observation: Observation, places: Places) -> Observation:
+    """Return the map with columns for the cells of places that had none.
 
-    times : (m,) of the readings, s, NaN where nobody looked at a clock; among : cells that may have one, None for all
-    Columns come in the order of the places; of each its zeros first, then the cells in the order of the functions.
+    Columns come in the order of the places; of each in the order of the functions.
     """
-    fresh, cells, courses = _fresh_cells(observation, places, among), dict(observation.cells), dict(observation.courses)
-    size = observation.size
-    for i, index in enumerate(places.setups.tolist()):
-        setup = observation.setups[index]
-        time = np.nan if times is None or setup.drift == 0 else float(times[i])
-        for zero in [(index, number) for number in range(0 if np.isnan(time) else len(setup.names))]:
-            before = courses.get(zero)
-            if before is None:
-                courses[zero] = Course.from_zero(setup.drift, time, size)
-            elif before.needs_node(time):
-                courses[zero] = before.with_node(time, size)
-            size += len(courses[zero].columns) - (0 if before is None else len(before.columns))
-        for cell in fresh.get(i, ()):
-            size += cells.setdefault(cell, size) == size
-    return observation if size == observation.size else replace(observation, cells=cells, courses=courses)
+    fresh = _fresh_cells(observation, places)
+    return with_cells(observation, [cell for place in sorted(fresh) for cell in fresh[place]])
 
 
 def with_cells(observation: Observation, visited: Iterable[Cell]) -> Observation:
-    """Return a map without cells or drifts with columns for some cells, in their order."""
-    return replace(observation, cells={cell: observation.size + i for i, cell in enumerate(visited)})
+    """Return the map with columns for those of some cells that had none, in their order."""
+    fresh = dict.fromkeys(cell for cell in visited if cell not in observation.cells)
+    columns = {cell: column for column, cell in enumerate(fresh, start=observation.size)}
+    return replace(observation, cells={**observation.cells, **columns}) if fresh else observation
 
 
 def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffects:
@@ -63,7 +48,7 @@ def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffec
     return found._replace(reach=np.where(reach > _ROUNDING, reach, 0.0))
 
 
-def _fresh_cells(observation: Observation, places: Places, among: Collection[Cell] | None) -> dict[int, list[Cell]]:
+def _fresh_cells(observation: Observation, places: Places) -> dict[int, list[Cell]]:
     """Return the cells without a column whose rest shows at each place, by its index; none for most places."""
     fresh = defaultdict[int, list[Cell]](list)
     for setup, mine in places.by_setup() if observation.with_rest else ():
@@ -72,8 +57,7 @@ def _fresh_cells(observation: Observation, places: Places, among: Collection[Cel
         where, which = np.nonzero((without & (shown.reach > 0)).T)
         cells = zip(shown.functions[which].tolist(), shown.cells[which, where].tolist(), strict=True)
         for place, cell in zip(mine[where].tolist(), cells, strict=True):
-            if among is None or cell in among:
-                fresh[place].append(cell)
+            fresh[place].append(cell)
     return fresh
 
 
@@ -89,9 +73,9 @@ class PlaceRows(NamedTuple):
     place: NDArray[np.intp]
 
 
-def rows_at(observation: Observation, places: Places, times: Array | None = None) -> PlaceRows:
-    """Return what readings at places would tell, cells without columns as noise.  times : as of `numbers`"""
-    found = observation.numbers(places, times)
+def rows_at(observation: Observation, places: Places) -> PlaceRows:
+    """Return what readings at places would tell, cells without columns as noise."""
+    found = observation.numbers(places)
     return PlaceRows(found.rows, observation.variances(found), found.place)
 
 
@@ -111,7 +95,7 @@ class Seen(NamedTuple):
 def seen(observation: Observation, readings: Sequence[Reading]) -> Seen:
     """Return what readings tell, of cells that are visited or not."""
     places = places_of(observation.setups, readings)
-    found = rows_at(observation, places, times_of(readings))
+    found = rows_at(observation, places)
     usual = np.array([setup.noise**2 for setup in observation.setups])[places.setups]
     own = np.array([0.0 if r.std is None else r.std**2 - noise for r, noise in zip(readings, usual, strict=True)])
     values = linear_values(observation, places, readings)

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Self
 import numpy as np
 
 from axiscal.machine.motion import USUAL, Driving
-from axiscal_core import rigid
 from axiscal_core.axes import Axis
 from axiscal_core.instrument import TOOL, Approach, At, Slopes, Unknowns, numbers, own_slopes, slopes
 from axiscal_core.machine import Machine
@@ -247,19 +246,14 @@ class Setup:
     def _nothing(self) -> dict[str, float]:
         return dict.fromkeys((*self.unknown_reads, *(unknown.name for unknown in self.unknowns)), 0.0)
 
-    def places(
-        self, poses: Array, sides: Array | None = None, actual: rigid.Motion | None = None,
-        deviation: Deviation | None = None,
-    ) -> At:  # fmt: skip
+    def places(self, poses: Array, sides: Array | None = None, deviation: Deviation | None = None) -> At:
         """Return places of readings.
 
         poses : (m, q) m or rad; sides : (m, q) from which each axis came, +1 or −1, 0 where nobody said
-        actual : where the tool is believed to be instead of where it is nominally; deviation : what it does there
+        deviation : what the tool does there
         """
         come = np.zeros_like(poses) if sides is None else sides
         moved, turned = np.zeros((2, len(poses), 3)) if deviation is None else deviation
-        if actual is not None:
-            return At(poses, come, actual.translation, actual.rotation, moved, turned)
         nominal = self.machine.frames(poses)
         return At(poses, come, nominal.tcp, nominal.tool, moved, turned)
 

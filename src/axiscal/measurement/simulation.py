@@ -22,7 +22,6 @@ import numpy as np
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine.error_names import error_named
 from axiscal.machine.kinematics import Deviation, actual_deviation, composed
-from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.observation import owned
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
 from axiscal.measurement.readers.csv_table import table_of
@@ -32,6 +31,7 @@ from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import SHORTEST, belongs, feet_of
 from axiscal.numerics import Array
+from axiscal_core.causes import MEMORY
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine

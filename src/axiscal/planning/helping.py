@@ -11,6 +11,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import RowName, Target, Want
+from axiscal.estimation.accuracy.expanded import asked
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
@@ -24,7 +25,6 @@ from axiscal.planning.next_readings import posed
 from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import asked
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.instrument import TOOL
 

@@ -10,12 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.description.target import Target
-from axiscal.estimation.accuracy.expanded import floor_of
-from axiscal.estimation.accuracy.yardstick import Yardstick
-from axiscal.estimation.case import Case, timed
+from axiscal.estimation.case import Case, Knowledge, timed
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import Contribution
 from axiscal.estimation.promise.problem import problem
 from axiscal.exceptions import PlanError
@@ -34,20 +30,6 @@ _TAKEN = 0.5
 """Share of what comes and goes that is taken for the curve, from which on it is said."""
 _AGAIN, _FEWEST = 4, 6
 """Places that are read once more (with all of them a twentieth stays), of a set-up with so many readings."""
-
-
-class WantedAccuracy(NamedTuple):
-    """A target accuracy, and its floor after endless readings, m."""
-
-    name: str
-    limit: float
-    floor: float
-
-
-def asked(target: Target, yardstick: Yardstick) -> tuple[WantedAccuracy, ...]:
-    """Return the accuracies that a target asks for; a campaign ends at the first that is reached."""
-    given = ("rms", target.rms), ("worst", target.worst), ("U", target.expanded)
-    return tuple(WantedAccuracy(name, limit, floor_of(name, yardstick)) for name, limit in given if limit is not None)
 
 
 def foreseen(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> Knowledge:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.estimation.estimation import Estimation, paths
+from axiscal.estimation.estimation import Estimation
 from axiscal.language.spoken import WORDS, said
 from axiscal.measurement.reading import Reading, units_of
 from axiscal.measurement.reading_rows import seen
@@ -33,7 +33,7 @@ def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, Cur
     left = numbers.values[firsts] - rows @ estimation.printed.belief.mean
     drawn = [function for function in estimation.case.errors.curves if function.spline.size > 1]
     drawn.sort(key=lambda function: function.name.endswith("_reversal"))
-    return {each.name: _error(estimation, each, [*_points(estimation, each, readings, rows, left)]) for each in drawn}
+    return {each.name: _error(estimation, each, _points(estimation, each, readings, rows, left)) for each in drawn}
 
 
 def value_unit(function: Term) -> str:
@@ -41,7 +41,7 @@ def value_unit(function: Term) -> str:
     return "urad" if function.angular else "um"
 
 
-def _error(known: Estimation, function: Term, points: list[tuple[float, float]]) -> CurveFigures:
+def _error(known: Estimation, function: Term, points: ReadPoints) -> CurveFigures:
     estimate = known.estimate()
     axis = known.case.errors.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
@@ -63,7 +63,7 @@ def _error(known: Estimation, function: Term, points: list[tuple[float, float]])
         std_seen=to_unit(seen, unit).tolist(),
         prior_std=to_unit(before, unit).tolist(),
         from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(before**2), 0.0, 1.0)),
-        read=ReadPoints(position=[at for at, _ in points], value=[value for _, value in points]),
+        read=points,
     )
 
 
@@ -83,7 +83,7 @@ def constants(estimation: Estimation) -> dict[str, ConstantFigures]:
             own[f"{setup.name}: {unknown.name}"] = found
     for setup in case.description.setups:  # how far zeros that may wander came from the first reading to the last
         ways = zip(setup.names, units_of(setup), strict=True)
-        for (way, unit), path in zip(ways, paths(estimation, setup), strict=False):
+        for (way, unit), path in zip(ways, estimation.history.drifts(setup.name), strict=False):
             spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
             sizes = (float(each[-1]) for each in (path.mean, path.std, path.prior))
             own[f"{setup.name}: drift" + (f"_{way}" if way else "")] = _constant(spoken, unit, *sizes)
@@ -119,19 +119,14 @@ def _shares(rows: Array, function: Term) -> Array:
     return shares
 
 
-def _points(
-    known: Estimation, function: Term, readings: Sequence[Reading], rows: Array, left: Array
-) -> Iterator[tuple[float, float]]:
-    """Yield place and value of each reading that is believed: less what the rest of the model says, per lever."""
-    setups = known.case.description.setups
+def _points(known: Estimation, function: Term, readings: Sequence[Reading], rows: Array, left: Array) -> ReadPoints:
+    """Return place and value of each reading that is believed: less what the rest of the model says, per lever."""
+    setups, axis = known.case.description.setups, known.case.errors.axes[function.axis]
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
-    whole = sum(_shares(rows, each) for each in known.case.errors.curves)
-    unit, axis = value_unit(function), known.case.errors.axes[function.axis]
-    for index in np.flatnonzero(_shares(rows, function) > _BEARS_ON * whole).tolist():
-        reading = readings[index]
-        if function.axis not in moves[reading.setup] or index in known.left_out:
-            continue
-        basis = function.spline.rows(np.array([reading.pose[function.axis]]))[0]
-        lever = float(rows[index, function.columns] @ basis / (basis @ basis))
-        value = float(basis @ known.printed.belief.mean[function.columns]) + float(left[index]) / lever
-        yield to_unit(reading.pose[function.axis], axis.unit), to_unit(value, unit)
+    bears = _shares(rows, function) > _BEARS_ON * sum(_shares(rows, each) for each in known.case.errors.curves)
+    bears &= [function.axis in moves[each.setup] and i not in known.left_out for i, each in enumerate(readings)]
+    at = np.array([reading.pose[function.axis] for reading in readings])[bears]
+    basis = function.spline.rows(at)
+    levers = np.sum(rows[bears][:, function.columns] * basis, axis=1) / np.sum(basis**2, axis=1)
+    values = basis @ known.printed.belief.mean[function.columns] + left[bears] / levers
+    return ReadPoints(position=to_unit(at, axis.unit).tolist(), value=to_unit(values, value_unit(function)).tolist())

@@ -16,7 +16,7 @@ import numpy as np
 from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation, paths
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import WORDS, capital, listed, put, said
@@ -287,7 +287,7 @@ def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
 def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
     """Yield by how much a zero has drifted that may, and whether that is more than stated; nothing if it hardly has."""
     apart = len(setup.names) > 1 and not setup.stations
-    for number, path in enumerate(paths(estimation, setup)):
+    for number, path in enumerate(estimation.history.drifts(setup.name)):
         unit = units_of(setup)[number if apart else 0]
         worst = int(np.argmax(np.abs(path.mean)))
         far, std = float(path.mean[worst]), float(path.std[worst])

@@ -24,9 +24,8 @@ from axiscal.answers.answer import (
 from axiscal.answers.answer_of_campaign import Aims, known_figures
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.stated_type_b import lacks_temperature
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, Knowledge
 from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading import Place, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings, places_of

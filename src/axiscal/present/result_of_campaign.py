@@ -30,7 +30,6 @@ from axiscal.language.stages import stage
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.reading import (
     approach_text,
-    by_text,
     direction_text,
     shown_pose,
     units_of,
@@ -250,12 +249,12 @@ def _history(campaign: Campaign, known: Estimation) -> list[HistoryRow]:
     first, *moments = path(known)
     rows = [HistoryRow(reading=0, **_accuracy(first))]
     for index, (reading, moment) in enumerate(zip(campaign.state.readings, moments, strict=True)):
-        setup, last = known.case.description.setup(reading.setup), moment.innovations
-        assert last is not None  # which it is before the first alone
+        setup = known.case.description.setup(reading.setup)
+        assert moment.surprise is not None  # which it is before the first alone
         units = units_of(setup)
         value, *others = (to_unit(x, own) for x, own in zip((reading.value, *reading.others), units, strict=True))
-        innovation, away = float(last.value[0]), doubts.get(index)
-        surprise = innovation / float(last.std[0]) if away is None else math.copysign(away, innovation)
+        (innovation, std), away = moment.surprise, doubts.get(index)
+        surprise = innovation / std if away is None else math.copysign(away, innovation)
         rows.append(
             HistoryRow(
                 reading=reading.numbered(index),
@@ -268,7 +267,6 @@ def _history(campaign: Campaign, known: Estimation) -> list[HistoryRow]:
                 innovation=to_unit(innovation, units[0]),
                 surprise=surprise,
                 approach=approach_text(known.case.description.machine.axes, reading.approach),
-                by=by_text(reading),
                 rejected=away is not None,
                 **_accuracy(moment),
             )

@@ -257,6 +257,10 @@ class Schematic:
         return drawn(self.parts, frame) + words
 
 
+_DOTS = 300
+"""Readings of a set-up that are drawn: more lie on each other."""
+
+
 def setup_schematic(
     campaign: CampaignDescription,
     setup: Setup,
@@ -270,15 +274,16 @@ def setup_schematic(
     at : where the machine stands, None for one of the places
     """
     own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
-    shown = at or max(own, key=partial(_seen_well, campaign.machine), default=None)
+    dots, open_dots = (some[:: 1 + len(some) // _DOTS] for some in (own, later))
+    shown = at or max(dots, key=partial(_seen_well, campaign.machine), default=None)
     room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts = [
         *_machine(room, setup.moves),
         *_outlines(campaign, room),
         *_instrument(room, setup),
-        *_readings(room, setup, later, "soft", size),
-        *_readings(room, setup, own, "read", size),
+        *_readings(room, setup, open_dots, "soft", size),
+        *_readings(room, setup, dots, "read", size),
     ]
     one_line = len(setup.moves) == 1 and not campaign.machine.axes[setup.moves[0]].rotary
     legend = [

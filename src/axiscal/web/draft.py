@@ -318,9 +318,9 @@ def _records(here: Path) -> tuple[list[shapes.BegunShape], list[str]]:
             record=str(each.file.relative_to(here)),
             machine=each.machine,
             at=each.at,
-            finished=each.finished is not None,
-            taken=each.taken,
-            coming=each.coming,
+            finished=each.state.finished is not None,
+            taken=len(each.state.readings),
+            coming=len(each.state.coming),
         )
         for each in found
     ]
