@@ -15,7 +15,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator, VirtualMachine
-from axiscal.measurement.type_b import type_b_names
+from axiscal.measurement.type_b import rows_of
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
 from axiscal_core.machine import Machine
@@ -269,7 +269,8 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
 
 def _perfect(setup: Setup) -> tuple[tuple[str, float], ...]:
     """Return sizes of nothing for what no reading shows."""
-    return tuple((name, 0.0) for name in type_b_names(type(setup)))
+    kept = "temperature", "expansion"
+    return tuple({row.name: 0.0 for row in rows_of(type(setup)) if row.name not in kept}.items())
 
 
 def _with_tool(attack: Attack, offsets: Offsets) -> Offsets:
