@@ -113,9 +113,9 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
         result, readings = result_of(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
     home = out / RECORD
-    live = home if home.exists() and campaign.path.exists() and home.samefile(campaign.path) else None
-    with speaking("en"), result_set(out, live=live) as folder:
-        if live is None:
+    live = home.exists() and campaign.path.exists() and home.samefile(campaign.path)
+    with speaking("en"), result_set(out) as folder:
+        if not live:
             campaign.log.copy_to(folder / RECORD)
         doubts = [each.text for each in result.warnings]
         for name, each in made.items():
