@@ -152,13 +152,16 @@ def record_of(here: Path, name: str) -> Path:
     return here / name
 
 
-def picture(here: Path, query: shapes.MachineQuery) -> str:
-    """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none."""
-    begun = first_files.of_builtin(query.machine) if query.machine else _beginning(here, kept(here), {})
-    if not query.instrument:
-        return setup_picture(machine_schematic(machine_from_text(begun.text), lengths=not query.small), query.width)
-    campaign = _with(begun, query.instrument)
-    return setup_picture(setup_schematic(campaign, campaign.setups[0], ()), query.width)
+def picture(here: Path, width: float, machine: str, instrument: str, *, lengths: bool) -> str:
+    """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none.
+
+    machine : built-in, "" for that of the draft; lengths : whether its axes say how far they travel
+    """
+    begun = first_files.of_builtin(machine) if machine else _beginning(here, kept(here), {})
+    if not instrument:
+        return setup_picture(machine_schematic(machine_from_text(begun.text), lengths=lengths), width)
+    campaign = _with(begun, instrument)
+    return setup_picture(setup_schematic(campaign, campaign.setups[0], ()), width)
 
 
 def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:

@@ -1,5 +1,5 @@
 // After the end: the tables for a control, how they come into it, and whether they work.
-import { button, call, element, find, on, once, show, text, waiting } from "/elements.js";
+import { button, call, element, find, held, on, show, text, waiting } from "/elements.js";
 import { unitText } from "/pictures.js";
 import { said } from "/words.js";
 
@@ -36,9 +36,13 @@ async function asked(path, body) {
   return ok ? answer : null;
 }
 
-// A refusal is a download that fails, and the page stays.
-async function save(path) {
-  Object.assign(element("a", ""), { href: await once(path), download: "" }).click();
+async function save(path, file) {
+  try {
+    Object.assign(element("a", ""), { href: await waiting(held(path)), download: file }).click();
+    text("controls-fault", "");
+  } catch (refusal) {
+    text("controls-fault", refusal.message);
+  }
 }
 
 async function copy() {
@@ -113,5 +117,5 @@ on("check-virtual", "click", () => {
   for (const [n, side] of ["found", "left"].entries()) fields(side).forEach((field, k) => { field.value = check.places[k].shows[n]; });
   keep();
 });
-on("pdf", "click", () => save("/report.pdf"));
-on("download", "click", () => save(`/tables.zip?${new URLSearchParams({ control: control() })}`));
+on("pdf", "click", () => save("/report.pdf", "report.pdf"));
+on("download", "click", () => save(`/tables.zip?${new URLSearchParams({ control: control() })}`, `${control()}.zip`));
