@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +14,8 @@ from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
 from axiscal.present.result import ConstantFigures, CurveFigures, ReadPoints
 from axiscal.units import said_quantity, to_unit
+from axiscal_core.axes import Axis
+from axiscal_core.normal import Normal
 from axiscal_core.terms import Term
 
 _POSITIONS = 101
@@ -33,7 +34,13 @@ def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, Cur
     left = numbers.values[firsts] - rows @ estimation.printed.belief.mean
     drawn = [function for function in estimation.case.errors.curves if function.spline.size > 1]
     drawn.sort(key=lambda function: function.name.endswith("_reversal"))
-    return {each.name: _error(estimation, each, [*_points(estimation, each, readings, rows, left)]) for each in drawn}
+    found = dict[str, CurveFigures]()
+    for each in drawn:
+        axis, unseen = estimation.case.errors.axes[each.axis], estimation.case.yardstick.unseen[each.columns]
+        points = [*_points(estimation, each, readings, rows, left)]
+        now, before = estimation.printed.belief, estimation.without_readings
+        found[each.name] = curve_figures(each, axis, now, before, unseen, points)
+    return found
 
 
 def value_unit(function: Term) -> str:
@@ -41,28 +48,30 @@ def value_unit(function: Term) -> str:
     return "urad" if function.angular else "um"
 
 
-def _error(known: Estimation, function: Term, points: list[tuple[float, float]]) -> CurveFigures:
-    estimate = known.estimate()
-    axis = known.case.errors.axes[function.axis]
+def curve_figures(
+    function: Term, axis: Axis, now: Normal, before: Normal, unseen: Array, points: Sequence[tuple[float, float]] = ()
+) -> CurveFigures:
+    """Return an error over its axis.
+
+    unseen : (k, r) factor of what no allowed reading can see of its coefficients; points : place and value of readings
+    """
     positions = np.linspace(*axis.travel, _POSITIONS)
-    rows = function.spline.rows(positions)
+    rows, columns, rest = function.spline.rows(positions), function.columns, function.rest**2
     unit, position_unit = value_unit(function), axis.unit
-    told = np.sum((rows @ known.printed.belief.factor[function.columns]) ** 2, axis=1)
-    hidden = np.sum((rows @ known.case.yardstick.unseen[function.columns]) ** 2, axis=1)
-    seen: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)  # without what no allowed reading sees
-    now = estimate.curve(function.name, positions)
-    before = replace(estimate, belief=known.without_readings).curve(function.name, positions).std
+    told, stated, hidden = (
+        np.sum((rows @ each) ** 2, axis=1) for each in (now.factor[columns], before.factor[columns], unseen)
+    )
     return CurveFigures(
         axis=axis.name,
         words=words(function.name),
         position=to_unit(positions, position_unit).tolist(),
-        mean=to_unit(now.mean, unit).tolist(),
-        std=to_unit(now.std, unit).tolist(),
+        mean=to_unit(rows @ now.mean[columns], unit).tolist(),
+        std=to_unit(np.sqrt(told + rest), unit).tolist(),
         position_unit=position_unit,
         value_unit=unit,
-        std_seen=to_unit(seen, unit).tolist(),
-        prior_std=to_unit(before, unit).tolist(),
-        from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(before**2), 0.0, 1.0)),
+        std_seen=to_unit(np.sqrt(np.maximum(told - hidden, 0.0) + rest), unit).tolist(),
+        prior_std=to_unit(np.sqrt(stated + rest), unit).tolist(),
+        from_readings=float(np.clip(1.0 - np.sum(told + rest) / np.sum(stated + rest), 0.0, 1.0)),
         read=ReadPoints(position=[at for at, _ in points], value=[value for _, value in points]),
     )
 
@@ -86,18 +95,19 @@ def constants(estimation: Estimation) -> dict[str, ConstantFigures]:
         for (way, unit), path in zip(ways, paths(estimation, setup), strict=False):
             spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
             sizes = (float(each[-1]) for each in (path.mean, path.std, path.prior))
-            own[f"{setup.name}: drift" + (f"_{way}" if way else "")] = _constant(spoken, unit, *sizes)
+            own[f"{setup.name}: drift" + (f"_{way}" if way else "")] = constant_figures(spoken, unit, *sizes)
     return own
 
 
 def _found(known: Estimation, spoken: str, column: int, unit: str) -> ConstantFigures:
     """Return one number of the belief.  spoken : what it is"""
     stds = (float(np.linalg.norm(each.factor[column])) for each in (known.printed.belief, known.without_readings))
-    return _constant(spoken, unit, float(known.printed.belief.mean[column]), *stds)
+    return constant_figures(spoken, unit, float(known.printed.belief.mean[column]), *stds)
 
 
-def _constant(spoken: str, unit: str, mean: float, std: float, before: float) -> ConstantFigures:
-    shown, spread, first = (to_unit(each, unit) for each in (mean, std, before))
+def constant_figures(spoken: str, unit: str, mean: float, std: float, before: float) -> ConstantFigures:
+    """Return a number with its standard deviation, now and before.  unit : "" where nobody knows its own"""
+    shown, spread, first = (to_unit(float(each), unit) if unit else float(each) for each in (mean, std, before))
     return ConstantFigures(words=spoken, mean=shown, std=spread, unit=unit, prior_std=first)
 
 
