@@ -25,7 +25,7 @@ from axiscal.present.delivery import evaluated, read_in
 from axiscal.present.findings import OF_THE_READING, of_readings
 from axiscal.present.plan_words import open_questions
 from axiscal.present.result_of_campaign import Extras
-from axiscal.present.result_set import RECORD, mend
+from axiscal.present.result_set import RECORD
 from axiscal.tables.exporter import unasked
 from axiscal.units import to_unit
 
@@ -95,7 +95,6 @@ def estimate(
         description, placed, extras, told = read_in(description, readings, length_unit(unit), axis, zero)
     if log is not None:
         placed = (*placed, *placed_log(log, programs, description))
-    mend(out)
     if (out / RECORD).exists():
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
     if told:

@@ -23,7 +23,7 @@ from axiscal.exceptions import RecordError, TargetError
 from axiscal.language.spoken import capital, counted, said
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.demo import description, run_demo
-from axiscal.present.result_set import RECORD, mend
+from axiscal.present.result_set import RECORD
 from axiscal.record.events import Asked, Created, Planned
 from axiscal.record.store import Record
 from axiscal.units import parse_quantity
@@ -58,7 +58,6 @@ def run_loop(
 
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
     again = f'axiscal step run {campaign} --source "{source}" --out {out} --resume'
-    mend(out)
     with ExitStack() as stack:
         opened = _kept_campaign(out / RECORD, description, resume)
         active = bool(description.compensation_active)

@@ -31,7 +31,6 @@ def result_set(folder: Path, manifest: str = MANIFEST) -> Iterator[Path]:
 
     Where the block raises, everything is as before.  Raises OSError.
     """
-    mend(folder)
     fresh, staging = not folder.exists(), folder / f".results.{os.getpid()}.new"
     staging.mkdir(parents=True)
     try:
@@ -48,14 +47,7 @@ def result_set(folder: Path, manifest: str = MANIFEST) -> Iterator[Path]:
     if (folder / manifest).exists():
         os.replace(folder / manifest, staging / _BEFORE)
         sync_folder(folder)
-    _go_on(staging, folder)
-
-
-def mend(folder: Path) -> None:
-    """Bring to its end, or remove, what a writer that is gone has left of results in this folder; raises OSError."""
-    with contextlib.suppress(FileNotFoundError):
-        for path in filter(Path.is_dir, drafts_left(folder, "results")):
-            _go_on(path, folder)
+    _take_places(staging, folder, manifest)
 
 
 def write_manifest(folder: Path, record: RecordState, versions: Mapping[str, str], name: str = MANIFEST) -> None:
@@ -106,22 +98,23 @@ def _refuse_what_blocks(staging: Path, folder: Path) -> None:
                 raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(parent))
 
 
-def _go_on(staging: Path, folder: Path) -> None:
-    manifests = [path for path in staging.iterdir() if path.name.startswith("manifest")]
-    if manifests and not (folder / manifests[0].name).exists():  # else it was whole, and nothing of it has been brought
-        for old in sorted(_listed(staging / _BEFORE) - _listed(manifests[0])):
-            with contextlib.suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
-                (folder / old).unlink()
-            with contextlib.suppress(OSError):  # the folders that held nothing else
-                for parent in list(PurePosixPath(old).parents)[:-1]:
-                    (folder / parent).rmdir()
-        for name in _files(staging):
-            if staging / name not in (*manifests, staging / _BEFORE):
-                (folder / name).parent.mkdir(parents=True, exist_ok=True)
-                os.replace(staging / name, folder / name)
-        for part in {parent for name in _listed(manifests[0]) for parent in PurePosixPath(name).parents}:
-            sync_folder(folder / part)
-        for path in manifests:
-            os.replace(path, folder / path.name)
+def _take_places(staging: Path, folder: Path, manifest: str) -> None:
+    """Bring what is new into a folder, without what a manifest of before, or a writer that is gone, left there."""
+    drafts = {staging, *filter(Path.is_dir, drafts_left(folder, "results"))}
+    new, known = _listed(staging / manifest), (draft / name for draft in drafts for name in (_BEFORE, manifest))
+    for old in sorted(set[str]().union(*map(_listed, known)) - new):
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
+            (folder / old).unlink()
+        with contextlib.suppress(OSError):  # the folders that held nothing else
+            for parent in list(PurePosixPath(old).parents)[:-1]:
+                (folder / parent).rmdir()
+    for name in _files(staging):
+        if name not in (manifest, _BEFORE):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            os.replace(staging / name, folder / name)
+    for part in {parent for name in new for parent in PurePosixPath(name).parents}:
+        sync_folder(folder / part)
+    os.replace(staging / manifest, folder / manifest)
     sync_folder(folder)
-    shutil.rmtree(staging)
+    for draft in drafts:
+        shutil.rmtree(draft)

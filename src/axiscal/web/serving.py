@@ -25,7 +25,6 @@ from axiscal.exceptions import InputError, OvertakenError
 from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
 from axiscal.present.sentences import spelt
-from axiscal.record.signing import writing
 from axiscal.web import after_end, draft, shapes
 from axiscal.web.counter import Counter, lost_interruptions
 from axiscal.web.desk import Desk
@@ -95,9 +94,8 @@ class _Api:
 
         async def done(asked: AnswerDocument) -> shapes.DoneShape:
             fields = dict(asked)
-            own, after = fields.pop("step", ""), fields.pop("after", None)
-            with writing(step=own):
-                sentence = await self._counter.do(lambda desk: desk.once(partial(step, **fields), after))
+            after = fields.pop("after", None)
+            sentence = await self._counter.do(lambda desk: desk.once(partial(step, **fields), after))
             return await self._opened(spelt(sentence))
 
         done.__name__, done.__doc__ = step.__name__, step.__doc__

@@ -209,13 +209,7 @@ class SentenceShape(AnswerDocument):
     sentence: str
 
 
-class OnceRequest(AnswerDocument):
-    """What counts once, however often it is sent.  step : an id of its own, a UUID; "" for none"""
-
-    step: Annotated[str, Field(pattern="^([0-9a-f-]{36})?$")] = ""
-
-
-class StepRequest(OnceRequest):
+class StepRequest(AnswerDocument):
     """A step that needs no more words."""
 
     after: After
@@ -251,7 +245,7 @@ class SkipRequest(StepRequest):
     rest: bool = False
 
 
-class NoteRequest(OnceRequest):
+class NoteRequest(AnswerDocument):
     """A sentence for the record: it answers no question, so no state has to be named."""
 
     text: Short
