@@ -70,7 +70,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
         exception_handlers={
             RequestValidationError: _malformed, AxiscalError: _refused, HTTPException: _not_here, Exception: _defect
         },
-        default_response_class=Answer,
+        default_response_class=PageDocument,
         responses=_REFUSALS,
         dependencies=[Security(token), Depends(_refuse_unknown)],
         docs_url=None,
@@ -81,7 +81,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
     )  # fmt: skip
 
 
-class Answer(JSONResponse):
+class PageDocument(JSONResponse):
     """A document; signs that no text holds, which a person can send, become question marks."""
 
     def render(self, content: Any) -> bytes:
@@ -91,7 +91,7 @@ class Answer(JSONResponse):
 
 def problem(status: int, code: str, sentence: str) -> Response:
     """Return an answer that says what is wrong: by a code for programs and a sentence for people."""
-    return Answer({"problem": code, "sentence": sentence}, status)
+    return PageDocument({"problem": code, "sentence": sentence}, status)
 
 
 async def _words(request: Request) -> Response:

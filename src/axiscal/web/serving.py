@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import io
 import logging
 import os
 import socket
-import zipfile
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from functools import partial
@@ -65,7 +63,7 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "planned", "rows"):
         app.get(f"{ROOT}/{name}")(getattr(api, name))
-    for name in ("state", "typed", "cost", "texts", "check"):
+    for name in ("state", "typed", "cost", "check"):
         app.get(f"{ROOT}/{name}")(getattr(api, name))
     for name in ("draft", "open", "leave"):
         app.post(f"{ROOT}/{name}")(getattr(api, name))
@@ -116,10 +114,6 @@ class _Api:
         words = await self._counter.ask(lambda desk: cost_words(desk.campaign, rest=rest))
         return shapes.SentenceShape(sentence=spelt(cost_sentence(words)))
 
-    async def texts(self, control: shapes.Short) -> shapes.TextsShape:
-        """The tables of a control as texts to copy."""
-        return await self._counter.ask(lambda desk: after_end.table_texts(desk, control))
-
     async def check(self, control: shapes.Short) -> CheckToTake:
         """Where the tables of a control are to be checked."""
         return await self._counter.ask(lambda desk: CheckToTake.of(desk.campaign, control, desk.virtual))
@@ -143,12 +137,9 @@ class _Api:
 
     async def tables_zip(self, control: shapes.Short) -> Response:
         """The tables of a control as one file."""
-        made, packed = await self.texts(control), io.BytesIO()
-        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, text in made.files.items():
-                archive.writestr(f"{made.control}/{name}", text)
-        headers = {"Content-Disposition": f'attachment; filename="{made.control}.zip"'}
-        return Response(packed.getvalue(), media_type="application/zip", headers=headers)
+        packed = await self._counter.ask(lambda desk: after_end.tables_packed(desk, control))
+        headers = {"Content-Disposition": f'attachment; filename="{control}.zip"'}
+        return Response(packed, media_type="application/zip", headers=headers)
 
     async def leave(self) -> None:
         """Close the record, and show the start again."""

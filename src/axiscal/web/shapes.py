@@ -87,13 +87,6 @@ class StateShape(AnswerDocument):
     controls: Sequence[str]
 
 
-class TextsShape(AnswerDocument):
-    """The files for a control, by name."""
-
-    control: str
-    files: Mapping[str, str]
-
-
 class CheckedRequest(AnswerDocument):
     """Readings of a check of the tables of a control as they are typed, in the order of its places."""
 

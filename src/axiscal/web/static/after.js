@@ -1,5 +1,5 @@
 // After the end: the tables for a control, how they come into it, and whether they work.
-import { button, call, element, find, held, on, show, text, waiting } from "/elements.js";
+import { call, element, find, held, on, show, text, waiting } from "/elements.js";
 import { unitText } from "/pictures.js";
 import { said } from "/words.js";
 
@@ -25,7 +25,6 @@ function control() {
 
 function choose() {
   show("verify", control() !== "csv"); // no control loads it
-  find("texts").replaceChildren();
   text("controls-fault", "");
   show("check", false);
 }
@@ -43,15 +42,6 @@ async function save(path, file) {
   } catch (refusal) {
     text("controls-fault", refusal.message);
   }
-}
-
-async function copy() {
-  const texts = await asked(`/texts?${new URLSearchParams({ control: control() })}`);
-  if (texts === null) return;
-  find("texts").replaceChildren(...Object.entries(texts.files).flatMap(([name, content]) => {
-    const copied = button(said("Copy {file}", { file: name }), () => navigator.clipboard.writeText(content));
-    return [copied, Object.assign(element("pre", content), { tabIndex: 0 })];
-  }));
 }
 
 // What was typed is kept by the browser until it is judged: a closed tab loses nothing.
@@ -110,7 +100,6 @@ async function judge() {
 }
 
 on("control", "change", choose);
-on("copy", "click", copy);
 on("verify", "click", verify);
 on("check", "submit", judge);
 on("check-virtual", "click", () => {
