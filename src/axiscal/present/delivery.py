@@ -28,7 +28,7 @@ from axiscal.measurement.readers.probe_offset import place_of
 from axiscal.measurement.reading import Reading
 from axiscal.present.axis_tests_read import iso230_block
 from axiscal.present.conditions import NOT_KNOWN
-from axiscal.present.readings_file import READINGS
+from axiscal.present.readings_file import READINGS, readings_csv
 from axiscal.present.result import Result, TableFile
 from axiscal.present.result_of_campaign import Extras, record_state, result_of
 from axiscal.present.result_set import RECORD, result_set, write_manifest
@@ -111,7 +111,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         offers = [row for name, each in made.items() for row in _offered(name, each, described, answer.withheld)]
         advised = {step.control for step in answer.steps}
         best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
-        result, readings = result_of(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
+        result = result_of(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
     home = out / RECORD
     live = home.exists() and campaign.path.exists() and home.samefile(campaign.path)
     with speaking("en"), result_set(out) as folder:
@@ -127,7 +127,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
             language = language_of_report(described.particulars, None, extras.spoken)
             write_report(campaign, result, folder / "report.pdf", language)
         (folder / "data").mkdir()
-        write_whole(folder / "data" / READINGS, readings)
+        write_whole(folder / "data" / READINGS, readings_csv(campaign, result.history))
         write_manifest(folder, result.record, result.versions)
     return result
 

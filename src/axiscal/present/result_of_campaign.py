@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -90,25 +90,17 @@ class Extras:
     spoken: str = "en"
 
 
-class Made(NamedTuple):
-    """A result, and the content of the file of all readings, whose hash it has."""
-
-    result: Result
-    readings: bytes
-
-
 @stage("the summary")
-def result_of(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
+def result_of(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
     """Return the result of a campaign, in English; `resaid` says it in another language.
 
     known : after all its readings
     """
     with speaking("en"):
-        made = _made(campaign, known, extras)
-        return made._replace(result=resaid(made.result))
+        return resaid(_made(campaign, known, extras))
 
 
-def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
+def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
     case, described, readings, best = known.case, campaign.description, campaign.state.readings, extras.best
     controller, control = ("", None) if best is None else (best.controller, best.control)
     answer = extras.answer or answer_of(campaign, known, {}, anyway=extras.anyway)
@@ -117,12 +109,11 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
     words = answer_text(answer, agreement, evidence_words(campaign.log))
     history, linear, target = _history(campaign, known), linearity(known), described.target
     sources, smaller = budget_rows(known)
-    taken = readings_csv(campaign, history)
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted = [Finding(code="accepted", text=change) for change in changes]
     found = findings(known, ended=campaign.state.finished is not None)
     limits = {"rms": target.rms, "worst": target.worst, "U": target.expanded}
-    result = Result(
+    return Result(
         identity=_identity(campaign),
         words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
         machine=described.machine.name,
@@ -157,10 +148,9 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
         rows=answer.rows,
         tables=extras.tables,
         versions=dict(sorted(versions().items())),
-        inputs={**_checksums(campaign), f"data/{READINGS}": sha256(taken).hexdigest()},
+        inputs={**_checksums(campaign), f"data/{READINGS}": sha256(readings_csv(campaign, history)).hexdigest()},
         record=record_state(campaign),
     )
-    return Made(result, taken)
 
 
 def _uncertainties(known: Estimation, last: HistoryRow, *, withheld: bool) -> dict[str, Any]:
