@@ -49,7 +49,6 @@ from axiscal.present.result import (
     ChecksFigures,
     Finding,
     HistoryRow,
-    Iso230Figures,
     NamedMistake,
     OneCheck,
     RecordState,
@@ -71,7 +70,7 @@ _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangul
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Extras:
-    """What a campaign itself does not know: tables that were written, a finished standard test.
+    """What a campaign itself does not know: tables that were written.
 
     warnings : about what was given, besides those of the estimate
     anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
@@ -81,7 +80,6 @@ class Extras:
     """
 
     tables: Sequence[TableFile] = ()
-    iso230: Sequence[Iso230Figures] = ()
     warnings: Sequence[Finding] = ()
     anyway: bool = False
     checked: TablesChecked | None = None
@@ -135,7 +133,7 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
         plane_errors=planes(known),
         volume=volume_error(known, controller, control) if readings else None,
         constants=constants(known),
-        iso230=extras.iso230 or iso230_blocks(described, readings, known.left_out),
+        iso230=iso230_blocks(described, readings, known.left_out),
         observability=observability(case),
         questions=[
             *questions(described.machine),

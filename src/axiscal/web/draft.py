@@ -133,13 +133,14 @@ def _evaluate(record: Path, described: CampaignDescription, draft: shapes.DraftS
     """Make a record of the readings that were dropped, with its results beside it; raises InputError."""
     from axiscal.present.delivery import deliver, read_in  # pictures and tables, which no draft else waits for
     from axiscal.present.findings import of_readings
+    from axiscal.present.result_of_campaign import Extras
 
     found = read_in(described, record.with_name(draft.file), along=draft.along)
     with Campaign.create(record, found.description) as campaign:
         campaign.adopt(found.readings, found.told)
         campaign.finish("all readings evaluated")
         warnings = of_readings(found.readings, described.setups, described.machine.axes)
-        extras = replace(found.extras, warnings=warnings, spoken=spoken_now())
+        extras = Extras(warnings=warnings, spoken=spoken_now())
         deliver(campaign, campaign.estimate(ended=True), results_beside(record), extras)
 
 
