@@ -7,13 +7,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.estimation.estimation import Estimation, paths
-from axiscal.language.spoken import WORDS, said
-from axiscal.measurement.reading import Reading, units_of
+from axiscal.estimation.estimation import Estimation
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.numerics import Array
 from axiscal.present.result import ConstantFigures, CurveFigures, ReadPoints
-from axiscal.units import said_quantity, to_unit
+from axiscal.units import to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.normal import Normal
 from axiscal_core.terms import Term
@@ -23,7 +22,6 @@ _POSITIONS = 101
 _BEARS_ON = 0.1
 """Share of a reading's sight of an error, from which the reading is drawn at its curve."""
 _SEEN = 0.5
-_UNKNOWNS = WORDS["unknowns"]
 
 
 def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, CurveFigures]:
@@ -77,49 +75,23 @@ def curve_figures(
 
 
 def constants(estimation: Estimation) -> dict[str, ConstantFigures]:
-    """Return location errors, constant reversals, and the unknowns of the set-ups, by name."""
-    case, own = estimation.case, dict[str, ConstantFigures]()
+    """Return location errors and constant reversals, by name."""
+    case, belief, own = estimation.case, estimation.printed.belief, dict[str, ConstantFigures]()
     for function in (each for each in case.errors.curves if each.spline.size == 1):
-        column = function.columns.start
-        found = _found(estimation, words(function.name), column, value_unit(function))
+        column, spoken = function.columns.start, words(function.name)
+        stds = (float(np.linalg.norm(each.factor[column])) for each in (belief, estimation.without_readings))
         hidden = float(np.linalg.norm(case.yardstick.unseen[column]))
         seen_of_it = hidden**2 < _SEEN * float(function.covariance[0, 0])
-        own[function.name] = found.model_copy(update={"seen": seen_of_it})
-    for index, setup in enumerate(case.description.setups):
-        columns = estimation.printed.observation.unknowns_of(index)
-        for column, unknown in zip(columns, setup.unknowns, strict=True):
-            found = _found(estimation, _unknown_words(unknown.name), column, case.unit_of(setup, unknown))
-            own[f"{setup.name}: {unknown.name}"] = found
-    for setup in case.description.setups:  # how far zeros that may wander came from the first reading to the last
-        ways = zip(setup.names, units_of(setup), strict=True)
-        for (way, unit), path in zip(ways, paths(estimation, setup), strict=False):
-            spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
-            sizes = (float(each[-1]) for each in (path.mean, path.std, path.prior))
-            own[f"{setup.name}: drift" + (f"_{way}" if way else "")] = constant_figures(spoken, unit, *sizes)
+        own[function.name] = constant_figures(spoken, value_unit(function), belief.mean[column], *stds, seen=seen_of_it)
     return own
 
 
-def _found(known: Estimation, spoken: str, column: int, unit: str) -> ConstantFigures:
-    """Return one number of the belief.  spoken : what it is"""
-    stds = (float(np.linalg.norm(each.factor[column])) for each in (known.printed.belief, known.without_readings))
-    return constant_figures(spoken, unit, float(known.printed.belief.mean[column]), *stds)
-
-
-def constant_figures(spoken: str, unit: str, mean: float, std: float, before: float) -> ConstantFigures:
+def constant_figures(
+    spoken: str, unit: str, mean: float, std: float, before: float, *, seen: bool = True
+) -> ConstantFigures:
     """Return a number with its standard deviation, now and before.  unit : "" where nobody knows its own"""
     shown, spread, first = (to_unit(float(each), unit) if unit else float(each) for each in (mean, std, before))
-    return ConstantFigures(words=spoken, mean=shown, std=spread, unit=unit, prior_std=first)
-
-
-def _unknown_words(name: str) -> str:
-    """Return what an unknown of a set-up is, such as "station_x", or "low_x" of its ball "low"."""
-    stem, _, way = name.rpartition("_") if name[-2:] in ("_x", "_y", "_z") else (name, "", "")
-    if stem not in _UNKNOWNS:
-        known = said("place of the ball {ball}, {way}", ball=stem, way=way)
-        return known if way else said("{unknown} of the set-up", unknown=name)
-    unknown = said(_UNKNOWNS[stem])
-    whole = said("{unknown} of the set-up", unknown=unknown)
-    return said("{unknown} of the set-up, {way}", unknown=unknown, way=way) if way else whole
+    return ConstantFigures(words=spoken, mean=shown, std=spread, unit=unit, prior_std=first, seen=seen)
 
 
 def _shares(rows: Array, function: Term) -> Array:

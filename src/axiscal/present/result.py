@@ -266,7 +266,7 @@ class Result(AnswerDocument):
     errors: Mapping[str, CurveFigures] = Field(description="by ISO 230-1 name, reversals among them")
     plane_errors: Mapping[str, PlaneMap] = Field(description="errors of two axes together by name, such as EZXY")
     volume: VolumeFigures | None = Field(description="the error of the volume; null before the first reading")
-    constants: Mapping[str, ConstantFigures] = Field(description="location errors, reversals, unknowns of set-ups")
+    constants: Mapping[str, ConstantFigures] = Field(description="location errors and constant reversals")
     iso230: Sequence[Iso230Figures] = Field(description="tests after ISO 230-2")
     observability: Sequence[Text] = Field(description="what cannot be seen")
     questions: Sequence[Text] = Field(description="what nobody has said")
