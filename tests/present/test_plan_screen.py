@@ -55,16 +55,14 @@ def plan(verdict: PlanVerdict, rows: list[PlannedRow], setups: int) -> PlanAnswe
             PlannedSetup(setup=each, instrument="straightedge", moves=["X"], readings=12, minutes=1.0) for each in names
         ],
         steps=[NextStep(code="target"), NextStep(code="start")],
-        criterion="volume",
         points=[],
         units={"X": "mm"},
         readings=123,
         allowed=150,
         minutes=1234.5,
         budget_minutes=1240.0,
-        **dict.fromkeys(("rms_um", "worst_um", "before_rms_um", "unseen_rms_um", "reachable_rms_um", "J"), 1.0),
+        rms_um=1.0,
         bound_rms_um=None,
-        target_met=False,
     )
 
 

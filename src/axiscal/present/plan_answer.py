@@ -51,7 +51,6 @@ class PlanPoint(AnswerDocument):
     artefact: str | None = Field(None, exclude_if=lambda name: name is None)
     ball: str | None = Field(None, exclude_if=lambda name: name is None)
     rms_um: float
-    worst_um: float
     minutes: float
     check: bool = Field(False, exclude_if=lambda check: not check)
 
@@ -59,22 +58,15 @@ class PlanPoint(AnswerDocument):
 class PlanAnswer(PlannedAnswer):
     """A plan in full.
 
-    `points`, `J`, `rms_um` and `worst_um` leave out what no reading shows, such as the error of a wavelength
+    `points` and `rms_um` leave out what no reading shows, such as the error of a wavelength
     units : of the axes
     bound_rms_um : RMS that no plan of as many readings can beat; None where it is below half of `rms_um`
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
-    criterion: str
     points: Sequence[PlanPoint]
     units: Mapping[str, str]
     rms_um: float
-    worst_um: float
-    before_rms_um: float
-    unseen_rms_um: float
-    reachable_rms_um: float
-    target_met: bool
-    J: float
     bound_rms_um: float | None
 
 
@@ -97,16 +89,9 @@ def plan_answer(
     answer = _planned(case, places, passed.__getitem__, limits, begin)
     return PlanAnswer(
         **{**dict(answer), "bought": _bought(buys)},
-        criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},
         rms_um=to_unit(plan.accuracy.rms, "um"),
-        worst_um=to_unit(plan.accuracy.worst, "um"),
-        before_rms_um=to_unit(plan.before.rms, "um"),
-        unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
-        reachable_rms_um=to_unit(case.yardstick.rms_floor, "um"),
-        target_met=answer.verdict == "reached",
-        J=plan.value,
         bound_rms_um=None if plan.bound is None else to_unit(plan.bound, "um"),
     )
 
@@ -204,7 +189,6 @@ def _points(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlanPoi
             artefact=None if artefact is None else artefact.name,
             ball=ball,
             rms_um=to_unit(reading.accuracy.rms, "um"),
-            worst_um=to_unit(reading.accuracy.worst, "um"),
             minutes=to_unit(reading.seconds, "min"),
             check=place.check,
         )

@@ -19,11 +19,10 @@ from axiscal.answers.budget import BudgetShare, budget
 from axiscal.answers.row_words import row_names
 from axiscal.campaign.agreement_words import agreement_words, change_words, mistake_words
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import because_text, reaches
+from axiscal.campaign.ending import because_text
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import Equipment
-from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
@@ -105,12 +104,11 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
     answer = answer.model_copy(update={"checked": extras.checked})
     agreement = agreement_words(known) if readings else ""
     words = answer_text(answer, agreement, evidence_words(campaign.log))
-    history, linear, target = _history(campaign, known), linearity(known), described.target
+    history, linear = _history(campaign, known), linearity(known)
     sources, smaller = budget_rows(known)
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted = [Finding(code="accepted", text=change) for change in changes]
     found = findings(known, ended=campaign.state.finished is not None)
-    limits = {"rms": target.rms, "worst": target.worst, "U": target.expanded}
     return Result(
         identity=_identity(campaign),
         words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
@@ -126,8 +124,6 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
         budget=sources,
         budget_smaller_um=smaller,
         nonlinearity=linear.largest,
-        **{f"target_{name}_um": None if size is None else to_unit(size, "um") for name, size in limits.items()},
-        target_reached=reaches(target, known),
         history=history,
         errors=errors(known, readings),
         plane_errors=planes(known),
@@ -159,7 +155,6 @@ def _uncertainties(known: Estimation, last: HistoryRow, *, withheld: bool) -> di
         "U_um": space,
         "U_axis_um": dict(zip("xyz", axes, strict=True)),
         "U_worst_um": worst,
-        "U_level": LEVEL,
         "k": found.factor(known.accuracy.rms),
         "U_holds_for": conditions(stated),
         "U_along": counted_along(stated),
@@ -299,7 +294,6 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
         readings=sum(reading.setup == setup.name for reading in campaign.state.readings),
         serial=of.serial,
         certificate=of.certificate,
-        temperature=said("{growth:.3g} um/m against 20 degC", growth=setup.growth * 1e6) if setup.growth else "",
     )
 
 
