@@ -422,7 +422,7 @@ def test_dropped_readings_become_an_answer(start: Served) -> None:
     folder = start.record / "three-axis-mill"
     assert sorted(file.name for file in folder.glob("*.rtl")) == ["x.rtl"]
     assert len(kept(folder / "three-axis-mill.axiscal")) == 12
-    assert plain("ISO 230-2, axis X") in of_paper(folder / state["results"] / "report.pdf")
+    assert plain("positioning X") in of_paper(folder / state["results"] / "report.pdf")
 
 
 def test_a_curve_that_cannot_be_planned_is_none(start: Served) -> None:
