@@ -1,20 +1,12 @@
-"""What a person has to be told about readings and an estimate: what does not fit, and what could not be seen.
-
-Readings twice: a file that was added twice, a block that was pasted again, a frozen display. A value is shown once more
-with a probability of at most p = q/(σ√2π), q the step of the values and σ the noise. L values in a row come again
-somewhere among m by chance in at most m²/2 p^L files.
-"""
+"""What a person has to be told about readings and an estimate: what does not fit, and what could not be seen."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.errors.gauge import undescribed
-from axiscal.errors.iso230 import words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.intervals import as_shown
@@ -23,78 +15,12 @@ from axiscal.language.spoken import WORDS, capital, listed, put, said
 from axiscal.measurement.reading import Reading, place_text, reading_unit, sense, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.numerics.displays import last_decimal
 from axiscal.planning.unseen import FEWEST, hidden_of, seeing, sees, unseen_periods
 from axiscal.present.beside import beside_the_tool, lagging
 from axiscal.present.result import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.theta import Kind
-
-_BY_CHANCE = 1e-4
-"""A right file is taken for one with copies once in ten thousand."""
-_FEWEST = 3
-"""Two values that are the same in a row are none, however fine they are: a place read again and its neighbour."""
-
-
-class Copies(NamedTuple):
-    """Readings that show what others showed: indices of the first, there and before; how many."""
-
-    before: int
-    again: int
-    size: int
-
-
-def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
-    """Yield warnings of set-ups whose readings in a file show the same values, one by one, as others before them."""
-    text = (
-        '{count} values of "{setup}" in {again} repeat those in {before}, in the same order. By chance that comes '
-        "in less than one file of ten thousand. Take out what was copied (a file added twice, a block pasted "
-        "again, a display that froze): it counts as read. If all of it was read, state a smaller noise."
-    )
-    for setup in setups:
-        mine = [reading for reading in readings if reading.setup == setup.name]
-        found = repeated(mine, setup.noise)
-        if found is not None:
-            again, before = (_lines(mine, first, first + found.size - 1) for first in (found.again, found.before))
-            yield Finding(
-                code="copies",
-                error=None,
-                text=said(text, setup=setup.name, count=found.size, again=again, before=before),
-            )
-
-
-def _lines(readings: Sequence[Reading], first: int, last: int) -> str:
-    """Return where readings stand in their file, else among the readings of their set-up."""
-    if readings[first].line is None or readings[last].line is None:
-        return said("its readings {first} to {last}", first=first + 1, last=last + 1)
-    return said("lines {first} to {last}", first=readings[first].line, last=readings[last].line)
-
-
-def repeated(readings: Sequence[Reading], noise: float) -> Copies | None:
-    """Return the first readings of one set-up that come again so many in a row that it is no chance, if any do.
-
-    noise : m or rad
-    """
-    values = [reading.values for reading in readings]
-    length = _telling(values, noise)
-    seen: dict[tuple[tuple[float, ...], ...], int] = {}
-    for at in range(len(values) - length + 1):
-        start = seen.setdefault(tuple(values[at : at + length]), at)
-        if at - start >= length:
-            alike = [one == other for one, other in zip(values[start:at], values[at:], strict=False)]
-            return Copies(start, at, [*alike, False].index(False))
-    return None
-
-
-def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
-    """Return how many values in a row do not come again by chance; more than there are where no number does."""
-    step = last_decimal(np.array([number for value in values for number in value]))
-    same = step / (noise * math.sqrt(2 * math.pi)) if noise > 0 else math.inf
-    if same >= 1 or not values:
-        return len(values) + 1
-    each = len(values[0]) * math.log(same)
-    return max(_FEWEST, math.ceil((math.log(_BY_CHANCE) - math.log(len(values) ** 2 / 2)) / each))
 
 
 def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
@@ -132,7 +58,7 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     return [
         *_unobservable(estimation),
         *coarse_displays(estimation.readings, estimation.stated.description.setups),
-        *(each for warned in (beside_the_tool, lagging, turned_alike, once_over) for each in warned(estimation)),
+        *(each for warned in (beside_the_tool, lagging, once_over) for each in warned(estimation)),
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
         *(Finding(code="drift", text=listed(" ", found)) for found in drifted if found),
@@ -140,13 +66,13 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     ]
 
 
-OF_THE_READING = ("sign", "beside", "reversal", "lag", "resolution", "passes", "period")
+OF_THE_READING = ("sign", "beside", "lag", "resolution", "passes", "period")
 """Codes of warnings that other readings, or others in another order, would answer; what weighs most is first."""
 
 
 def of_readings(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> list[Finding]:
     """Return the warnings that readings of a file give before anything is estimated."""
-    return [*copies(readings, setups), *untimed(readings, setups), *hidden_in_files(readings, setups, axes)]
+    return [*untimed(readings, setups), *hidden_in_files(readings, setups, axes)]
 
 
 def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> Iterator[Finding]:
@@ -206,29 +132,6 @@ def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: S
                 others = said(more, places=listed(", ", odd)) if seen else said("Its raster has no others.")
                 named = {"axis": axes[k].name, "period": f"{1 / hidden[0]:.4g} {unit}", "others": others}
                 yield Finding(code="period", text=said(text, setup=setup.name, **named))
-
-
-_ENDS = 0.05
-"""Of the travel, beside the farthest places: who turns there has come as far at each place, from either side."""
-
-
-def turned_alike(estimation: Estimation) -> Iterator[Finding]:
-    """Yield a warning for each reversal that varies along its axis, where the way since a turn would look the same.
-
-    Out and back over the whole travel, a place is reached by one way since the turn from each side.
-    """
-    text = (
-        "The {what} differs from place to place, or it is complete only some way after a turn. Out and back over the "
-        "whole travel both look alike. To tell them apart, read three places again from both sides, soon after a turn."
-    )
-    errors, setups = estimation.case.errors, estimation.case.description.setups
-    for term in errors.curves:
-        axis = errors.axes[term.axis]
-        if term.kind == "reversal" and term.spline.size > 1 and not axis.rotary:
-            found = [_turns(estimation, setup, term.axis) for setup in setups if term.axis in setup.moves]
-            inside = [np.minimum(turns - at.min(), at.max() - turns) for at, turns in found if len(at)]
-            if all(np.all(far < _ENDS * axis.length) for far in inside):
-                yield Finding(code="reversal", error=term.name, text=said(text, what=words(term.name)))
 
 
 def once_over(estimation: Estimation) -> Iterator[Finding]:
