@@ -208,8 +208,8 @@ def test_from_nothing_to_the_first_reading_of_a_router(browser: Browser, start: 
 
 @pytest.mark.chromium
 @pytest.mark.long
-def test_a_lathe_with_a_laser_to_its_tables(browser: Browser, start: Served) -> None:
-    """To the report and the tables; slips at the display are named before anything is written."""
+def test_a_lathe_with_a_laser_to_the_loaded_table(browser: Browser, start: Served) -> None:
+    """To the report and a check of the tables; slips at the display are named before anything is written."""
     person = arrived(browser, start)
     page = person.page
     for words in ("Virtual machine", "lathe"):
@@ -248,6 +248,17 @@ def test_a_lathe_with_a_laser_to_its_tables(browser: Browser, start: Served) -> 
     for words, file in (("Download", "linuxcnc.zip"), ("Report to sign (PDF)", "report.pdf")):
         person.press(words)
         assert arrives(start.record / file)
+    begun = person.actions
+    person.press("Loaded: verify now")
+    person.sees("PLACES TO CHECK")
+    assert person.actions - begun == 1
+    person.press("Judge")
+    person.sees("missing")
+    looked_at(page)
+    person.press("Let the virtual machine read")
+    person.press("Judge")
+    person.sees("AS PROMISED")
+    looked_at(page)
     person.press("Undo")
     page.until("document.activeElement.id === 'stands' || document.activeElement.id === 'field'")
     (start.record / "torn.axiscal").write_text("axiscal record 9\n")
@@ -258,6 +269,7 @@ def test_a_lathe_with_a_laser_to_its_tables(browser: Browser, start: Served) -> 
     page.until("['stands', 'field'].includes(document.activeElement?.id)")
     (record,) = start.record.glob("*/*.axiscal")
     assert start.state()["record"] == record.name
+    assert {"found.csv", "left.csv"} <= {file.name for file in record.parent.iterdir()}
     with served(record) as again:  # the record alone says which machine it is
         assert again.state()["shows"] == start.state()["shows"]
 
