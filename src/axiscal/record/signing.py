@@ -38,8 +38,6 @@ class Hand(NamedTuple):
     computer: str
 
 
-
-
 def own_hand() -> Hand:
     """Return who writes here: the user of this computer, unless AXISCAL_PERSON names somebody."""
     try:
