@@ -25,8 +25,7 @@ from axiscal.machine.kinematics import Deviation, actual_deviation, composed
 from axiscal.measurement.cells import MEMORY
 from axiscal.measurement.observation import Owned
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
-from axiscal.measurement.readers.csv_table import table_of
-from axiscal.measurement.readers.table_cells import Cell, Row
+from axiscal.measurement.readers.csv_table import Cell, Row, table_of
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.measurement.readers.bed_map import is_nodes, nodes
 from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.marlin_map import is_nodes, nodes
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, play_of, zero_note
