@@ -13,7 +13,7 @@ from axiscal.errors.gauge import machine_check, undescribed
 from axiscal.language.spoken import said
 from axiscal.machine import builtin_names, load_machine
 from axiscal.machine.axis import travel_text
-from axiscal.machine.questions import questions, which_way
+from axiscal.machine.questions import which_way
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
 
@@ -66,7 +66,7 @@ def check(
 
     machine = load_machine(str(file))
     hidden, absent = machine_check(machine), undescribed(machine)
-    open_ones = (*questions(machine), *which_way(machine))
+    open_ones = which_way(machine)
     document = {
         "name": machine.name,
         "axes": [axis.name for axis in machine.axes],

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
 from axiscal.document import Document, QuantityText, meant, shown
 from axiscal.document.ports import names
@@ -33,12 +32,6 @@ WARM = 253.15, 333.15
 """-20 and 60 degC, K: no scale is read outside."""
 _LETTER = re.compile(r"([+-]?)([xyzXYZ])")
 WAYS = later('Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame')
-
-
-class Table(BaseModel):
-    """A table in which every key is known and no value is bent to fit; it is read by a `TableContext`."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class TableContext(NamedTuple):

@@ -16,8 +16,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from axiscal.description.fields import Duration, Ends, Spans, Table, Wanted, ends_on, span
+from axiscal.description.fields import Duration, Ends, Spans, Wanted, ends_on, span
 from axiscal.document import Document, QuantityText, nearest, shown
+from axiscal.document.table import Table
 from axiscal.document.validation import Beside, EachAs, ReadAs
 from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.exceptions import DescriptionError

@@ -27,7 +27,7 @@ from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
-from axiscal.machine.questions import questions, which_way
+from axiscal.machine.questions import which_way
 from axiscal.measurement.reading import (
     approach_text,
     by_text,
@@ -147,7 +147,6 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
         iso230=extras.iso230 or iso230_blocks(described, readings, known.left_out),
         observability=observability(case),
         questions=[
-            *questions(described.machine),
             *which_way(described.machine),
             *(each.words for each in described.unsourced),
         ],
