@@ -175,19 +175,17 @@ def find_unit(name: str) -> Unit:
 
 def _split(text: str, dimension: Dimension) -> tuple[str, str]:
     """Return number and canonical unit name of a quantity."""
-    plain, what = text.strip().replace("−", "-"), "{text} is not a number with a unit"
-    found, remedy = _QUANTITY.fullmatch(plain), _expected(dimension)
-    if found is None or found[2] is None or _DECIMAL_COMMA.match(plain):
-        if _NOT_FINITE.match(plain):
-            what = "{text} is not a finite number"
-        elif _DECIMAL_COMMA.match(plain):
-            what, remedy = (
-                "{text} has a comma in its number",
-                said("{write}, and its decimals after a point", write=remedy),
-            )
-        elif found is not None:
-            what = "{text} has no unit (missing unit)"
-        raise UnitError(what, remedy, text=_quoted(text))
+    plain = text.strip().replace("−", "-")
+    found = _QUANTITY.fullmatch(plain)
+    if _NOT_FINITE.match(plain):
+        raise UnitError("{text} is not a finite number", _expected(dimension), text=_quoted(text))
+    if _DECIMAL_COMMA.match(plain):
+        remedy = said("{write}, and its decimals after a point", write=_expected(dimension))
+        raise UnitError("{text} has a comma in its number", remedy, text=_quoted(text))
+    if found is None or found[2] is None:
+        what = "{text} is not a number with a unit"
+        what = what if found is None else "{text} has no unit (missing unit)"
+        raise UnitError(what, _expected(dimension), text=_quoted(text))
     return found[1], _canonical(found[2])
 
 

@@ -126,12 +126,10 @@ def read_model(document: Document, model: type[ModelT], context: object = None) 
         keys, missing = tuple(key for key in detail["loc"] if key != NAME), detail["type"] == "missing"
         if missing and detail["loc"][:-1] in misspelt:
             continue
-        ours = detail.get("ctx", {}).get("faults") or [((), DescriptionError(*_wording(model, keys, detail)))]
-        for below, fault in ours:
-            at = (*keys, *below)
-            of_ours = detail["type"] == "faults"  # what pydantic complains of says already where it is
-            led = document.fault(fault, *at) if of_ours else fault.placed(document.path, document.line(*at))
-            found.append((missing, led))
+        for below, fault in detail.get("ctx", {}).get("faults", ()):
+            found.append((missing, document.fault(fault, *keys, *below)))
+        if detail["type"] != "faults":
+            found.append((missing, _complaint(model, keys, detail).placed(document.path, document.line(*keys))))
     found.sort(key=lambda each: (each[0], each[1].line or 0))
     every = Faults()
     every.found += [fault for _, fault in found]
@@ -139,31 +137,33 @@ def read_model(document: Document, model: type[ModelT], context: object = None) 
     raise AssertionError(f"{details}: this is a defect of axiscal")
 
 
-def _wording(model: type[BaseModel], keys: Keys, detail: ErrorDetails) -> tuple[str, str]:
-    """Return what is wrong and what would be right, for one complaint of pydantic."""
+def _complaint(model: type[BaseModel], keys: Keys, detail: ErrorDetails) -> DescriptionError:
+    """Return the failure that one complaint of pydantic is."""
     kind = detail["type"]
     listed = keys[:-1] if kind == "missing" and keys and isinstance(keys[-1], int) else keys
     if listed and (listed != keys or kind in ("too_long", "too_short")):
         what = said("{keys} has the wrong number of entries", keys=dotted(listed))
-        return what, said("Write {key} = {example}", key=listed[-1], example=_example(model, listed))
+        return DescriptionError(what, said("Write {key} = {example}", key=listed[-1], example=_example(model, listed)))
     name, example = keys[-1] if keys else "", _example(model, keys)
     table = f"[{dotted(keys[:-1])}]" if keys[:-1] else said("the file")
     if kind == "missing":
         what = said('"{name}" is missing in {table}', name=name, table=table)
-        return what, said("Add a line such as {name} = {example}", name=name, example=example)
+        return DescriptionError(what, said("Add a line such as {name} = {example}", name=name, example=example))
     if kind == "extra_forbidden":
-        if instead := instead_of("keys", key_name(keys)):
-            return said("{keys} is gone", keys=dotted(keys)), instead
+        if instead_of("keys", key_name(keys)):
+            return DescriptionError(said("{keys} is gone", keys=dotted(keys)), instead_of("keys", key_name(keys)))
         known = [key for key in _fields(_descend(model, keys[:-1])) if key != NAME]
         what = said('unknown key "{key}" in {table}', key=dotted((name,)), table=table)
-        return what, meant(str(name), known, said("The keys here are {known}", known=", ".join(known)))
+        every = said("The keys here are {known}", known=", ".join(known))
+        return DescriptionError(what, meant(str(name), known, every))
     what = said("{keys}: {text} is not possible here", keys=dotted(keys), text=shown(detail["input"]))
     if kind in ("literal_error", "enum"):
-        return what, said("Write one of {known}", known=detail["ctx"]["expected"])
-    remedy = said(_EXPECTED[kind]) if kind in _EXPECTED else put("{message}", message=detail["msg"])
+        return DescriptionError(what, said("Write one of {known}", known=detail["ctx"]["expected"]))
+    wanted = said(_EXPECTED[kind]) if kind in _EXPECTED else put("{message}", message=detail["msg"])
     if example == "…":
-        return what, remedy
-    return what, said("{remedy}, such as {name} = {example}", remedy=remedy, name=name, example=example)
+        return DescriptionError(what, put("{message}", message=wanted))
+    alike = {"name": name, "example": example}
+    return DescriptionError(what, said("{wanted}, such as {name} = {example}", wanted=wanted, **alike))
 
 
 _EXPECTED = WORDS["expected"]

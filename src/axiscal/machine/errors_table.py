@@ -14,7 +14,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from axiscal.document import QuantityText, quantity_text, shown
-from axiscal.document.table import Table
+from axiscal.document.toml_table import Table
 from axiscal.document.validation import NAME, Beside, QuantityOf, ReadAs, refusal
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import joined, later, said

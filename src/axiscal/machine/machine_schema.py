@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from axiscal.document import QuantityText, meant, shown
-from axiscal.document.table import WITH_NAMES, NamedTable, Table
+from axiscal.document.toml_table import WITH_NAMES, NamedTable, Table
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import ChainError, DescriptionError
 from axiscal.language.spoken import said
@@ -173,13 +173,12 @@ def _axes(tables: Mapping[str, AxisTable], known: Beside) -> dict[str, Axis]:
     if (links := known.data.get("chain")) is None:
         return {}
     names = [link.name for link in links]
-    for name in (*tables, *names):
-        if name not in names or name not in tables:
-            what, remedy = "there is no axis {axis} in the chain", said("Put it there, or take the table out")
-            remedy = meant(name, [each for each in names if each not in tables], remedy, quoted="{}")
-            if name in names:
-                what, remedy = "axis {axis} has no table", said("Add [axes.{axis}] with its travel", axis=name)
-            raise DescriptionError(what, remedy, axis=name)
+    for name in (each for each in tables if each not in names):
+        otherwise = said("Put it there, or take the table out")
+        remedy = meant(name, [each for each in names if each not in tables], otherwise, quoted="{}")
+        raise DescriptionError("there is no axis {axis} in the chain", remedy, axis=name)
+    for name in (each for each in names if each not in tables):
+        raise DescriptionError("axis {axis} has no table", "Add [axes.{axis}] with its travel", axis=name)
     found = ((link, tables[link.name]) for link in links)
     return {
         link.name: iso_axis(

@@ -85,8 +85,8 @@ def axis_test(file: TextFile, around: Around) -> Found:
     words = [*((cell, cell.text) for cell in told), *((table, column.name) for column in table.columns)]
     for where, text in words if test != "circle" else ():  # whose way round ISO 230-4 states
         if _TURN.search(text):
-            what = "which sign {text!r} has depends on the side that one looks from"
-            raise where.fail(what, _TOWARDS, text=text[:40])
+            seen = "which sign {text!r} has depends on the side that one looks from"
+            raise where.fail(seen, _TOWARDS, text=text[:40])
     silent = any(column.stem == "angle" and not column.unit for column in table.columns)
     if silent and any(abs(row.of("angle").number()) > 2 * math.pi for row in table.rows):  # above a turn in rad
         table = table.with_columns(replace(c, stated="deg" if c.stem == "angle" else c.stated) for c in table.columns)

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Literal
 
+from axiscal.machine.error_names import AXIS_NAME
+
 LENGTHS = ("mm", "um", "nm", "m", "in", "inch", "thou", "uin")
 ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
 TILTS = (*ANGLES, "arcmin", "um/m", "mm/m", "in/ft")
@@ -34,6 +36,7 @@ _GRAD = re.compile(r"(?<![^\W_])grad(?![^\W_])", re.IGNORECASE)
 _GERMAN = re.compile(rf"(?<![^\W\d_])(?:{'|'.join(WORDS['german'])})(?![^\W\d_])", re.IGNORECASE)
 _SIGNS = {word: int(sign) for sign, words in WORDS["directions"].items() for word in words}
 _PARTS = re.compile(r"\d{1,9}|[+\-\u2190-\u2193]|[^\W\d_]+")
+_APPROACH = re.compile(f"([+−-])?({AXIS_NAME})([+−-])?")
 _RUN = re.compile(r"[0-9]{1,6}")
 """Of a run or a reading: whoever writes more has slipped."""
 
@@ -110,3 +113,10 @@ def run_of(stem: str) -> tuple[int, int] | None:
     others = [word for word in words if not (sign_of(word) or word in runs or STEMS.get(word) in ("run", "deviation"))]
     alone = not runs and any(map(str.isalpha, stem))
     return (int((runs or ["1"])[0]), ways[0]) if len(runs) + alone == len(ways) == 1 and not others else None
+
+
+def approach_of(text: str) -> dict[str, int] | None:
+    """Return the direction of the last motion (+1, -1) by axis from `X+ Y-`, `X+;Y-` or `+X`, None where it is none."""
+    found = [_APPROACH.fullmatch(each) for each in re.split(r"[\s,;]+", text) if each]
+    approach = {each[2]: sign for each in found if each and (sign := sign_of((each[1] or "") + (each[3] or "")))}
+    return approach if len(approach) == len(found) else None

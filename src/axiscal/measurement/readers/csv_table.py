@@ -38,7 +38,6 @@ from axiscal.measurement.readers.columns import (
     column_of,
     in_deg,
     run_of,
-    sign_of,
     unit_of,
     unread,
 )
@@ -56,7 +55,6 @@ _GROUPED = re.compile(rf"[+-]?[1-9]\d{{0,2}}([.,{_BETWEEN}])\d{{3}}(?:\1\d{{3}})
 _EITHER = re.compile(r"[+-]?[1-9]\d{0,2}([.,])\d{3}", re.ASCII)
 """A number whose only mark may be that of thousands, or the decimal one."""
 _DECIMAL = re.compile(r"[+-]?\d*([.,])\d*(?:[dDeE][+-]?\d+)?", re.ASCII)
-_APPROACH = re.compile(f"([+−-])?({AXIS_NAME})([+−-])?")
 _AXIS = re.compile(f"{AXIS_NAME}(?:_radius|_diameter)?")
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 _QUOTED = re.compile(r'"[^"]*"|\([^()]*\)')
@@ -398,10 +396,3 @@ def csv_text(rows: Iterable[Sequence[str]]) -> str:
 def unshielded(cell: str) -> str:
     """Return the text that a cell stands for."""
     return cell[1:] if cell[:1] == "'" and _FORMULA.match(cell) else cell
-
-
-def approach_of(text: str) -> dict[str, int] | None:
-    """Return the direction of the last motion (+1, -1) by axis from `X+ Y-`, `X+;Y-` or `+X`, None where it is none."""
-    found = [_APPROACH.fullmatch(each) for each in re.split(r"[\s,;]+", text) if each]
-    approach = {each[2]: sign for each in found if each and (sign := sign_of((each[1] or "") + (each[3] or "")))}
-    return approach if len(approach) == len(found) else None
