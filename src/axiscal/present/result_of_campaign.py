@@ -26,7 +26,7 @@ from axiscal.description.campaign import Equipment
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
-from axiscal.machine.questions import questions, which_way
+from axiscal.machine.questions import which_way
 from axiscal.measurement.reading import (
     approach_text,
     direction_text,
@@ -130,7 +130,7 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
         constants=constants(known),
         iso230=iso230_blocks(described, readings, known.left_out),
         observability=observability(case),
-        questions=[*questions(described.machine), *which_way(described.machine)],
+        questions=[*which_way(described.machine)],
         rejected=list(_rejected(known, history)),
         warnings=[*extras.warnings, *accepted, *found, *not_gaussian(linear)],
         answer=answer,
