@@ -25,7 +25,6 @@ from axiscal.description.fields import (
     Span,
     Spans,
     Spot,
-    Table,
     Turn,
     Warm,
     Warmth,
@@ -40,6 +39,7 @@ from axiscal.description.screws import Ground, ScrewsTable
 from axiscal.description.target import TargetTable
 from axiscal.document import Length, QuantityText, meant, shown
 from axiscal.document.gone import instead_of
+from axiscal.document.toml_table import Table
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.artefact import reads_as

@@ -24,8 +24,7 @@ from axiscal.machine.error_names import error_named
 from axiscal.machine.kinematics import Deviation, actual_deviation, composed
 from axiscal.measurement.observation import owned
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
-from axiscal.measurement.readers.csv_table import table_of
-from axiscal.measurement.readers.table_cells import Row
+from axiscal.measurement.readers.csv_table import Row, table_of
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.first_campaign import OFFERED
+from axiscal.description.first_campaign import setups_of
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import RowName, Target, Want
 from axiscal.estimation.accuracy.expanded import asked
@@ -127,7 +127,7 @@ def _of(case: Case, setups: tuple[Setup, ...]) -> Case:
 def _not_there(described: CampaignDescription) -> Iterator[Setup]:
     """Yield the set-ups of usual instruments that a campaign does not have."""
     names, head = {setup.name for setup in described.setups}, described.text.partition("[[setups]]")[0]
-    for text in (text for kind in _KINDS for text in OFFERED[kind].setups(described.machine)):
+    for text in (text for kind in _KINDS for text in setups_of(described.machine, kind)):
         machine = described.machine.text, described.machine_source
         try:
             found = campaign_from_texts(f"{head}\n{text}", described.source, *machine).setups[-1]
