@@ -80,7 +80,7 @@ def test_the_probe_reaches_what_the_mesh_and_the_travels_share(
     file = tmp_path / "printer.cfg"
     file.write_text(MESHED)
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
-    assert "Give --instrument and --target" in command("init", tmp_path / "bed", "--from", file).refusal
+    assert "Nobody answered" in command("init", tmp_path / "bed", "--from", file).refusal
     monkeypatch.setattr("sys.stdin", io.StringIO("\n"))
     command("init", tmp_path / "bed", "--from", file, "--target", "")
     text = (tmp_path / "bed" / "campaign.toml").read_text()
