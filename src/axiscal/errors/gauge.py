@@ -68,24 +68,23 @@ def missing_words(model: Machine, found: list[tuple[Aspect, float]]) -> Iterator
     for aspect, effect in sorted(found, key=lambda pair: -pair[1]):
         groups.setdefault(reading_that_shows(model, aspect.function), []).append((aspect, effect))
     for reading, members in list(groups.items())[:_LISTED]:
-        subject = joined([_phrase(aspect) for aspect, _ in members], _LISTED)
-        effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
+        names, effect = _together(members)
         what = (
             "No allowed set-up shows {subject}. It moves the tool point by {effect} (RMS over the volume); {reading} "
             "would show it."
         )
+        subject = joined([_phrase(aspect) for aspect, _ in members], _LISTED)
         text = said(what, subject=subject, effect=said_quantity(effect, "um", 2), reading=reading)
-        yield Hidden(tuple(aspect.function.name for aspect, _ in members), text, effect)
-    yield from _others(list(groups.values())[_LISTED:])
-
-
-def _others(groups: list[list[tuple[Aspect, float]]]) -> Iterator[Hidden]:
-    members = [member for group in groups for member in group]
-    if members:
-        names = tuple(aspect.function.name for aspect, _ in members)
-        effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
+        yield Hidden(names, text, effect)
+    if others := [member for group in list(groups.values())[_LISTED:] for member in group]:
+        names, effect = _together(others)
         text = "Nor does any allowed set-up show {names}; together they move it by {effect} (RMS over the volume)."
         yield Hidden(names, said(text, names=joined(names), effect=said_quantity(effect, "um", 2)), effect)
+
+
+def _together(members: list[tuple[Aspect, float]]) -> tuple[tuple[str, ...], float]:
+    """Return the names of errors, and what they do together, RMS over the volume, m."""
+    return tuple(aspect.function.name for aspect, _ in members), float(np.linalg.norm([each for _, each in members]))
 
 
 def reading_that_shows(model: Machine, function: Term) -> str:
@@ -146,8 +145,6 @@ def _squarenesses(machine: Machine, named: set[str]) -> Iterator[str]:
             yield f"{about}0{second.name}"
 
 
-__all__ = ["Hidden", "hidden", "machine_check", "unseen_factor"]
-
 MANY_READINGS = 1e6
 _POSES = 1500
 """Poses drawn to see what none shows: some times the unknowns of the largest machine."""
@@ -178,15 +175,14 @@ def unseen_factor(factor: Array, rows: Array) -> Array:
 
 def machine_check(machine: Machine) -> tuple[str, ...]:
     """Return what no reading of the tool point shows: along x, y and z, at any pose, from both directions."""
-    model = machine
-    if not model.size:
+    if not machine.size:
         return ()
     rng = np.random.default_rng(0)
     low, high = np.array([axis.travel for axis in machine.axes]).T
     poses = rng.uniform(low, high, (_POSES, len(low)))
-    rows = model.rows_at(poses, rng.choice([-1.0, 1.0], poses.shape)).reshape(-1, model.size)
-    unseen = unseen_factor(model.root(), rows / _NOISE)
-    return tuple(one.text for one in hidden(model, unseen, none=later("no reading of the tool point")))
+    rows = machine.rows_at(poses, rng.choice([-1.0, 1.0], poses.shape)).reshape(-1, machine.size)
+    unseen = unseen_factor(machine.root(), rows / _NOISE)
+    return tuple(one.text for one in hidden(machine, unseen, none=later("no reading of the tool point")))
 
 
 def hidden(
