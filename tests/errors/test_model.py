@@ -1,7 +1,5 @@
 """H(t) and the machine as it is: against exact derivatives, the prior of a turn, large errors."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

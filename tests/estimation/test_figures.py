@@ -1,7 +1,5 @@
 """Each figure of a yardstick by its definition, pose after pose, for any directions that count or are zeroed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

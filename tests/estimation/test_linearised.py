@@ -1,7 +1,5 @@
 """How far from linear readings are: draws of our own, estimates made twice, the exact chain taken off."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,7 +15,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, Linearity, linearity
 from axiscal.estimation.history import History
-from axiscal.estimation.located import history, located, moved_by
+from axiscal.estimation.located import history, located
 from axiscal.estimation.stations import indices
 from axiscal.machine import load_machine
 from axiscal.measurement.observation import Observation
@@ -71,20 +69,6 @@ def test_the_index_of_few_readings_is_what_draws_of_the_belief_say() -> None:
     assert expected.min() > 0.3
     assert indices(known.knowledge, readings) == pytest.approx(expected, rel=0.4)
     assert indices(known.knowledge, []).shape == (0,)
-
-
-def test_what_is_asked_of_another_round_is_the_step_of_the_mean_in_standard_deviations() -> None:
-    """Readings linearised elsewhere and taken anew; less than a thousandth is nothing."""
-    known, readings = _few(tracers("5 mm", "1 mm"))
-    belief = known.knowledge.belief
-    better = known.case.linear_about(belief.mean)
-    after = history(better, readings).knowledge.belief
-    step = np.linalg.lstsq(belief.factor, after.mean - belief.mean, rcond=None)[0]
-    expected = float(np.sqrt(np.mean(step**2)))
-    assert expected > 0.05
-    assert moved_by(known, better) == pytest.approx(expected, rel=0.1)
-    assert moved_by(known, known.case) == 0.0
-    assert moved_by(history(known.case, []), better) == 0.0
 
 
 def test_the_least_linear_reading_is_named_and_what_is_rounding_is_nothing() -> None:

@@ -1,7 +1,5 @@
 """Both rooms say what the equations say as they stand: value, gradient, information, answers, what is left out."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

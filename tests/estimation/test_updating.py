@@ -1,7 +1,5 @@
 """Many readings absorbed at once are the same as one after the other: belief, innovations, and the history of both."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """What a case measures over, what is seen of it from which sides, and what each source leaves of it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product

@@ -1,7 +1,5 @@
 """Readings from any side are judged by what they see of it, whatever the set-up allows."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Answers as documents, with figures of any size."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -25,7 +25,7 @@ from axiscal.tables.offer import effect_sentence, foreword, shifts
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.surface import CommandedMachine, Effect, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
-from axiscal.tables.vcomp_applying import whole_control
+from axiscal.tables.vcomp_file import whole_control
 from axiscal_core.normal import Normal
 from tests.evaluation.said import idle
 from tests.generators.known import sure

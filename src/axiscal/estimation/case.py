@@ -18,13 +18,12 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import corners, spread
 from axiscal.measurement.instruments.distance import TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import places_of, rows_at, seen, visited
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Itself, Memo
@@ -278,11 +277,6 @@ class Case:
         rows = self.errors.rows_at(poses, np.ones_like(poses))[:, list(self.description.target.counted)]
         off: Array = (rows - rows.mean(axis=0)).reshape(-1, self.errors.size)
         return off.T @ off
-
-    def unit_of(self, setup: Setup, unknown: Unknown) -> str:
-        """Return the unit in which an unknown of a set-up is shown."""
-        reads = setup.unknown_reads.get(unknown.name) or reads_as(unknown.name)
-        return "um" if reads == "length" else "urad"
 
     def index(self, setup: str) -> int:
         """Return the index of a set-up by name; raises DescriptionError."""

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import turn_between
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import numbers_of_setups
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control
@@ -47,7 +46,7 @@ class Readout:
     @cached_property
     def of(self) -> NDArray[np.intp]:
         """The place of each value, (m,)."""
-        return np.repeat(np.arange(len(self.places)), numbers_of_setups(self.setups)[self.places.setups])
+        return np.repeat(np.arange(len(self.places)), [len(self.setups[s].names) for s in self.places.setups])
 
     def each(self) -> Iterator[tuple[Setup, NDArray[np.intp], NDArray[np.bool_], At]]:
         """Yield each set-up with its places (n,), which of the values are its own (m,), and where it stands there."""

@@ -22,12 +22,6 @@ from axiscal.units import said_quantity, to_unit
 COVERAGE_FACTOR = 2.0
 _DRAWS = 1000
 """Tests drawn at random: their scatter is known to two percent of itself."""
-_FEWEST_TO_DOUBT = 3
-"""Of two runs nobody can say which is wrong."""
-_FEWEST_NEIGHBOURS, _DIGITS = 5, 4
-"""Targets by whose neighbours a reading is expected; digits behind a point, of what is read."""
-_FAR, _NEAR = 12.0, 6.0
-"""Usual deviations of a reading that stands off, and of one that fits: neighbours of it stand off by its half."""
 FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
 """The figures of an axis, as `Positioning` names them."""
 _OF_TARGET = ("mean_up", "mean_down", "s_up", "s_down", "B_i", "mean", "R_up_i", "R_down_i", "R_i")
@@ -213,59 +207,9 @@ def _shortfalls(test: PositioningTest, runs: int) -> Iterable[str]:
         yield said("ISO 230-2 asks for five runs in each direction; there are {runs}.", runs=runs)
     if len(test.measured) < 2:
         yield said("Only one direction was measured: reversal and the bidirectional figures are not known.")
-    yield from _lost_points(test)
     gaps = np.diff(test.targets)
     if n > 2 and np.ptp(gaps) < 1e-6 * np.max(gaps):
         yield said("The targets are equally spaced: an error that repeats with this spacing stays unseen.")
-
-
-def _lost_points(test: PositioningTest) -> Iterable[str]:
-    """Say which readings stand off, and would not if their digits had a decimal point again.
-
-    What is expected is the median of the other runs at a target, each as it lies beside this one; of two runs alone and
-    of one, what lies between the neighbours in the same run. Deviations of that are compared with their median.
-    """
-    signs = [sign for sign, runs in (("+", test.up), ("-", test.down)) if runs is not None for _ in runs.T]
-    every = np.concatenate(list(test.measured.values()), axis=1)
-    if every.shape[0] < _FEWEST_NEIGHBOURS:
-        return
-    numbers = [*range(1, signs.count("+") + 1), *range(1, signs.count("-") + 1)]
-    expected = _between(test.targets, every) if every.shape[1] < _FEWEST_TO_DOUBT else _beside(every)
-    left = every - expected
-    usual = max(1.4826 * float(np.median(np.abs(left))), np.finfo(float).tiny)
-    points = every[..., None] / 10.0 ** np.arange(1, _DIGITS + 1)
-    fits = np.abs(points - expected[..., None]) < _NEAR * usual
-    lost = (np.abs(left) > _FAR * usual) & fits.any(axis=2)
-    for target, column in np.argwhere(lost)[np.argsort(-np.abs(left[lost]))][:1]:
-        point = points[target, column][int(np.argmax(fits[target, column]))]
-        yield said(
-            "Run {run} in direction {sign} at {place} reads {read}, and {point} would fit: a decimal point seems lost. "
-            "A and R count it as it is.",
-            run=numbers[column],
-            sign=signs[column],
-            place=said_quantity(float(test.targets[target]), "deg" if test.rotary else "mm"),
-            read=said_quantity(float(every[target, column]), test.value_unit, 6),
-            point=said_quantity(float(point), test.value_unit, 6),
-        )
-
-
-def _beside(every: Array) -> Array:
-    """Return what the other runs say of each reading, (n, c), by medians.  every : (n, c)"""
-    expected = np.empty_like(every)
-    for column, own in enumerate(every.T):
-        others = np.delete(every, column, axis=1)
-        expected[:, column] = np.median(others + np.median(own[:, None] - others, axis=0), axis=1)
-    return expected
-
-
-def _between(targets: Array, every: Array) -> Array:
-    """Return what lies between the neighbours of each reading, (n, c); at an end, beyond them.  targets : (n,)"""
-    expected = np.empty_like(every)
-    for place, at in enumerate(targets):
-        near = np.argsort(np.abs(targets - at), kind="stable")[1:3]
-        (one, other), (first, second) = targets[near], every[near]
-        expected[place] = first + (second - first) * (at - one) / (other - one)
-    return expected
 
 
 def _is_long(test: PositioningTest) -> bool:

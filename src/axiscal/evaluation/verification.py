@@ -248,8 +248,7 @@ def _still(readings: Sequence[Reading]) -> tuple[str, ...]:
 def _seen(readout: Readout, datums: Datums, readings: Sequence[Reading]) -> tuple[Array, Array]:
     """Return what was read, less what is known of the instruments and not linear in their datums, and its std, m."""
     shown = np.array([value for reading in readings for value in reading.values])
-    own = [np.hypot(setup.noise, setup.lag) for setup in readout.setups]
-    noise = np.array([r.std or own[s] for r, s in zip(readings, readout.places.setups, strict=True)])
+    noise = np.array([r.std or readout.setups[s].noise for r, s in zip(readings, readout.places.setups, strict=True)])
     return upright(readout, datums, shown), noise[readout.of]
 
 

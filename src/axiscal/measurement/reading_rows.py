@@ -1,4 +1,4 @@
-"""The rows of many readings, of set-ups mixed as they come: all numbers of all of them, one after another.
+"""Many readings, of set-ups mixed as they come: all numbers of all of them, one after another.
 
 With readings come unknowns: the rests of cells that they are the first to lie in.
 """
@@ -8,14 +8,12 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.cells import Cell, RestEffects, rest_effects
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Cell, Observation, RestEffects
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -36,10 +34,8 @@ def visited(observation: Observation, places: Places) -> Observation:
 def with_cells(observation: Observation, visited: Iterable[Cell]) -> Observation:
     """Return the map with columns for those of some cells that had none, in their order."""
     fresh = dict.fromkeys(cell for cell in visited if cell not in observation.cells)
-    if not fresh:
-        return observation
-    columns = dict(zip(fresh, range(observation.size, observation.size + len(fresh)), strict=True))
-    return replace(observation, cells=MappingProxyType({**observation.cells, **columns}))
+    columns = {cell: column for column, cell in enumerate(fresh, start=observation.size)}
+    return replace(observation, cells={**observation.cells, **columns}) if fresh else observation
 
 
 def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffects:
@@ -47,9 +43,7 @@ def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffec
 
     poses : (m, q)
     """
-    levers = np.max(np.abs(observation.levers(setup, poses)), axis=0)
-    mounted, sides = observation.setups[setup], np.ones_like(poses)
-    found = rest_effects(observation.errors, mounted, levers, poses, sides, observation.with_rest)
+    found = observation.rest_effects(setup, poses)
     reach = np.abs(found.reach)
     return found._replace(reach=np.where(reach > _ROUNDING, reach, 0.0))
 
@@ -59,7 +53,8 @@ def _fresh_cells(observation: Observation, places: Places) -> dict[int, list[Cel
     fresh = defaultdict[int, list[Cell]](list)
     for setup, mine in places.by_setup() if observation.with_rest else ():
         shown = cells_shown(observation, setup, places.poses[mine])
-        where, which = np.nonzero(((observation.cell_columns.visited(shown) < 0) & (shown.reach > 0)).T)
+        without = observation.columns_of(shown.functions[:, None], shown.cells) < 0
+        where, which = np.nonzero((without & (shown.reach > 0)).T)
         cells = zip(shown.functions[which].tolist(), shown.cells[which, where].tolist(), strict=True)
         for place, cell in zip(mine[where].tolist(), cells, strict=True):
             fresh[place].append(cell)
@@ -78,6 +73,12 @@ class PlaceRows(NamedTuple):
     place: NDArray[np.intp]
 
 
+def rows_at(observation: Observation, places: Places) -> PlaceRows:
+    """Return what readings at places would tell, cells without columns as noise."""
+    found = observation.numbers(places)
+    return PlaceRows(found.rows, observation.variances(found), found.place)
+
+
 class Seen(NamedTuple):
     """All numbers of readings.
 
@@ -89,17 +90,6 @@ class Seen(NamedTuple):
     variances: Array
     values: Array
     reading: NDArray[np.intp]
-
-
-def rows_at(observation: Observation, places: Places) -> PlaceRows:
-    """Return what readings at places would tell, cells without columns as noise."""
-    each = numbers_of_setups(observation.setups)[places.setups]
-    first, count = np.cumsum(each) - each, int(each.sum())
-    rows, variances = np.zeros((count, observation.size)), np.zeros(count)
-    for setup, mine in places.by_setup():
-        for number, part in enumerate(observation.rows_each(setup, places.poses[mine], places.approaches[mine])):
-            rows[first[mine] + number], variances[first[mine] + number] = part
-    return PlaceRows(rows, variances, np.repeat(np.arange(len(places)), each))
 
 
 def seen(observation: Observation, readings: Sequence[Reading]) -> Seen:
@@ -114,12 +104,12 @@ def seen(observation: Observation, readings: Sequence[Reading]) -> Seen:
 
 def linear_values(observation: Observation, places: Places, readings: Sequence[Reading]) -> Array:
     """Return the values of all numbers of readings, what is not linear in the unknowns taken off, (m,)."""
-    beside = [np.zeros(0)] * len(places)
+    each = observation.counts[places.setups]
+    values, first = scaled_values(observation.setups, readings), np.cumsum(each) - each
     for setup, mine in places.by_setup():
-        parts = observation.nonlinear_part(setup, places.poses[mine], places.approaches[mine])
-        for index, part in zip(np.arange(len(places))[mine], parts, strict=True):
-            beside[index] = part
-    return scaled_values(observation.setups, readings) - np.concatenate(beside or [np.zeros(0)])
+        to = first[mine][:, None] + np.arange(observation.counts[setup])
+        values[to] -= observation.nonlinear_part(setup, places.poses[mine], places.approaches[mine])
+    return values
 
 
 def scaled_values(setups: Sequence[Setup], readings: Sequence[Reading]) -> Array:
@@ -134,13 +124,13 @@ def shown_by_each(observation: Observation, readings: Sequence[Reading], points:
     points : (n, k) errors, then unknowns
     """
     places = places_of(observation.setups, readings)
-    each = numbers_of_setups(observation.setups)[places.setups]
+    each = observation.counts[places.setups]
     first, result = np.cumsum(each) - each, np.zeros((len(points), int(each.sum())))
     for setup, mine in places.by_setup():
+        to = first[mine][:, None] + np.arange(observation.counts[setup])
         shown = observation.shown_by_each(setup, places.poses[mine], places.approaches[mine], points)
         for values, one in zip(result, shown, strict=True):
-            for number in range(one.shape[1]):
-                values[first[mine] + number] = one[:, number]
+            values[to] = one
     return result
 
 
@@ -162,8 +152,3 @@ def blank_readings(setups: Sequence[Setup], places: Sequence[Place]) -> list[Rea
 def times_of(readings: Sequence[Reading]) -> Array:
     """Return when readings were taken, (m,) s; NaN where nobody looked at a clock."""
     return np.array([np.nan if reading.time is None else reading.time for reading in readings])
-
-
-def numbers_of_setups(setups: Sequence[Setup]) -> NDArray[np.intp]:
-    """Return how many numbers a reading of each set-up has, (setups,)."""
-    return np.array([len(setup.names) for setup in setups], dtype=np.intp)

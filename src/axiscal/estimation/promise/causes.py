@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
+from axiscal.measurement.reading_rows import places_of, times_of
 from axiscal.measurement.travel import feet_of
 from axiscal.measurement.type_b import Read, TypeB, rows_of
 from axiscal.numerics import Array
@@ -73,7 +73,7 @@ def at_feed(observation: Observation, readings: Sequence[Reading]) -> Iterator[A
     At a feed v axes lag by v τ. Along a bar at angle φ that shows ± v Δτ sin φ cos φ, the sign that of the way round.
     """
     places, times = places_of(observation.setups, readings), np.nan_to_num(times_of(readings))
-    last = np.cumsum(numbers_of_setups(observation.setups)[places.setups])
+    last = np.cumsum(observation.counts[places.setups])
     for index, chosen in places.by_setup():
         setup = observation.setups[index]
         if setup.site != "bar":
@@ -180,7 +180,7 @@ def contributions(
 
     values : of each reading, m or rad; None before they are read; usual : with sizes that nobody stated
     """
-    found, each = dict[tuple[str, str], Contribution](), numbers_of_setups(observation.setups)[places.setups]
+    found, each = dict[tuple[str, str], Contribution](), observation.counts[places.setups]
     first = np.cumsum(each) - each
     for index, chosen in places.by_setup():
         setup, mine = observation.setups[index], np.arange(len(places))[chosen]

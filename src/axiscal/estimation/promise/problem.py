@@ -14,7 +14,6 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import (
     cells_shown,
-    numbers_of_setups,
     places_of,
     seen,
     times_of,
@@ -58,7 +57,7 @@ def problem(
     """
     sizes = replace(sizes, share=min(1.0, len(readings) / MANY))
     machine, places, setups = observation.errors, places_of(observation.setups, readings), observation.setups
-    reading = np.repeat(np.arange(len(places)), numbers_of_setups(setups)[places.setups])
+    reading = np.repeat(np.arange(len(places)), observation.counts[places.setups])
     causes = contributions(observation, places, [each.values for each in readings], usual)
     passing, lacking = passing_columns(observation, places, reading, np.nan_to_num(times_of(readings)), usual)
     before, start = [*passing], sum(columns.shape[1] for _, _, columns in passing)
