@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.evaluation.check import Check
-from axiscal.evaluation.datums import datums_of, upright
-from axiscal.evaluation.verification import values_at
+from axiscal.evaluation.datums import Readout, datums_of, upright
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Places
 from tests.commands import Command
@@ -90,8 +89,9 @@ def test_a_tracker_set_down_by_eye_shows_the_machine_and_not_its_turn() -> None:
     tips = description.machine.frames(poses).tcp
     shown = turn.apply(tips + deviations - station) + station - tips
     places = Places.of_setup(0, poses, np.zeros_like(poses))
-    datums = datums_of(description.machine, description.setups, places, 1e-6)
-    left = datums.free @ upright(description.machine, description.setups, places, datums, shown.ravel())
+    readout = Readout(description.machine, description.setups, places)
+    datums = datums_of(readout, 1e-6)
+    left = datums.free @ upright(readout, datums, shown.ravel())
     left -= datums.free @ deviations.ravel()
     assert np.abs(left).max() < 2e-8
     assert np.abs(datums.free @ shown.ravel() - datums.free @ deviations.ravel()).max() > 2e-5
@@ -109,7 +109,7 @@ def test_a_check_tells_the_machine_from_every_set_up_that_it_reads(count: int | 
     places = two_setups.planned(count)
     assert count is None or len(places) == count
     judged = two_setups.judged(two_setups.asked(f"sim:{SEED}", places), "1 nm")
-    assert len(judged.left) == len(values_at(two_setups.description.setups, places).of)
+    assert len(judged.left) == sum(3 if setup == 0 else 1 for setup in places.setups.tolist())
     assert int(np.sum(places.setups == 0)) not in (1, 2)
 
 

@@ -15,7 +15,7 @@ from axiscal.description.first_files import first_described, of_builtin
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.datums import datums_of
+from axiscal.evaluation.datums import Readout, datums_of
 from axiscal.evaluation.table_checks import Judgement
 from axiscal.evaluation.verification import judge
 from axiscal.measurement.reading import Places, Reading
@@ -142,7 +142,7 @@ def test_both_legs_of_a_square_show_how_square_the_machine_is() -> None:
     poses[:4, 0] += at
     poses[4:, 1] += at
     places = Places(np.repeat([0, 1], 4), poses, np.zeros_like(poses))
-    datums = datums_of(of.machine, of.setups, places, 30e-6)
+    datums = datums_of(Readout(of.machine, of.setups, places), 30e-6)
     turned, one_leg = 1e-3 * np.r_[at, -at], 1e-3 * np.r_[at, 0 * at]
     assert datums.lines == ("square XY",)
     assert np.abs(datums.free @ turned).max() < 1e-12

@@ -17,7 +17,7 @@ from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
 from axiscal.estimation.learnt import posed, posterior_of, without_bad
-from axiscal.estimation.located import history, linear, located, refuse_mirrors
+from axiscal.estimation.located import history, located, refuse_mirrors
 from axiscal.estimation.stations import progressed
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
@@ -33,14 +33,11 @@ def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
     implausible = judged(case, times.readings)
     if not times.readings:
         return Estimation(stated, times, implausible, {}, history(case, ()))
-    bends = case.bends
-    case = progressed(case, times.readings, implausible) if bends else case
+    case = progressed(case, times.readings, implausible) if case.bends else case
     kept = without_bad(case, times.readings, implausible)
     implausible = {index: each for index, each in implausible.items() if index not in kept.mine.problem.reading}
     bad = {index: Doubt(index, each.z) for index, each in kept.bad.items()}
-    known = history(case.rescaled(kept.sizes), times.readings, [*implausible, *bad])
-    if bends or not linear(case, times.readings, kept):
-        known = located(known)
+    known = located(history(case.rescaled(kept.sizes), times.readings, [*implausible, *bad]))
     at, taken = case.linear_as(known.case), known.normal
     if taken is known.readings and at.about is case.about and at.description == case.description:
         at = case

@@ -66,8 +66,12 @@ class Estimation:
 
     @cached_property
     def printed(self) -> Knowledge:
-        """Knowledge with the bands that are printed, sizes averaged over."""
-        return printed(self.knowledge, self.posterior, self.widening)
+        """Knowledge with the bands that are printed: sizes averaged over, variances as much larger as checks say."""
+        found = self.posterior
+        if found is None:
+            return self.knowledge
+        spread = self.widening * (found.covariance + found.covariance.T) / 2
+        return Knowledge(self.case.observation, Normal.of_factor(found.mean, root_of(spread), found.degrees))
 
     @property
     def widening(self) -> float:
@@ -155,18 +159,6 @@ class Estimation:
         """Return which reading it is that has this index among the readings: its number, set-up and place."""
         reading, described = self.readings[index], self.stated.description
         return reading_text(described.machine.axes, described.setup(reading.setup), reading, index)
-
-
-def printed(knowledge: Knowledge, found: Posterior | None, widening: float) -> Knowledge:
-    """Return the posterior as knowledge of errors and set-ups' unknowns.
-
-    knowledge : at the sizes as learnt; found : None before the first reading
-    Variances grow by what checks say beside all readings, the larger of both.
-    """
-    if found is None:
-        return knowledge
-    spread = widening * (found.covariance + found.covariance.T) / 2
-    return Knowledge(knowledge.observation.bare, Normal.of_factor(found.mean, root_of(spread), found.degrees))
 
 
 @one_thread()

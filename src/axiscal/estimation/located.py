@@ -9,16 +9,13 @@ import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.history import History
-from axiscal.estimation.promise.posterior import Sorted
 from axiscal.estimation.stations import MOST, BentReadings, Optimum, mirrored, polished
 from axiscal.exceptions import AmbiguityError
 from axiscal.language.spoken import said
-from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn, place_text
 from axiscal.measurement.reading_rows import linear_values, places_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
-from axiscal_core.spaces import variances_of
 
 
 def history(case: Case, readings: Sequence[Reading], left_out: Iterable[int] = ()) -> History:
@@ -31,26 +28,6 @@ def history(case: Case, readings: Sequence[Reading], left_out: Iterable[int] = (
 _ROUNDS = 12
 _LINEAR = 1e-2
 """RMS over all directions, in σ, of what the exact machine would change: less is not worth a second round."""
-
-
-def linear(case: Case, readings: Sequence[Reading], kept: Sorted) -> bool:
-    """Return whether the machine that readings show changes none of them by as much as counts.
-
-    It does not where ‖Δe/σ‖/√N, which is never less than what the mean would move by, is less than that.
-    case : which does not bend, with the sizes as stated; kept : the readings without the bad ones
-    """
-    whole, weighed = kept.problem, kept.mine.found
-    found = weighed.given[int(np.argmax(weighed.weights))]
-    change = _changed(case.observation, found.without_causes().mean, readings) / whole.noise
-    counts = np.isin(whole.reading, kept.mine.problem.reading)
-    squares = change**2 / variances_of(whole, found.theta)
-    return bool(np.sum(squares[counts]) < _LINEAR**2 * whole.answered)
-
-
-def _changed(observation: Observation, about: Array | None, readings: Sequence[Reading]) -> Array:
-    """Return by how much the values of readings fall when they are linearised elsewhere, (m,) m or rad."""
-    places, there = places_of(observation.setups, readings), replace(observation, about=about)
-    return linear_values(observation, places, readings) - linear_values(there, places, readings)
 
 
 def located(known: History) -> History:
@@ -92,7 +69,9 @@ def moved_by(known: History, better: Case) -> float:
     With S Sᵀ the covariance it is ‖Sᵀ Hᵀ R⁻¹ Δe‖/√N, and never more than ‖Δe/σ‖/√N.
     """
     observation, counts = known.case.observation, ~np.isin(known.problem.reading, [*known.left_out])
-    change = counts * _changed(observation, better.about, known.readings) / known.problem.noise
+    places, there = places_of(observation.setups, known.readings), replace(observation, about=better.about)
+    here, moved = (linear_values(each, places, known.readings) for each in (observation, there))
+    change = counts * (here - moved) / known.problem.noise
     if np.linalg.norm(change) < SETTLED * np.sqrt(known.rows.shape[1]):
         return 0.0
     return float(np.sqrt(np.mean((known.root.T @ (known.rows.T @ change)) ** 2)))

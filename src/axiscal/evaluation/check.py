@@ -23,16 +23,14 @@ from axiscal.description.target import Target
 from axiscal.document.durable import write_whole
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.datums import fewest
-from axiscal.evaluation.table_checks import Judgement, Part, far_from, parts_of, taken_away
+from axiscal.evaluation.datums import Readout, datums_of, fewest, taken_away
+from axiscal.evaluation.table_checks import Judgement, Part, far_from, parts_of
 from axiscal.evaluation.verification import (
     SAME,
     expected,
     judge,
     plan_check,
-    values_at,
     with_displacements,
-    without_zeros,
 )
 from axiscal.exceptions import InputError, ReadingError, SourceError, TargetError
 from axiscal.language.spoken import said
@@ -158,8 +156,8 @@ class Check:
         """The tables, each by itself, those first that correct most."""
         machine, lattice = self.description.machine, self.estimation.case.lattice
         places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // _PROBES)))
-        parts, setups = parts_of(self.estimate, self.tables), self.description.setups
-        return tuple(sorted(parts, key=lambda part: -float(np.std(taken_away(machine, part, setups, places)))))
+        parts, readout = parts_of(self.estimate, self.tables), Readout(machine, self.description.setups, places)
+        return tuple(sorted(parts, key=lambda part: -float(np.std(taken_away(readout, part.control)))))
 
     @cached_property
     def exhausted(self) -> set[str]:
@@ -169,19 +167,16 @@ class Check:
         return {
             setups[index].name
             for index, mine in lattice.by_setup()
-            if np.sum(new[mine]) < fewest(machine, setups[index], lattice.poses[mine], 0.0)
+            if np.sum(new[mine]) < fewest(setups[index], lattice.poses[mine], 0.0)
         }
 
     def predicted(self, places: Places) -> tuple[list[Array], list[Array]]:
         """Return the values (k,) that each place is expected to show without the tables and with them, m."""
-        setups = self.description.setups
-        of = values_at(setups, places).of
-        before, after = (
-            without_zeros(setups, places, *expected(self.estimate, setups, places, control))[0]
-            for control in (None, self.tables.control)
-        )
-        each = range(len(places.setups))
-        return [before[of == i] for i in each], [after[of == i] for i in each]
+        readout = Readout(self.description.machine, self.description.setups, places)
+        free = datums_of(readout, np.inf).free  # zeros alone
+        each = (free @ expected(self.estimate, readout, control)[0] for control in (None, self.tables.control))
+        before, after = ([values[readout.of == i] for i in range(len(places))] for values in each)
+        return before, after
 
     def asked(self, source: str, places: Places) -> FoundAndLeft:
         """Return what a virtual machine shows there; raises SourceError, InputError."""

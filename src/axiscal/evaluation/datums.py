@@ -12,8 +12,9 @@ metre make 200 um. So `upright` solves the readings for turns and deviations tog
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control
-from axiscal_core.instrument import TOOL
+from axiscal_core.instrument import TOOL, At
 from axiscal_core.machine import Machine
 
 GUARD = 1.645
@@ -32,6 +33,27 @@ GUARD = 1.645
 _FAR = 3.0
 """A reading this far off its datum is named; two or four would name few others, and the verdict does not hang on it."""
 _LINES = ("slope", "turn", "square")
+
+
+@dataclass(frozen=True, eq=False)
+class Readout:
+    """What set-ups show at places: all values of a reading, one reading after another."""
+
+    machine: Machine
+    setups: Sequence[Setup]
+    places: Places
+
+    @cached_property
+    def of(self) -> NDArray[np.intp]:
+        """The place of each value, (m,)."""
+        return np.repeat(np.arange(len(self.places)), [len(self.setups[s].names) for s in self.places.setups])
+
+    def each(self) -> Iterator[tuple[Setup, NDArray[np.intp], NDArray[np.bool_], At]]:
+        """Yield each set-up with its places (n,), which of the values are its own (m,), and where it stands there."""
+        for index, which in self.places.by_setup():
+            mine = np.arange(len(self.places))[which]
+            at = self.setups[index].places(self.places.poses[mine])
+            yield self.setups[index], mine, np.isin(self.of, mine), at
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -95,63 +117,55 @@ def _is_line(unknown: str) -> bool:
     return unknown.partition("_")[0] in _LINES
 
 
-def datums_of(machine: Machine, setups: Sequence[Setup], places: Places, tolerance: float) -> Datums:
+def datums_of(readout: Readout, tolerance: float) -> Datums:
     """Return what the set-ups bring; raises ReadingError when readings are too few for the datums of their set-up.
 
-    places : of the readings; tolerance : m
+    tolerance : m
     """
-    found: dict[tuple[str, str], tuple[Unknown, Array, bool]] = {}
-    each = _setups_of_values(setups, places)
-    for index, which in places.by_setup():
-        mine, setup = np.flatnonzero(each == index), setups[index]
-        own = _own_rows(machine, setup, places.poses[which])
-        off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
+    found, count = dict[tuple[str, str], tuple[Unknown, Array, bool]](), len(readout.of)
+    for setup, _, of, at in readout.each():
+        own, mine = np.concatenate(list(setup.own_slopes(at))), np.flatnonzero(of)
+        off = _are_datums(setup, own, tolerance)
         if len(mine) <= (taken_off := int((off & ~_on_board(setup)).sum())):
             what = '{readings} reading(s) with "{setup}" cannot tell the machine from the set-up'
             remedy = "Take {least} or more with it, or leave it out"
             raise ReadingError(what, remedy, readings=len(mine), setup=setup.name, least=taken_off + 1)
         for unknown, column, datum in zip(setup.unknowns, own.T, off.tolist(), strict=True):
             key = unknown.owner or setup.name, unknown.name
-            _, whole, before = found.get(key, (unknown, np.zeros(len(each)), False))
+            _, whole, before = found.get(key, (unknown, np.zeros(count), False))
             whole[mine] = column
             found[key] = unknown, whole, before or datum
     datums = {key: column for key, (_, column, off) in found.items() if off}
     stays = [unknown.std * column for unknown, column, off in found.values() if not off]
-    columns, rest = (np.array(part).reshape(-1, len(each)).T for part in (list(datums.values()), stays))
+    columns, rest = (np.array(part).reshape(-1, count).T for part in (list(datums.values()), stays))
     # several datums may do the same to readings: what they show goes to those that are known least
     stds = np.array([found[key][0].std for key in datums])
     inverse = stds[:, None] * np.linalg.pinv(columns * stds)
-    if round(float(np.trace(columns @ inverse))) >= len(each):
+    if round(float(np.trace(columns @ inverse))) >= count:
         remedy = "Read the artefact where it lies another way as well"
         raise ReadingError("readings of one artefact cannot tell the machine from it", remedy)
     taken = tuple(
         Datum(*key, found[key][0].std, row, max(float(np.max(np.abs(column))), 1e-12))
         for (key, column), row in zip(datums.items(), inverse, strict=True)
     )
-    return Datums(np.eye(len(each)) - columns @ inverse, rest @ rest.T, taken)
+    return Datums(np.eye(count) - columns @ inverse, rest @ rest.T, taken)
 
 
-def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> int:
+def fewest(setup: Setup, poses: Array, tolerance: float) -> int:
     """Return how many places of a set-up tell the machine from it.
 
     poses : (m, q) at which it may be read, m or rad; tolerance : they are judged by, m; with 0 it is enough for any
     """
-    own = _own_rows(machine, setup, poses)
-    off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
+    off = _are_datums(setup, np.concatenate(list(setup.own_slopes(setup.places(poses)))), tolerance)
     return int((off & ~_on_board(setup)).sum()) // len(setup.names) + 1
 
 
-def _own_rows(machine: Machine, setup: Setup, poses: Array) -> Array:
-    """Return how the unknowns of a set-up show in its values, (values, unknowns), one reading after another."""
-    return np.concatenate(list(setup.own_slopes(setup.places(poses))))
+def _are_datums(setup: Setup, own: Array, tolerance: float) -> NDArray[np.bool_]:
+    """Return which unknowns are taken off, (unknowns,): zeros, and lines, places and tools that may hide it.
 
-
-def _setups_of_values(setups: Sequence[Setup], places: Places) -> NDArray[np.intp]:
-    return np.repeat(places.setups, [len(setups[s].names) for s in places.setups])
-
-
-def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDArray[np.bool_]:
-    """Return which unknowns are taken off, (unknowns,): zeros, and lines, places and tools that may hide it."""
+    own : (values, unknowns) how they show
+    """
+    stds = np.array([unknown.std for unknown in setup.unknowns])
     wide = GUARD * stds * np.max(np.abs(own), axis=0, initial=0.0) > tolerance
     standing = ("place", *(ball.name for ball in setup.artefact.balls)) if setup.artefact else ()
     balls = {f"{name}_{axis}" for name in standing for axis in "xyz"}
@@ -171,31 +185,34 @@ _ROUNDS = 6
 """Rounds in which turns are found: each leaves a few hundredths of what the last one left, of turns of 20 mrad."""
 
 
-def upright(machine: Machine, setups: Sequence[Setup], places: Places, datums: Datums, shown: Array) -> Array:
+def upright(readout: Readout, datums: Datums, shown: Array) -> Array:
     """Return readings as if they were linear in the datums, (m,), m.
 
     A reading shows f(δ, u) of a deviation δ and the datums u. The result is δ + U u, where f(δ, u) is what was shown
-    and no datum is left in δ.
-
-    places : of the readings; shown : (m,) m, all values of each reading after another
+    and no datum is left in δ.  shown : (m,) m
     """
     values = shown
-    each = _setups_of_values(setups, places)
     for _ in range(_ROUNDS):
         free, beyond = datums.free @ values, np.zeros_like(values)
         found = {(datum.setup, datum.unknown): float(datum.row @ values) for datum in datums.taken}
-        for index, mine in places.by_setup():
-            setup, of = setups[index], each == index
+        for setup, mine, of, at in readout.each():
             keys = {unknown.name: (unknown.owner or setup.name, unknown.name) for unknown in setup.unknowns}
             own = {name: found[key] for name, key in keys.items() if key in found}
-            at = setup.places(places.poses[mine])
-            linear, moved = free[of].reshape(len(mine), -1), np.zeros((len(mine), 3))
-            for number, way in enumerate(setup.slopes(at).moved.swapaxes(0, 1)):
-                moved += linear[:, number, None] * way
+            linear = free[of].reshape(len(mine), -1)
+            moved = np.einsum("mk,mkc->mc", linear, setup.slopes(at).moved)
             linear = linear + setup.own_slopes(at, [*own]) @ np.array([*own.values()])
             beyond[of] = (setup.shown(at._replace(moved=moved), own) - linear).ravel()
         values = shown - beyond
     return values
+
+
+def taken_away(readout: Readout, control: Control) -> Array:
+    """Return what a control takes away from each value, (m,), m."""
+    taken, places = np.zeros(len(readout.of)), readout.places
+    for setup, mine, of, _ in readout.each():
+        added = added_to_values(readout.machine, setup, places.poses[mine], places.approaches[mine], control)
+        taken[of] = -added.ravel()
+    return taken
 
 
 def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Array, control: Control) -> Array:

@@ -16,8 +16,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.errors.volume import Box
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.datums import Datum, added_to_values
+from axiscal.evaluation.datums import Datum, Readout, taken_away
 from axiscal.language.spoken import said
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
@@ -103,16 +104,6 @@ def parts_of(estimate: Estimate, offered: Export) -> tuple[Part, ...]:
     return (*parts, *([whole] if most > _NOTHING else []))
 
 
-def taken_away(machine: Machine, part: Part, setups: Sequence[Setup], places: Places) -> Array:
-    """Return what a part takes away from each value of the readings at places, (m,), m."""
-    each = [np.zeros(0)] * len(places)
-    for index, mine in places.by_setup():
-        added = added_to_values(machine, setups[index], places.poses[mine], places.approaches[mine], part.control)
-        for i, values in zip(mine.tolist(), -added, strict=True):
-            each[i] = values
-    return np.concatenate([np.zeros(0), *each])
-
-
 def needed(estimate: Estimate, setups: Sequence[Setup], new: Places, parts: Sequence[Part]) -> Places:
     """Return the places that show each part: at both ends, and where it corrects most, from both sides if it is apart.
 
@@ -151,22 +142,18 @@ def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Arr
     return tuple(Share(p.name, float(v), float(s), p.motion) for p, v, s in zip(parts, values, stds, strict=True))
 
 
-def idle_axes(estimate: Estimate, setups: Sequence[Setup], places: Places) -> tuple[str, ...]:
+def idle_axes(readout: Readout, box: Box) -> tuple[str, ...]:
     """Return the axes of which values say nothing: moved over less than half of the volume while read along.
 
-    A rotary axis is read by any direction.
+    A rotary axis is read by any direction.  box : the volume
     """
-    machine, idle = estimate.machine, list[str]()
-    turned = machine.frames(places.poses).rotations
-    seen = list[tuple[NDArray[np.intp], Array]]()
-    for index, of in places.by_setup():
-        setup = setups[index]
-        seen.append((of, setup.slopes(setup.places(places.poses[of])).moved))
-    for k, (axis, (low, high)) in enumerate(zip(machine.axes, estimate.box, strict=True)):
-        along, way = np.full(len(places), axis.rotary), turned[k] @ np.array(axis.direction)
-        for of, ways in seen:
-            along[of] |= np.any(np.abs(np.einsum("mkc,mc->mk", ways, way[of])) > _ALONG, axis=1)
-        mine = places.poses[along, k]
+    machine, poses, ways = readout.machine, readout.places.poses, np.zeros((len(readout.of), 3))
+    turned, idle = machine.frames(poses).rotations, list[str]()
+    for setup, _, of, at in readout.each():
+        ways[of] = setup.slopes(at).moved.reshape(-1, 3)
+    for k, (axis, (low, high)) in enumerate(zip(machine.axes, box, strict=True)):
+        along = np.abs(np.sum(ways * (turned[k] @ np.array(axis.direction))[readout.of], axis=1)) > _ALONG
+        mine = poses[readout.of[along | axis.rotary], k]
         if high > low and (not len(mine) or np.ptp(mine) < _THROUGH * (high - low)):
             idle.append(axis.name)
     return tuple(idle)
@@ -204,7 +191,7 @@ def _showing(machine: Machine, setups: Sequence[Setup], part: Part, at: Places) 
     """Return those places of one set-up that show a part: nearest to its targets, or what it moves farthest."""
     setup = setups[int(at.setups[0])]
     if part.over is None:
-        return at.within(_farthest(taken_away(machine, part, setups, at).reshape(len(at), -1)))
+        return at.within(_farthest(taken_away(Readout(machine, setups, at), part.control).reshape(len(at), -1)))
     if part.over not in setup.moves:
         return at.within(slice(0))
     picked = dict[int, None]()
@@ -238,7 +225,8 @@ def _shown(machine: Machine, part: Part, setups: Sequence[Setup], places: Places
     """Return by how much a part makes the values of a set-up differ, in standard deviations of one."""
     if len(places) < 2:
         return 0.0
-    return float(np.ptp(taken_away(machine, part, setups, places))) / setups[int(places.setups[0])].noise
+    taken = taken_away(Readout(machine, setups, places), part.control)
+    return float(np.ptp(taken)) / setups[int(places.setups[0])].noise
 
 
 def _keys(places: Places) -> list[tuple[object, ...]]:

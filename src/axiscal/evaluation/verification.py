@@ -10,14 +10,12 @@ deviation with its expanded uncertainty lies inside, one lies outside with all o
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.promise.posterior import Posterior
-from axiscal.evaluation.datums import GUARD, Datums, datums_of, fewest, is_zero, lines_shared, upright
+from axiscal.evaluation.datums import GUARD, Datums, Readout, datums_of, fewest, lines_shared, taken_away, upright
 from axiscal.evaluation.table_checks import (
     Decision,
     Judgement,
@@ -25,7 +23,6 @@ from axiscal.evaluation.table_checks import (
     idle_axes,
     needed,
     shares,
-    taken_away,
     without,
 )
 from axiscal.exceptions import ReadingError
@@ -63,50 +60,24 @@ _FACTORS = 64
 """Factors at which a t is looked at, of equal probability; 30 tell p = 0.05 as well."""
 
 
-class Values(NamedTuple):
-    """All values of readings, one after another.
-
-    of : (m,) index of the place; number : (m,) which one of its reading
-    """
-
-    of: NDArray[np.intp]
-    number: NDArray[np.intp]
-
-
-def values_at(setups: Sequence[Setup], places: Places) -> Values:
-    """Return the values that readings at these places have."""
-    each = [(place, number) for place, s in enumerate(places.setups) for number in range(len(setups[s].names))]
-    return Values(*np.array(each, dtype=np.intp).reshape(-1, 2).T)
-
-
 @one_thread()
-def expected(
-    estimate: Estimate, setups: Sequence[Setup], places: Places, control: Control | None
-) -> tuple[Array, Array]:
-    """Return the deviation that is expected under a control for each value, (m,), and its factor (m, n), m.
-
-    The values of a reading stand one after another.
-    """
-    values = values_at(setups, places)
+def expected(estimate: Estimate, readout: Readout, control: Control | None) -> tuple[Array, Array]:
+    """Return the deviation that is expected under a control for each value, (m,), and its factor (m, n), m."""
+    model, places, count = estimate.model, readout.places, len(readout.of)
     if control is None:
         tips = estimate.deviation(places.poses, places.approaches)
     else:
         tips = left_by(estimate.machine, estimate.deviation, control, places.poses, places.approaches)
-    model = estimate.model
-    shown, rows = np.zeros(len(values.of)), np.zeros((len(values.of), model.size))
-    rests = np.zeros((len(values.of), len(model.terms)))
-    for index, mine in places.by_setup():
-        poses, approaches, of = places.poses[mine], places.approaches[mine], np.isin(values.of, mine)
-        seen = setups[index].slopes(setups[index].places(poses))
+    shown, rows, rests = np.zeros(count), np.zeros((count, model.size)), np.zeros((count, len(model.terms)))
+    for setup, mine, of, at in readout.each():
+        poses, approaches, seen = places.poses[mine], places.approaches[mine], setup.slopes(at)
         levers = levers_of(model, seen, poses)
         turned = model.along(levers_of(model, seen._replace(moved=np.zeros_like(seen.moved)), poses), poses, approaches)
-        ways = np.einsum("mkc,mc->mk", seen.moved, tips[mine])
-        shown[of] = (ways + (turned @ estimate.mean).T).ravel()
+        shown[of] = (np.einsum("mkc,mc->mk", seen.moved, tips[mine]) + (turned @ estimate.mean).T).ravel()
         rows[of] = model.along(levers, poses, approaches).swapaxes(0, 1).reshape(-1, model.size)
         rests[of] = levers.transpose(2, 0, 1).reshape(-1, len(model.terms))
     rests *= np.array([function.rest for function in model.terms])
-    loose = np.diag(np.sqrt(np.sum(rests**2, axis=1)))
-    return shown, np.hstack([rows @ estimate.factor, loose])
+    return shown, np.hstack([rows @ estimate.factor, np.diag(np.linalg.norm(rests, axis=1))])
 
 
 @one_thread()
@@ -124,8 +95,8 @@ def plan_check(
     count : how many; None for what parts need, and `USUAL` at least where there are so many
     Raises ReadingError where there are not as many, or too few to tell the machine from any set-up.
     """
-    once, machine = distinct(new), estimate.machine
-    least = {s: fewest(machine, setups[s], once.poses[mine], tolerance) for s, mine in once.by_setup()}
+    once = distinct(new)
+    least = {s: fewest(setups[s], once.poses[mine], tolerance) for s, mine in once.by_setup()}
     least = {s: own for s, own in least.items() if own <= once.setups.tolist().count(s)}
     if len(once) and not least:
         raise ReadingError("too few places are new to tell the machine from a set-up", _fewer(0))
@@ -176,18 +147,6 @@ def _fewer(new: int) -> str:
     return said("Take the check at places of your own, and give them with --found and --left")
 
 
-def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: Array) -> tuple[Array, Array]:
-    """Return expectation and factor with the mean of each set-up that has unknown zeros taken off."""
-    mean, factor, values = mean.copy(), factor.copy(), values_at(setups, places)
-    for index in np.unique(places.setups):
-        if any(is_zero(unknown.name) for unknown in setups[index].unknowns):
-            for number in range(len(setups[index].names)):
-                mine = (places.setups[values.of] == index) & (values.number == number)
-                mean[mine] -= mean[mine].mean()
-                factor[mine] -= factor[mine].mean(axis=0)
-    return mean, factor
-
-
 def with_displacements(setups: Sequence[Setup], candidates: Places, by: str = "") -> Places:
     """Return the candidates of set-ups that read displacements; raises ReadingError when there are none.
 
@@ -230,11 +189,11 @@ def judge(
         if other.instrument not in _CHECKING:
             what = '"{setup}" reads no displacement along a direction ({instrument})'
             raise ReadingError(what, _REMEDY, setup=other.name, instrument=other.instrument, known=", ".join(_CHECKING))
-    of = values_at(setups, places).of
-    datums = datums_of(estimate.machine, setups, places, known)
-    each_read = (_seen(estimate, setups, places, datums, readings) for readings in (found, left))
+    readout = Readout(estimate.machine, setups, places)
+    datums = datums_of(readout, known)
+    each_read = (_seen(readout, datums, readings) for readings in (found, left))
     (before, noise_before), (after, noise) = each_read
-    mean, factor = expected(estimate, setups, places, control)
+    mean, factor = expected(estimate, readout, control)
     free, spread = datums.free, datums.spread + np.diag(noise**2)
     # a set-up may have been mounted anew between the two
     apart = free @ (2 * datums.spread + np.diag(noise_before**2 + noise**2)) @ free.T
@@ -242,9 +201,9 @@ def judge(
     beyond, unknown, noisy = free @ (after - mean), free @ factor, free @ spread @ free.T
     rows = unknown[:, : estimate.factor.shape[1]] @ np.linalg.pinv(estimate.factor)
     coming = float(np.sum((free @ mean) ** 2) + np.sum(unknown**2) + np.trace(noisy))
-    change, should = free @ (before - after), free @ (expected(estimate, setups, places, None)[0] - mean)
+    change, should = free @ (before - after), free @ (expected(estimate, readout, None)[0] - mean)
     weight = float(should @ should)
-    taken = [free @ taken_away(estimate.machine, part, setups, places) for part in parts]
+    taken = [free @ taken_away(readout, part.control) for part in parts]
     each = shares(parts, np.stack(taken, axis=1), change, apart) if parts else ()
     std = np.sqrt(np.diag(noisy))
     lying = {unknown.owner for setup in setups if setup.balls for unknown in setup.unknowns}
@@ -252,7 +211,7 @@ def judge(
         free @ before,
         free @ after,
         std,
-        of,
+        readout.of,
         coming,
         _likelihood(
             beyond, noisy, unknown, lambda w: posterior.degrees_over(w @ rows) if posterior else estimate.belief.degrees
@@ -263,7 +222,7 @@ def judge(
         datums.strained(after, noise, known),
         _still(left),
         each,
-        idle_axes(estimate, setups, places),
+        idle_axes(readout, estimate.box),
         datums.tools,
         tolerance,
         None if tolerance is None else decision(free @ after, std, tolerance),
@@ -286,13 +245,11 @@ def _still(readings: Sequence[Reading]) -> tuple[str, ...]:
     return tuple(name for name, values in shown.items() if len(values) >= _STILL and len(set(values)) == 1)
 
 
-def _seen(
-    estimate: Estimate, setups: Sequence[Setup], places: Places, datums: Datums, readings: Sequence[Reading]
-) -> tuple[Array, Array]:
+def _seen(readout: Readout, datums: Datums, readings: Sequence[Reading]) -> tuple[Array, Array]:
     """Return what was read, less what is known of the instruments and not linear in their datums, and its std, m."""
     shown = np.array([value for reading in readings for value in reading.values])
-    noise = np.array([r.std or setups[s].noise for r, s in zip(readings, places.setups, strict=True)])
-    return upright(estimate.machine, setups, places, datums, shown), noise[values_at(setups, places).of]
+    noise = np.array([r.std or readout.setups[s].noise for r, s in zip(readings, readout.places.setups, strict=True)])
+    return upright(readout, datums, shown), noise[readout.of]
 
 
 def _likelihood(
