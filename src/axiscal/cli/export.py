@@ -96,7 +96,7 @@ def export(
 ) -> None:
     """Write compensation files for a control.
 
-    They are read back and tried in a simulated control first. README.txt says what they hold and what they leave.
+    Tables are read back and tried in a simulated control first. README.txt says what they hold and what they leave.
 
     \b
     Examples:
