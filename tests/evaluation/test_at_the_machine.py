@@ -26,7 +26,7 @@ pytestmark = pytest.mark.long
 
 SEED = 3
 CONTROL = "linuxcnc-volumetric"
-CAMPAIGN = 'tool_length = "1 um"\ntool_eccentricity = "0.5 um"\ntool_certificate = "drawn"\n' + table.CAMPAIGN
+CAMPAIGN = 'tool_length = "1 um"\ntool_eccentricity = "0.5 um"\n' + table.CAMPAIGN
 READY: dict[str, Any] = {"compensated": [], "whole": None, "checksum": None}
 
 

@@ -1,7 +1,5 @@
 """The whole correction in LinuxCNC's own servo thread: it sends motors where we say, smoothly, and refuses."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -15,13 +13,12 @@ from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
 from axiscal.tables.surface import left_by, rms
 from axiscal.tables.vcomp_file import fnv1a
-from benchmarks.linuxcnc_demo import EXAMPLES
 from tests.figures import held
 from tests.linuxcnc.lab import Joint, Session, Settings
 from tests.linuxcnc.needed import WITH_COMPONENT
 from tests.linuxcnc.running import ControlError
 from tests.linuxcnc.test_closed_loop import known, spread
-from tests.linuxcnc.virtual import LinuxcncMachine
+from tests.linuxcnc.virtual import EXAMPLES, LinuxcncMachine
 from tests.tables.core_library import stated
 from tests.tables.test_vcomp_file import signed
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from axiscal.measurement.readers.bed_map import is_nodes, nodes
 from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.marlin_map import is_nodes, nodes
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.ports.printers.contents import STEP, PrinterFormat, play_of
 from axiscal.tables.exporter import ExportOptions
