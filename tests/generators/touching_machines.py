@@ -83,7 +83,7 @@ class Control:
         axes = {axis.name: [self._scaled(axis.rotary, end) for end in axis.travel] for axis in self._machine.axes}
         ready = dict.fromkeys(("enabled", "homed", "idle", "feed_heeded"), True)
         none = dict.fromkeys(("estop", "spindle", "tip"), False) | {"whole": None, "checksum": None}
-        plain = {"feed": 1.0, "offsets": [0.0], "rotation": 0.0, "compensated": [], "tables": []}
+        plain = {"feed": 1.0, "offsets": [0.0], "rotation": 0.0, "compensated": []}
         seen = {"probe": self.probe == "stuck", "scale": 1.0, "angular": 1.0, "axes": axes}
         return ready | none | plain | seen | {"position": position, "joints": list(position.items())}
 

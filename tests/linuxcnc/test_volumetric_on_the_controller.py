@@ -1,4 +1,4 @@
-"""The whole correction in LinuxCNC's own servo thread: it sends motors where our reader says, smoothly, and refuses."""
+"""The whole correction in LinuxCNC's own servo thread: it sends motors where we say, smoothly, and refuses."""
 
 import re
 from collections.abc import Iterator
@@ -33,7 +33,7 @@ HEAD = 1.3
 
 
 @pytest.mark.parametrize("name", ["gantry", "inch", "xyzac"])
-def test_motors_go_where_our_reader_says_and_the_error_is_gone(name: str) -> None:
+def test_motors_go_where_we_say_and_the_error_is_gone(name: str) -> None:
     """Two joints for an axis, inches, trt-kins in TCP mode: 1e-6 mm, at most 1.1 times what was foretold is left."""
     estimate, truth = known(name)
     _, build, options = EXAMPLES[name]
@@ -48,7 +48,7 @@ def test_motors_go_where_our_reader_says_and_the_error_is_gone(name: str) -> Non
     written = 0.6e-7 * (0.0254 if build.unit == "in" else 1e-3)  # half of the last digit of a command
     for axis, far in zip(estimate.machine.axes, apart, strict=True):
         unit, limit = ("deg", 1e-6) if axis.rotary else ("mm", 1e-6 + 1e3 * written)
-        held(f"motors against we, {unit}", np.degrees(far) if axis.rotary else 1e3 * far, limit, unit)
+        held(f"motors against what we say, {unit}", np.degrees(far) if axis.rotary else 1e3 * far, limit, unit)
     foretold = rms(left_by(estimate.machine, truth.deviation, made.control, poses, approaches))
     limit = 1.1 * foretold + np.sqrt(3) * written + 0.5e-9
     held("left over, of 1.1 times what was foretold and a digit", 1e6 * rms(left), 1e6 * limit, "um")
@@ -171,7 +171,7 @@ def test_a_reversal_is_a_parabola_each_way(running: Session) -> None:
 
 
 def test_another_tool_is_followed_slowly_and_counts(running: Session) -> None:
-    """The correction at rest for 100 mm more tool is that of we, and came at 100 mm/s of tool."""
+    """The correction at rest for 100 mm more tool is what we say, and came at 100 mm/s of tool."""
     on(running)
     running.move(["G53 G0 X60 Y-40 Z30 A20 C70"])
     _, correction, speed, _ = watched(running, ["G43.1 Z180", "G4 P1.5"])

@@ -173,30 +173,28 @@ class Loaded:
 
         most : points that fit; even : the points of a table stay evenly spaced
         """
-        kinds = list(dict.fromkeys([(t.axis, t.over) for t in tables] + [(one.axis, one.over) for one in self.tables]))
-        new = {(table.axis, table.over): table for table in tables}
-        return tuple(self._summed(kind, new.get(kind), machine, most, even) for kind in kinds)
-
-    def _summed(
-        self, kind: tuple[str, str], table: CompensationTable | None, machine: Machine, most: int, even: bool
-    ) -> CompensationTable:
-        mine = [one for one in self.tables if (one.axis, one.over) == kind]
-        base = _nothing(kind, mine, machine) if table is None else table
-        if not mine:
-            return base
-        at = _positions(base, mine, most, even=even or machine.axis(base.axis).cyclic)
-        up, down = (np.sum([one.deviation(at, side) for one in mine], axis=0) for side in (1, -1))
-        new = base.resampled(at)
-        return replace(new, forward=new.forward + up, reverse=new.reverse + down)
+        new, old = dict[tuple[str, str], CompensationTable](), dict[tuple[str, str], list[CompensationTable]]()
+        for table in tables:
+            new[table.axis, table.over] = table
+        for table in self.tables:
+            old.setdefault((table.axis, table.over), []).append(table)
+        return tuple(_summed(new.get(kind), old.get(kind, []), machine, most, even) for kind in {**new, **old})
 
 
-def _nothing(kind: tuple[str, str], old: Sequence[CompensationTable], machine: Machine) -> CompensationTable:
-    """Return a table that says nothing, on the points of the finest old one."""
-    axis, over = kind
-    at = max((one.positions for one in old), key=len)
-    at = at if len(at) > 1 else np.array(machine.axis(over).travel)
-    zero = np.zeros(len(at))
-    return CompensationTable(axis, at, zero, zero, over=over)
+def _summed(
+    table: CompensationTable | None, old: Sequence[CompensationTable], machine: Machine, most: int, even: bool
+) -> CompensationTable:
+    """Return a table with old ones added; where there is none, one that says nothing on the points of the finest."""
+    if table is None:
+        axis, over = old[0].axis, old[0].over
+        at = max((one.positions for one in old), key=len)
+        at = at if len(at) > 1 else np.array(machine.axis(over).travel)
+        table = CompensationTable(axis, at, np.zeros(len(at)), np.zeros(len(at)), over=over)
+    if not old:
+        return table
+    table = table.resampled(_positions(table, old, most, even=even or machine.axis(table.axis).cyclic))
+    up, down = (np.sum([one.deviation(table.positions, side) for one in old], axis=0) for side in (1, -1))
+    return replace(table, forward=table.forward + up, reverse=table.reverse + down)
 
 
 def _positions(table: CompensationTable, old: Sequence[CompensationTable], most: int, *, even: bool) -> Array:

@@ -220,12 +220,6 @@ def _cubics(functions: Sequence[Term], mean: Array, knots: Array, sense: int, at
     return (total if sense > 0 else total[::-1]) / at ** np.arange(4)
 
 
-def _faded(beyond: Array, fade: float) -> Array:
-    """Return how far curves go on straight beyond a travel: ever less, until they stay as they are at `fade`."""
-    far = np.minimum(np.abs(beyond), fade)
-    return np.sign(beyond) * (far - far**2 / (2 * fade))
-
-
 def whole_control(model: Machine, mean: Array) -> Control:
     """Return the control that takes the deviation of these errors away.  mean : (size,) control values
 
@@ -259,13 +253,16 @@ def _at_zero(model: Machine, mean: Array) -> Array:
 
 
 def _values(model: Machine, mean: Array, poses: Array, approaches: Array) -> Array:
-    """Return what every error of one axis is at poses, as the component has it, (functions, m); reversals by side."""
+    """Return what every error of one axis is at poses, as the component has it, (functions, m); reversals by side.
+
+    Beyond a travel curves go on straight, ever less, until they stay as they are.
+    """
     found, reached = [], poses.copy()
-    for k, axis in enumerate(model.axes):
-        if not axis.cyclic:
-            fade = from_unit(_FADE_DEG, "deg") if axis.rotary else from_unit(_FADE_MM, "mm")
-            inside = np.clip(poses[:, k], *axis.travel)
-            reached[:, k] = inside + _faded(poses[:, k] - inside, fade)
+    for k, axis in ((k, axis) for k, axis in enumerate(model.axes) if not axis.cyclic):
+        fade = from_unit(_FADE_DEG, "deg") if axis.rotary else from_unit(_FADE_MM, "mm")
+        inside = np.clip(poses[:, k], *axis.travel)
+        beyond = np.clip(poses[:, k] - inside, -fade, fade)
+        reached[:, k] = inside + beyond - np.sign(beyond) * beyond**2 / (2 * fade)
     for function in model.curves:
         value = function.rows(reached[:, function.axis]) @ mean[function.columns]
         found.append(value * (0.5 * approaches[:, function.axis]) if function.kind == "reversal" else value)

@@ -46,7 +46,9 @@ class Klipper(PrinterFormat):
 
     def files(self, content: Loaded) -> dict[str, str]:
         """Return a file for each of them; of the skew diagonals AC, BD and side AD of a square that leans by it."""
-        files = dict(zip([_MESH], map(_written, content.meshes), strict=False))
+        files = dict[str, str]()
+        for mesh in content.meshes:
+            files[_MESH] = _written(mesh)
         if content.skew:
             lean = {plane: math.sin(math.atan(tangent)) for plane, tangent in content.skew.items()}
             sides = {p: [_SIDE * math.sqrt(2 * (1 + sign * each)) for sign in (1, -1)] for p, each in lean.items()}

@@ -56,8 +56,10 @@ class RepRapFirmware(PrinterFormat):
         lost = [f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play_of(content).items()]
         lines = [" ".join([f"M556 S{_SIDE:g}", *words])] if words else []
         lines += [" ".join(["M425", *lost])] if lost else []
-        code = {_CODE: "\n".join(lines) + "\n"} if lines else {}
-        return dict(zip([_MAP], map(_written, content.meshes), strict=False)) | code
+        files = dict[str, str]()
+        for mesh in content.meshes:
+            files[_MAP] = _written(mesh)
+        return files | ({_CODE: "\n".join(lines) + "\n"} if lines else {})
 
     def steps(self, content: Loaded, machine: Machine) -> dict[str, float]:
         """Return what the decimals leave."""

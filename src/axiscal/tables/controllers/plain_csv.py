@@ -18,6 +18,11 @@ from axiscal.units import from_unit, to_unit
 from axiscal_core.machine import Machine
 
 _STEP = 0.5e-4  # of the deviations' unit, by their four decimals
+_COLUMNS = "The columns hold the deviation, actual minus nominal, of the tool relative to the workpiece: subtract it."
+_STD = (
+    "The column std_{unit} is the standard deviation of the value as it stands, counted from where the table is zero. "
+    "The shape of the curve is known better, as said below."
+)
 
 
 class PlainCsv(TableFormat):
@@ -31,13 +36,15 @@ class PlainCsv(TableFormat):
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return one file for each table."""
-        named = ((t.axis if t.over == t.axis else f"{t.axis}_over_{t.over}", t) for t in tables)
-        files = {f"{name}.csv": text_of(table) for name, table in named}
-        steps = summed((table.axis, float(from_unit(2 * _STEP, table.fine_unit))) for table in tables)
+        files, steps, notes = dict[str, str](), list[tuple[str, float]](), dict[str, None]()
+        for table in tables:
+            name = table.axis if table.over == table.axis else f"{table.axis}_over_{table.over}"
+            files[f"{name}.csv"] = text_of(table)
+            steps.append((table.axis, float(from_unit(2 * _STEP, table.fine_unit))))
+            notes[_COLUMNS] = notes[_STD.format(unit=table.fine_unit)] = None
         turning = [axis.name for axis in machine.axes if axis.cyclic]
-        notes = dict.fromkeys(note for table in tables for note in _notes(table))
         turns = (f"Tables of {', '.join(turning)} hold one turn and repeat after it.",) if turning else ()
-        return Written(files, steps, (*notes, *turns))
+        return Written(files, summed(steps), (*notes, *turns))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what somebody does who takes the deviations of these tables away."""
@@ -67,11 +74,3 @@ def parse(text: str) -> CompensationTable:
 
     at, forward, reverse, std = (column(stem) for stem in ("position", "forward", "reverse", "std"))
     return CompensationTable(rows[0]["axis"], at, forward, reverse, std, rows[0].get("over", ""))
-
-
-def _notes(table: CompensationTable) -> tuple[str, ...]:
-    return (
-        "The columns hold the deviation, actual minus nominal, of the tool relative to the workpiece: subtract it.",
-        f"The column std_{table.fine_unit} is the standard deviation of the value as it stands, counted from where the "
-        "table is zero. The shape of the curve is known better, as said below.",
-    )
