@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -27,10 +27,13 @@ from axiscal.ports.linuxcnc.volumetric_tables import HAL_FILE, LOADRT
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
+from axiscal.units import format_quantity, from_unit
 from axiscal_core.machine import Machine
 
 LIBRARY = Path("/usr/share/linuxcnc/hallib")
 """Of HAL files: of Debian's package, in which a file is looked for that lies not beside the INI file."""
+_APART = 1e-6
+"""m or rad: places nearer than a micrometre are one."""
 _LIB = "LIB:"
 """Before a HAL file that LinuxCNC looks for in its library alone."""
 _LOAD_FILE, _JOIN_FILE, _APPLY, _UNDO = "axiscal-load.hal", "axiscal-join.hal", "apply.sh", "undo.sh"
@@ -63,7 +66,8 @@ def export_into(ini: Path, estimate: Estimate, options: ExportOptions) -> Export
         f"kept in its folder before-axiscal.{taken}{copied}"
     )
     kept = [line for line in offered.readme.split("\n") if not line.startswith(f"- Put {beside[0]} and ")]
-    readme = "\n".join(kept).replace("\nThese files hold ", f"\n{note}\nThese files hold ", 1)
+    notes = "\n".join([note, *to_mind(found, estimate.machine)])
+    readme = "\n".join(kept).replace("\nThese files hold ", f"\n{notes}\nThese files hold ", 1)
     return replace(offered, files=files, readme=readme)
 
 
@@ -234,3 +238,23 @@ def refuse_other_machine(found: Configured, machine: Machine) -> None:
             remedy = "write direction = {way} in machine.toml, and evaluate the readings again"
             kinematics, way = build.kinematics, "reversed" if against else "iso"
             raise TableError(what, remedy, found.ini.path, kinematics=kinematics, axis=name, way=way)
+
+
+def to_mind(found: Configured, machine: Machine) -> Iterator[str]:
+    """Yield where the INI file goes beyond what was calibrated, or turns an axis elsewhere than it was measured."""
+    build = found.machine.build
+    for own in found.machine.axes:
+        axis, ends = machine.axis(own.letter), [float(from_unit(end, own.unit)) for end in (own.low, own.high)]
+        (low, high), (first, last) = axis.travel, ends
+        if not axis.cyclic and (first < low - _APART or last > high + _APART):
+            may, known = (" to ".join(format_quantity(end, axis.unit) for end in each) for each in (ends, axis.travel))
+            text = "may go {may}, and was calibrated over {known}: beyond, the correction stays near that of the end."
+            yield f"{own.letter} {text.format(may=may, known=known)}"
+        if build.sure and axis.rotary and own.letter in build.origins:
+            turns = [float(from_unit(v, build.unit)) for v in build.origins[own.letter]]
+            if max(abs(a - b) for a, b in zip(turns, axis.origin, strict=True)) > _APART:
+                there, here = (", ".join(format_quantity(v, "mm", 6) for v in place) for place in (turns, axis.origin))
+                yield (
+                    f"WARNING: the kinematics turn {own.letter} about ({there}), machine.toml about ({here}): one of "
+                    "them is not the machine that was measured."
+                )
