@@ -100,7 +100,6 @@ class AnswerRow(PlannedRow):
     largest: Figure = Field(description="the same where it is largest")
     left: Mapping[str, Figure] = Field(description="by control, what its tables leave, √(left² + u²)")
     one_more: Figure | None = Field(None, description="`known_to` of a backlash after one reading from the other side")
-    kelvin: Figure | None = Field(None, description="K above 20 degC that would explain a scale; else null")
 
 
 class Aim(AnswerDocument):

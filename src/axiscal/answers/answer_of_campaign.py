@@ -38,7 +38,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
 from axiscal.estimation.functionals.functional import AxisLine, signed_numbers
-from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, warmth, with_one_more
+from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, with_one_more
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.reading import shown_pose
@@ -112,7 +112,6 @@ def _answered(
         return to_unit(float(np.sqrt(of(squares))), row.unit)
 
     signed = () if functional is None else signed_numbers(functional, at, errors, belief)
-    scale = signed and row.row.kind == "scale" and (row.measured or row.settled)
     return AnswerRow(
         **known_figures(row, known.stated.description.machine.axes),
         found=size(at, np.mean),
@@ -123,7 +122,6 @@ def _answered(
             for name, value, u in signed
         ],
         one_more=None if then is None else to_unit(then, row.unit),
-        kelvin=warmth(known, row.row.axes[0], signed[0].value) if scale else None,
     )
 
 
