@@ -268,5 +268,4 @@ class Result(AnswerDocument):
     rows: Sequence[AnswerRow] = Field(description="the answer, row by row; empty where no uncertainty is printed")
     tables: Sequence[TableFile] = Field(description="files that were written for controls, and what they leave")
     versions: Mapping[str, str] = Field(description="of axiscal and of what it computes with")
-    inputs: Mapping[str, str] = Field(description="SHA-256 by file")
     record: RecordState = Field(description="what all of it is made from")
