@@ -82,10 +82,7 @@ class Wrong(NamedTuple):
 
 MISTAKES = {
     "jump": Wrong(lambda values: values + 30e-6 * BEHIND, "jump", "X again", alone=True),
-    "sign": Wrong(lambda values: np.where(SECOND, -values, values), "sign", "X again"),
     "um as mm": Wrong(lambda values: np.where(SECOND, 1e-3 * values, values), "unit", "X again"),
-    "inches from a reading on": Wrong(lambda values: np.where(BEHIND, 25.4 * values, values), "unit", "X again"),
-    "swapped": Wrong(lambda values: values[[0, 2, 1]], "swapped", "Y"),
     "one late": Wrong(
         lambda values: np.where(SECOND, np.roll(values, -1, axis=1), values), "shifted", "X again", 12, alone=True
     ),

@@ -1,7 +1,5 @@
 """What a check is of and says: a simulated campaign, readings under a control, and the words for a judgement."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

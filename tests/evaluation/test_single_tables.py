@@ -1,7 +1,5 @@
 """The check looks where each table corrects most: one that is wrong or missing fails, one not looked at is named."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

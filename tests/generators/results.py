@@ -1,7 +1,5 @@
 """Results of golden campaigns, their long lists as short as they are kept, and one whose every text is an attack."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 
@@ -14,7 +12,7 @@ HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'`&{{
 def golden_result(name: str, **changes: Any) -> Result:
     """Return the result of a campaign, such as "mill/out", with changes."""
     found = json.loads((EXPECTED / name / "result.json").read_text(encoding="utf-8"))
-    return Result.model_validate({**_whole(found), **changes})
+    return Result.model_validate({**_whole(found), **changes}, extra="ignore")  # a figure that goes stays there a while
 
 
 def _whole(found: Any) -> Any:

@@ -1,7 +1,5 @@
 """Nobody but the person at this computer reaches the campaign, whatever is sent to the port."""
 
-from __future__ import annotations
-
 import json
 import re
 import socket

@@ -1,7 +1,5 @@
 """The page in Debian's Chromium: a campaign by keyboard alone, at three sizes, nothing cut and nothing overlapping."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -8,19 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from axiscal.description.target import RowName, dimension
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
-from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation, printed
+from axiscal.estimation.case import Case, Knowledge
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import NOUGHT, AxisLine
-from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.learnt import posterior_of, without_bad
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
 from axiscal_core.normal import Normal
@@ -81,6 +78,11 @@ class KnownRow:
         return self.known <= attainable(self.goal, self.floor)
 
     @property
+    def one_sided(self) -> bool:
+        """Whether it is a backlash that was read from one side alone, or from both at no one place."""
+        return self.row.kind == "backlash" and not self.measured and bool(self.lines[0].read and not self.lines[0].both)
+
+    @property
     def goal(self) -> float:
         """U at which it is reached, or measured where no limit is given; of the volume inf where none is."""
         measured = math.inf if self.row.kind == "volume" else _MEASURED * self.before
@@ -137,28 +139,3 @@ def u_of_row(asked: AskedRow, case: Case, belief: Normal | None = None) -> float
     if asked.own is None:
         return expanded(case.yardstick, belief).space
     return reach(asked.own.spectra(case.errors, belief.factor), belief.degrees)
-
-
-_SOON = 10.0
-"""s after it: to go past the place and come back."""
-
-
-def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Normal | None:
-    """Return what would be known with one reading more of each line; None of no line."""
-    found = known.posterior
-    if not lines or found is None:
-        return None
-    case = known.stated.linear_as(known.case)
-    readings = [*known.readings, *(_turned(known.readings, line) for line in lines)]
-    kept = without_bad(case, readings, [*known.implausible])
-    more = posterior_of(case, readings, kept)
-    # What it shows is not known, so it teaches no sizes and disagrees with nothing.
-    return printed(known.knowledge, more, known.widening).belief
-
-
-def _turned(readings: Sequence[Reading], line: AxisLine) -> Reading:
-    """Return the last reading of a line as if it came from the other side, with the same value."""
-    last = next(reading for reading in reversed(readings) if reading.setup == line.setup)
-    sides = tuple(-side if k == line.axis else side for k, side in enumerate(last.approach))
-    time = None if last.time is None else last.time + _SOON
-    return replace(last, approach=sides, time=time, accepted=True, check=False)

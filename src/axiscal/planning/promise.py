@@ -5,16 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.description.target import Target
-from axiscal.estimation.accuracy.expanded import floor_of
-from axiscal.estimation.accuracy.yardstick import Yardstick
-from axiscal.estimation.case import Case, timed
+from axiscal.estimation.case import Case, Knowledge, timed
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.problem import problem
 from axiscal.exceptions import PlanError
 from axiscal.measurement.reading import Place, Reading
@@ -24,20 +19,6 @@ from axiscal_core.unknowns import space_of
 
 FEW = 6
 """Readings planned at once where likely sizes alone reach a target, or fall short of it: then it is looked at again."""
-
-
-class WantedAccuracy(NamedTuple):
-    """A target accuracy, and its floor after endless readings, m."""
-
-    name: str
-    limit: float
-    floor: float
-
-
-def asked(target: Target, yardstick: Yardstick) -> tuple[WantedAccuracy, ...]:
-    """Return the accuracies that a target asks for; a campaign ends at the first that is reached."""
-    given = ("rms", target.rms), ("worst", target.worst), ("U", target.expanded)
-    return tuple(WantedAccuracy(name, limit, floor_of(name, yardstick)) for name, limit in given if limit is not None)
 
 
 def foreseen(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> Knowledge:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -35,8 +35,8 @@ def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, Cur
     found = dict[str, CurveFigures]()
     for each in drawn:
         axis, unseen = estimation.case.errors.axes[each.axis], estimation.case.yardstick.unseen[each.columns]
-        points = [*_points(estimation, each, readings, rows, left)]
         now, before = estimation.printed.belief, estimation.without_readings
+        points = _points(estimation, each, readings, rows, left)
         found[each.name] = curve_figures(each, axis, now, before, unseen, points)
     return found
 
@@ -47,7 +47,7 @@ def value_unit(function: Term) -> str:
 
 
 def curve_figures(
-    function: Term, axis: Axis, now: Normal, before: Normal, unseen: Array, points: Sequence[tuple[float, float]] = ()
+    function: Term, axis: Axis, now: Normal, before: Normal, unseen: Array, points: ReadPoints | None = None
 ) -> CurveFigures:
     """Return an error over its axis.
 
@@ -70,7 +70,7 @@ def curve_figures(
         std_seen=to_unit(np.sqrt(np.maximum(told - hidden, 0.0) + rest), unit).tolist(),
         prior_std=to_unit(np.sqrt(stated + rest), unit).tolist(),
         from_readings=float(np.clip(1.0 - np.sum(told + rest) / np.sum(stated + rest), 0.0, 1.0)),
-        read=ReadPoints(position=[at for at, _ in points], value=[value for _, value in points]),
+        read=points or ReadPoints(position=[], value=[]),
     )
 
 
@@ -101,19 +101,14 @@ def _shares(rows: Array, function: Term) -> Array:
     return shares
 
 
-def _points(
-    known: Estimation, function: Term, readings: Sequence[Reading], rows: Array, left: Array
-) -> Iterator[tuple[float, float]]:
-    """Yield place and value of each reading that is believed: less what the rest of the model says, per lever."""
-    setups = known.case.description.setups
+def _points(known: Estimation, function: Term, readings: Sequence[Reading], rows: Array, left: Array) -> ReadPoints:
+    """Return place and value of each reading that is believed: less what the rest of the model says, per lever."""
+    setups, axis = known.case.description.setups, known.case.errors.axes[function.axis]
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
-    whole = sum(_shares(rows, each) for each in known.case.errors.curves)
-    unit, axis = value_unit(function), known.case.errors.axes[function.axis]
-    for index in np.flatnonzero(_shares(rows, function) > _BEARS_ON * whole).tolist():
-        reading = readings[index]
-        if function.axis not in moves[reading.setup] or index in known.left_out:
-            continue
-        basis = function.spline.rows(np.array([reading.pose[function.axis]]))[0]
-        lever = float(rows[index, function.columns] @ basis / (basis @ basis))
-        value = float(basis @ known.printed.belief.mean[function.columns]) + float(left[index]) / lever
-        yield to_unit(reading.pose[function.axis], axis.unit), to_unit(value, unit)
+    bears = _shares(rows, function) > _BEARS_ON * sum(_shares(rows, each) for each in known.case.errors.curves)
+    bears &= [function.axis in moves[each.setup] and i not in known.left_out for i, each in enumerate(readings)]
+    at = np.array([reading.pose[function.axis] for reading in readings])[bears]
+    basis = function.spline.rows(at)
+    levers = np.sum(rows[bears][:, function.columns] * basis, axis=1) / np.sum(basis**2, axis=1)
+    values = basis @ known.printed.belief.mean[function.columns] + left[bears] / levers
+    return ReadPoints(position=to_unit(at, axis.unit).tolist(), value=to_unit(values, value_unit(function)).tolist())

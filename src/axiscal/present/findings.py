@@ -1,26 +1,99 @@
-"""What a person has to be told about readings and an estimate: what does not fit, and what could not be seen."""
+"""What a person has to be told about readings and an estimate: what does not fit, and what could not be seen.
+
+Readings twice: a file that was added twice, a block that was pasted again, a frozen display. A value is shown once more
+with a probability of at most p = q/(σ√2π), q the step of the values and σ the noise. L values in a row come again
+somewhere among m by chance in at most m²/2 p^L files.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.errors.gauge import undescribed
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation, paths
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import WORDS, capital, listed, put, said
 from axiscal.measurement.reading import Reading, place_text, reading_unit, sense, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.numerics.displays import last_decimal
 from axiscal.planning.unseen import FEWEST, hidden_of, seeing, sees, unseen_periods
 from axiscal.present.beside import beside_the_tool, lagging
 from axiscal.present.result import Finding
 from axiscal.units import format_quantity, from_unit, said_quantity, to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.theta import Kind
+
+_BY_CHANCE = 1e-4
+"""A right file is taken for one with copies once in ten thousand."""
+_FEWEST = 3
+"""Two values that are the same in a row are none, however fine they are: a place read again and its neighbour."""
+
+
+class Copies(NamedTuple):
+    """Readings that show what others showed: indices of the first, there and before; how many."""
+
+    before: int
+    again: int
+    size: int
+
+
+def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
+    """Yield warnings of set-ups whose readings in a file show the same values, one by one, as others before them."""
+    text = (
+        '{count} values of "{setup}" in {again} repeat those in {before}, in the same order. By chance that comes '
+        "in less than one file of ten thousand. Take out what was copied (a file added twice, a block pasted "
+        "again, a display that froze): it counts as read. If all of it was read, state a smaller noise."
+    )
+    for setup in setups:
+        mine = [reading for reading in readings if reading.setup == setup.name]
+        found = repeated(mine, setup.noise)
+        if found is not None:
+            again, before = (_lines(mine, first, first + found.size - 1) for first in (found.again, found.before))
+            yield Finding(
+                code="copies",
+                error=None,
+                text=said(text, setup=setup.name, count=found.size, again=again, before=before),
+            )
+
+
+def _lines(readings: Sequence[Reading], first: int, last: int) -> str:
+    """Return where readings stand in their file, else among the readings of their set-up."""
+    if readings[first].line is None or readings[last].line is None:
+        return said("its readings {first} to {last}", first=first + 1, last=last + 1)
+    return said("lines {first} to {last}", first=readings[first].line, last=readings[last].line)
+
+
+def repeated(readings: Sequence[Reading], noise: float) -> Copies | None:
+    """Return the first readings of one set-up that come again so many in a row that it is no chance, if any do.
+
+    noise : m or rad
+    """
+    values = [reading.values for reading in readings]
+    length = _telling(values, noise)
+    seen: dict[tuple[tuple[float, ...], ...], int] = {}
+    for at in range(len(values) - length + 1):
+        start = seen.setdefault(tuple(values[at : at + length]), at)
+        if at - start >= length:
+            alike = [one == other for one, other in zip(values[start:at], values[at:], strict=False)]
+            return Copies(start, at, [*alike, False].index(False))
+    return None
+
+
+def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
+    """Return how many values in a row do not come again by chance; more than there are where no number does."""
+    step = last_decimal(np.array([number for value in values for number in value]))
+    same = step / (noise * math.sqrt(2 * math.pi)) if noise > 0 else math.inf
+    if same >= 1 or not values:
+        return len(values) + 1
+    each = len(values[0]) * math.log(same)
+    return max(_FEWEST, math.ceil((math.log(_BY_CHANCE) - math.log(len(values) ** 2 / 2)) / each))
 
 
 def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
@@ -72,7 +145,7 @@ OF_THE_READING = ("sign", "beside", "lag", "resolution", "passes", "period")
 
 def of_readings(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> list[Finding]:
     """Return the warnings that readings of a file give before anything is estimated."""
-    return [*untimed(readings, setups), *hidden_in_files(readings, setups, axes)]
+    return [*copies(readings, setups), *untimed(readings, setups), *hidden_in_files(readings, setups, axes)]
 
 
 def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> Iterator[Finding]:
@@ -190,7 +263,7 @@ def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
 def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
     """Yield by how much a zero has drifted that may, and whether that is more than stated; nothing if it hardly has."""
     apart = len(setup.names) > 1 and not setup.stations
-    for number, path in enumerate(paths(estimation, setup)):
+    for number, path in enumerate(estimation.history.drifts(setup.name)):
         unit = units_of(setup)[number if apart else 0]
         worst = int(np.argmax(np.abs(path.mean)))
         far, std = float(path.mean[worst]), float(path.std[worst])

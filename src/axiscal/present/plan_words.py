@@ -21,7 +21,6 @@ from axiscal.answers.row_words import row_names
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, ending, listed, put, said
-from axiscal.machine.questions import questions
 from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.units import digits, um_text
@@ -57,14 +56,14 @@ def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
 
 
 def open_questions(description: CampaignDescription) -> list[str]:
-    """Return what descriptions leave open besides a compensation that may be active: sizes that can hardly be meant."""
-    open_yet = [unused_artefacts(description.text), *(each.words for each in description.unsourced)]
+    """Return what descriptions leave open besides a compensation that may be active."""
+    open_yet = [unused_artefacts(description.text)]
     beside = (
         'How far does the probe of "{setup}" stand beside the nozzle? Write it as offset = ["-33 mm", "-46 mm", '
         '"0 mm"], from the nozzle; until then it is taken to stand at the nozzle, where no axis that rolls deceives it.'
     )
     open_yet += [said(beside, setup=name) for name in description.unsaid_offsets]
-    return [question for question in (*questions(description.machine), *open_yet) if question]
+    return [question for question in open_yet if question]
 
 
 def _first(answer: PlannedAnswer) -> list[str]:

@@ -35,7 +35,6 @@ class HistoryRow(AnswerDocument):
     worst_um: Figure = Field(description="largest standard deviation after it")
     minutes: Figure = Field(description="machine time until then")
     rejected: bool = Field(False, description="it is kept and not relied on")
-    by: Text = Field("", description="who took it")
 
 
 class RejectedReading(AnswerDocument):

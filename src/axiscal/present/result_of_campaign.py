@@ -24,10 +24,9 @@ from axiscal.description.campaign import Equipment
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
-from axiscal.machine.questions import questions, which_way
+from axiscal.machine.questions import which_way
 from axiscal.measurement.reading import (
     approach_text,
-    by_text,
     direction_text,
     shown_pose,
     units_of,
@@ -128,11 +127,7 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
         constants=constants(known),
         iso230=iso230_blocks(described, readings, known.left_out),
         observability=observability(case),
-        questions=[
-            *questions(described.machine),
-            *which_way(described.machine),
-            *(each.words for each in described.unsourced),
-        ],
+        questions=[*which_way(described.machine)],
         rejected=list(_rejected(known, history)),
         warnings=[*extras.warnings, *accepted, *found, *not_gaussian(linear)],
         answer=answer,
@@ -221,12 +216,12 @@ def _history(campaign: Campaign, known: Estimation) -> list[HistoryRow]:
     first, *moments = path(known)
     rows = [HistoryRow(reading=0, **_accuracy(first))]
     for index, (reading, moment) in enumerate(zip(campaign.state.readings, moments, strict=True)):
-        setup, last = known.case.description.setup(reading.setup), moment.innovations
-        assert last is not None  # which it is before the first alone
+        setup = known.case.description.setup(reading.setup)
+        assert moment.surprise is not None  # which it is before the first alone
         units = units_of(setup)
         value, *others = (to_unit(x, own) for x, own in zip((reading.value, *reading.others), units, strict=True))
-        innovation, away = float(last.value[0]), doubts.get(index)
-        surprise = innovation / float(last.std[0]) if away is None else math.copysign(away, innovation)
+        (innovation, std), away = moment.surprise, doubts.get(index)
+        surprise = innovation / std if away is None else math.copysign(away, innovation)
         rows.append(
             HistoryRow(
                 reading=reading.numbered(index),
@@ -239,7 +234,6 @@ def _history(campaign: Campaign, known: Estimation) -> list[HistoryRow]:
                 innovation=to_unit(innovation, units[0]),
                 surprise=surprise,
                 approach=approach_text(known.case.description.machine.axes, reading.approach),
-                by=by_text(reading),
                 rejected=away is not None,
                 **_accuracy(moment),
             )

@@ -250,6 +250,10 @@ class Schematic:
         return drawn(self.parts, frame) + words
 
 
+_DOTS = 300
+"""Readings of a set-up that are drawn: more lie on each other."""
+
+
 def setup_schematic(
     campaign: CampaignDescription,
     setup: Setup,
@@ -263,14 +267,15 @@ def setup_schematic(
     at : where the machine stands, None for one of the places
     """
     own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
-    shown = at or max(own, key=partial(_seen_well, campaign.machine), default=None)
+    dots, open_dots = (some[:: 1 + len(some) // _DOTS] for some in (own, later))
+    shown = at or max(dots, key=partial(_seen_well, campaign.machine), default=None)
     room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts = [
         *_machine(room, setup.moves),
         *_instrument(room, setup),
-        *_readings(room, later, "soft", size),
-        *_readings(room, own, "read", size),
+        *_readings(room, open_dots, "soft", size),
+        *_readings(room, dots, "read", size),
     ]
     legend = [
         put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else "",

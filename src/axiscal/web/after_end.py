@@ -1,4 +1,4 @@
-"""After the end: tables for a control, and the picture of the volume."""
+"""After the end: tables for a control, and whether they work once they are loaded."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import io
 import zipfile
 
 from axiscal.campaign.agreement_words import agreement_words
+from axiscal.evaluation.check import Check
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
+from axiscal.present.guide.checking import CheckJudged
 from axiscal.tables import registry
 from axiscal.web.desk import Desk
+from axiscal.web.shapes import CheckedRequest
 
 
 def tables_packed(desk: Desk, control: str) -> bytes:
@@ -44,3 +47,9 @@ def volume_picture(desk: Desk, width: float) -> str:
     volume = volume_error(known, control, registry.offered_control(known, control) if tables else None)
     drawing = found_and_left_drawing(volume, desk.campaign.description.machine, width)
     return picture_file(drawing, said("The error of the volume"))
+
+
+def judge(desk: Desk, asked: CheckedRequest) -> CheckJudged:
+    """Return what readings without the tables and with them say, or what is wrong with each by its field."""
+    check = Check.from_campaign(desk.campaign, asked.control)
+    return CheckJudged.of(check, asked.found, asked.left, asked.tolerance, desk.campaign.path.parent)

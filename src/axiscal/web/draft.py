@@ -22,7 +22,7 @@ from axiscal.campaign.listing import standings
 from axiscal.campaign.sources import virtual_note
 from axiscal.description import first_files
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
+from axiscal.description.first_campaign import UNSAID, Beginning, Purpose, setups_of
 from axiscal.description.target import RowName, rows_of
 from axiscal.document.durable import write_whole
 from axiscal.estimation.case import Case
@@ -190,13 +190,13 @@ def curve(here: Path) -> shapes.CurveShape:
     return shapes.CurveShape(marks=minutes_curve(_planned(here)))
 
 
-def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
+def _with(begun: Beginning, instrument: str) -> CampaignDescription:
     if instrument not in (known := first_files.offered_names(begun.folder)):
         raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(known))
     return _ALONE.answer((repr(begun), instrument), lambda: first_files.first_described(begun, [instrument], Purpose()))
 
 
-def _shown_by(begun: first_files.Beginning, instrument: str) -> tuple[RowName, ...]:
+def _shown_by(begun: Beginning, instrument: str) -> tuple[RowName, ...]:
     def shown() -> tuple[RowName, ...]:
         described = _with(begun, instrument)
         return rows_shown(described, rows_of(described.machine))
@@ -240,7 +240,7 @@ def _written(here: Path) -> tuple[Path, CampaignDescription]:
     return folder / f"{name}.axiscal", described
 
 
-def _beginning(here: Path, draft: shapes.DraftShape, faults: dict[str, InputError]) -> first_files.Beginning:
+def _beginning(here: Path, draft: shapes.DraftShape, faults: dict[str, InputError]) -> Beginning:
     """Return the machine of a draft with the travels that can be; raises InputError.  faults : takes the others"""
     if draft.machine:
         begun = first_files.of_builtin(draft.machine)
@@ -297,11 +297,7 @@ def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
         carried=[axis.name for axis in machine.axes if axis.workpiece_side],
         radii=[axis.name for axis in machine.axes if axis.diameters],
         look=begun.look,
-        offered=[
-            name
-            for name in first_files.offered_names(here)
-            if name not in OFFERED or next(OFFERED[name].setups(machine), None) is not None
-        ],
+        offered=[name for name in first_files.offered_names(here) if setups_of(machine, name)],
         asks=begun.active in (UNSAID, *_ACTIVE.values()),
     )
 
@@ -322,9 +318,9 @@ def _records(here: Path) -> tuple[list[shapes.BegunShape], list[str]]:
             record=str(each.file.relative_to(here)),
             machine=each.machine,
             at=each.at,
-            finished=each.finished is not None,
-            taken=each.taken,
-            coming=each.coming,
+            finished=each.state.finished is not None,
+            taken=len(each.state.readings),
+            coming=len(each.state.coming),
         )
         for each in found
     ]

@@ -20,6 +20,7 @@ from fastapi.responses import FileResponse
 from axiscal.answers.answer import AnswerDocument
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.exceptions import InputError, OvertakenError
+from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
 from axiscal.present.sentences import spelt
 from axiscal.web import after_end, draft, shapes
@@ -62,10 +63,11 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "planned", "rows"):
         app.get(f"{ROOT}/{name}")(getattr(api, name))
-    for name in ("state", "typed", "cost"):
+    for name in ("state", "typed", "cost", "check"):
         app.get(f"{ROOT}/{name}")(getattr(api, name))
     for name in ("draft", "open", "leave"):
         app.post(f"{ROOT}/{name}")(getattr(api, name))
+    app.post(f"{ROOT}/check")(api.judge)
     for name, (request, step) in _STEPS.items():
         app.post(f"{ROOT}/{name}")(api.doing(request, step))
     return Guard(app, port)
@@ -111,6 +113,14 @@ class _Api:
         """What skipping the reading costs, or leaving its set-up."""
         words = await self._counter.ask(lambda desk: cost_words(desk.campaign, rest=rest))
         return shapes.SentenceShape(sentence=spelt(cost_sentence(words)))
+
+    async def check(self, control: shapes.Short) -> CheckToTake:
+        """Where the tables of a control are to be checked."""
+        return await self._counter.ask(lambda desk: CheckToTake.of(desk.campaign, control, desk.virtual))
+
+    async def judge(self, asked: shapes.CheckedRequest) -> CheckJudged:
+        """What readings without the tables and with them say."""
+        return await self._counter.ask(lambda desk: after_end.judge(desk, asked))
 
     async def setup_svg(self, width: shapes.Width, version: int = 0) -> Response:
         """The machine with the instrument on it and the places that are read, as wide as the page has room."""

@@ -83,6 +83,15 @@ class StateShape(AnswerDocument):
     controls: Sequence[str]
 
 
+class CheckedRequest(AnswerDocument):
+    """Readings of a check of the tables of a control as they are typed, in the order of its places."""
+
+    control: Short
+    tolerance: Short
+    found: Annotated[Sequence[Short], Field(max_length=500)]
+    left: Annotated[Sequence[Short], Field(max_length=500)]
+
+
 class DraftShape(AnswerDocument):
     """What was chosen of a campaign that has not begun, as a person typed it; kept on the disk at every touch.
 

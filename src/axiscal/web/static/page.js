@@ -130,7 +130,7 @@ function renderKept() {
   find("latest").replaceChildren(...state.readings.map((r) => {
     const row = document.createElement("tr");
     const values = r.values.map((v) => shown(v, 2)).join("  ");
-    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? ` (${said("not relied on")})` : "") + (r.by && ` ${r.by}`)), element("td", clock(r.at)));
+    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? ` (${said("not relied on")})` : "")), element("td", clock(r.at)));
     return row;
   }));
   find("notes").replaceChildren(...state.notes.slice(-3).map((n) => element("li", `${clock(n.at)} ${n.text}`)));
@@ -140,10 +140,9 @@ function renderKept() {
 }
 
 function renderDue() {
-  const { temperature_degc: warm, minutes_ago: ago, ask, marker_minutes: marker } = state.due, parts = [];
+  const { temperature_degc: warm, minutes_ago: ago, ask } = state.due, parts = [];
   if (warm !== null) parts.push(said("temperature {value} °C, {minutes} min ago", { value: shown(warm, 1), minutes: shown(ago, 0) }));
   if (state.question !== null && ask) parts.push(said("note the temperature"));
-  if (state.question !== null && marker !== null) parts.push(marker < 1 ? said("a drift marker is due: the same place once more") : said("a drift marker is due in about {minutes} min", { minutes: shown(marker, 0) }));
   text("due", parts.join(" · "));
 }
 
