@@ -57,7 +57,7 @@ QUICK := core/test_docstrings.py description docs/test_constants.py docs/test_ho
 	estimation/test_alignment.py estimation/test_criterion.py \
 	estimation/test_yardstick.py evaluation/test_around_a_turn.py evaluation/test_evaluation.py \
 	machine measurement/test_displacement.py \
-	measurement/test_instrument_files.py numerics present/test_edges.py present/test_wording.py programs/test_programs.py \
+	measurement/test_instrument_files.py numerics present/test_edges.py programs/test_programs.py \
 	python/test_surface.py record refusals units
 SLOW := description/test_sights.py record/test_store.py
 

@@ -55,7 +55,6 @@ def answer_row(
         limit=None,
         reached=None,
         measured=measured,
-        kelvin=-20.0 if row.kind == "scale" and measured else None,
         lines=[]
         if row.kind == "volume"
         else [

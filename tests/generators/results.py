@@ -12,7 +12,7 @@ HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'`&{{
 def golden_result(name: str, **changes: Any) -> Result:
     """Return the result of a campaign, such as "mill/out", with changes."""
     found = json.loads((EXPECTED / name / "result.json").read_text(encoding="utf-8"))
-    return Result.model_validate({**_whole(found), **changes})
+    return Result.model_validate({**_whole(found), **changes}, extra="ignore")  # a figure that goes stays there a while
 
 
 def _whole(found: Any) -> Any:

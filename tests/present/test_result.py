@@ -36,7 +36,7 @@ def _document(result: Result) -> dict[str, Any]:
 
 @pytest.mark.parametrize("where", AGREED)
 def test_what_others_read_stays(where: str) -> None:
-    found: Any = _document(golden_result("densities/out"))
+    found: Any = _document(golden_result("outlier/out"))
     found = found[where] if where else found
     if where in ("errors", "constants"):
         found = next(iter(found.values()))

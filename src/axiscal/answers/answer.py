@@ -99,7 +99,6 @@ class AnswerRow(PlannedRow):
     signed: Sequence[SignedNumber] = Field(description="numbers with [signs](conventions.md#rows-with-a-sign)")
     largest: Figure = Field(description="the same where it is largest")
     left: Mapping[str, Figure] = Field(description="by control, what its tables leave, √(left² + u²)")
-    kelvin: Figure | None = Field(None, description="K above 20 degC that would explain a scale; else null")
 
 
 class Aim(AnswerDocument):

@@ -38,7 +38,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
 from axiscal.estimation.functionals.functional import AxisLine, signed_numbers
-from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, warmth
+from axiscal.estimation.known_rows import KnownRow, known_row, known_rows
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.reading import shown_pose
@@ -99,7 +99,6 @@ def _answered(asked: AskedRow, row: KnownRow, known: Estimation, controls: Mappi
         return to_unit(float(np.sqrt(of(squares))), row.unit)
 
     signed = () if functional is None else signed_numbers(functional, at, errors, belief)
-    scale = signed and row.row.kind == "scale" and (row.measured or row.settled)
     return AnswerRow(
         **known_figures(row, known.stated.description.machine.axes),
         found=size(at, np.mean),
@@ -109,7 +108,6 @@ def _answered(asked: AskedRow, row: KnownRow, known: Estimation, controls: Mappi
             SignedNumber(direction=name, value=to_unit(value, row.unit), U=to_unit(u, row.unit))
             for name, value, u in signed
         ],
-        kelvin=warmth(known, row.row.axes[0], signed[0].value) if scale else None,
     )
 
 

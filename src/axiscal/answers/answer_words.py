@@ -28,7 +28,6 @@ from axiscal.answers.row_words import (
     screws_sentence,
     signed_text,
     signs_sentence,
-    warmth_sentence,
 )
 from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
@@ -63,9 +62,8 @@ def answer_text(answer: Outcome, agreement: str, evidence: str = "", *, cut: boo
     cut : for a terminal
     """
     groups = measured_rows(answer, ROOM)
-    spare = ["", ""] if cut else [signs_sentence(groups), warmth_sentence(answer.rows)]  # a terminal may have no room
     found = [
-        *spare,
+        "" if cut else signs_sentence(groups),  # a terminal may have no room
         _agreement(answer, agreement),
         overruled_sentence(answer.overruled),
         said(_UNTOLD, many=MANY) if _unchecked(answer) else "",
@@ -211,8 +209,7 @@ def _unmeasured(answer: Outcome, cut: bool) -> str:
         return ""
     alike = groupby(sorted(rows, key=lacking), lacking)
     groups = [group for _, mine in alike for group in by_kind([*mine])]
-    warm = [row.axes for row in answer.rows if row.kelvin is not None]
-    parts = [put("{names} ({why})", names=row_names(group), why=reason(group, warm)) for group in groups]
+    parts = [put("{names} ({why})", names=row_names(group), why=reason(group)) for group in groups]
     text = said("Not measured: {rows}.", rows=listed(", ", parts))
     for told in range(len(parts) - 1, 0, -1):
         if cut and wrapped(text)[-1].endswith(_CUT):
@@ -321,8 +318,8 @@ def screen(
     last = [*below, *ending({said("Next"): commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
     groups = measured_rows(answer, room)
-    warm, signs, spare = wrapped(warmth_sentence(answer.rows)), wrapped(signs_sentence(groups)), room - len(groups)
-    beside = next((lines for lines in ([*signs, *warm], warm, signs) if len(lines) <= spare), [])
+    signs = wrapped(signs_sentence(groups))
+    beside = signs if len(signs) <= room - len(groups) else []
     advised = next((step.control for step in answer.steps if step.control), "")
     return "\n".join([*first, *_table(groups, room, advised), *beside, *last])
 

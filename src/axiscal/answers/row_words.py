@@ -77,8 +77,8 @@ def _read(row: AnswerRow) -> int:
     return min((line.read for line in row.lines), default=0)
 
 
-def reason(rows: Sequence[AnswerRow], warm: Sequence[Sequence[str]]) -> str:
-    """Return why rows of one kind are not measured.  warm : axes of which a temperature could be their scale"""
+def reason(rows: Sequence[AnswerRow]) -> str:
+    """Return why rows of one kind are not measured."""
     if any(map(_one_sided, rows)):
         apart = any(line.places["+"] and line.places["-"] for row in rows for line in row.lines)
         return said("no place read from both sides") if apart else said("one side read")
@@ -91,8 +91,7 @@ def reason(rows: Sequence[AnswerRow], warm: Sequence[Sequence[str]]) -> str:
     if not places:
         return said("not read; the other readings leave {size}", size=size)
     if _exhausted(worst):
-        unsaid = "temperature not stated: {size}"
-        return said(unsaid if worst.axes in warm else "more readings would leave as much: {size}", size=size)
+        return said("more readings would leave as much: {size}", size=size)
     one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
     return counted(one, many, places, size=size)
 
@@ -100,15 +99,6 @@ def reason(rows: Sequence[AnswerRow], warm: Sequence[Sequence[str]]) -> str:
 def _within(size: float, unit: str) -> str:
     """Return a size that no line is broken in."""
     return put("±\xa0{size}\xa0{unit}", size=digits(size), unit=unit)
-
-
-def warmth_sentence(rows: Sequence[AnswerRow]) -> str:
-    """Return that measured scales may be warm instead of wrong, "" where nobody can mistake it."""
-    open_ = [(row.axes[0], row.kelvin) for row in rows if row.measured and row.kelvin is not None]
-    sizes = [_number(SignedNumber(direction="", value=kelvin, U=1.0), named=False, band=False) for _, kelvin in open_]
-    axes, kelvin = (listed(*each) for each in ((" ", [axis for axis, _ in open_]), (", ", sizes)))
-    what = "Scale {axes}: a lead error, or {kelvin} K; its temperature is not stated."
-    return said(what, axes=axes, kelvin=kelvin) if open_ else ""
 
 
 def _number(number: SignedNumber, *, named: bool, band: bool) -> str:

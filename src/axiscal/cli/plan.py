@@ -78,7 +78,7 @@ def plan(
         machine, setups = case.description.machine, case.description.setups
         count = len(write_programs(machine, setups, placed(case, plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    buys = bought(case, plan.places, plan.seconds, tried) if details or json else ()
+    buys = bought(case, plan.places, plan.seconds, tried) if json else ()
     answer = plan_answer(case, plan, limits, buys, ends=ends)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import RowName, dimension
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
 from axiscal.estimation.case import Case, Knowledge
-from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import NOUGHT, AxisLine
 from axiscal.exceptions import DescriptionError
@@ -141,14 +139,3 @@ def u_of_row(asked: AskedRow, case: Case, belief: Normal | None = None) -> float
     if asked.own is None:
         return expanded(case.yardstick, belief).space
     return reach(asked.own.spectra(case.errors, belief.factor), belief.degrees)
-
-
-def warmth(known: Estimation, scale: str, strain: float) -> float | None:
-    """Return by how much warmer than 20 °C a scale would have to be to be so long, K; None where that was measured.
-
-    scale : its axis; strain : as estimated
-    """
-    described, read = known.stated.description, {reading.setup for reading in known.readings}
-    axis, setups = described.machine.index(scale), [each for each in described.setups if each.name in read]
-    unsaid = (each for each in setups if axis in each.moves and lacks_temperature(each))
-    return next((strain / each.expansion for each in unsaid if each.expansion), None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from axiscal.answers.answer import AnswerWords, BoughtAccuracy, PlannedAnswer, PlannedRow, ReachAnswer
+from axiscal.answers.answer import AnswerWords, PlannedAnswer, PlannedRow, ReachAnswer
 from axiscal.answers.answer_words import (
     ROOM,
     aim_text,
@@ -27,8 +27,6 @@ from axiscal.units import digits, um_text
 
 LINES = 16
 """Of a terminal that nobody scrolls."""
-_BARS = "▁▂▃▄▅▆▇█"
-"""Bars of the picture of what minutes buy."""
 _READ = 0.9
 """Share of the U before below which a plan measures a row."""
 
@@ -45,7 +43,7 @@ def plan_screen(answer: PlannedAnswer, campaign: str, files: Sequence[str] = ())
 def plan_text(answer: PlannedAnswer) -> AnswerWords:
     """Return a plan in words."""
     reach = "" if answer.reach is None else reach_text(answer.reach, answer.rows)
-    sentences = [_mounted(answer), _fewer(answer), _curve(answer.bought), reach]
+    sentences = [_mounted(answer), _fewer(answer), reach]
     found = [sentence for sentence in sentences if sentence]
     return AnswerWords(first=_first(answer), rows=_cells(answer.rows, ROOM), sentences=found)
 
@@ -141,20 +139,6 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
     if bound := bound_sentence(answer):
         yield bound
-
-
-def _curve(bought: Sequence[BoughtAccuracy]) -> str:
-    """Return what minutes buy as a small picture, a bar for each, the highest the largest U; "" where U is nought."""
-    most, tops = max((each.expanded_um for each in bought), default=0.0), len(_BARS) - 1
-    if not most:
-        return ""
-    bars = "".join(_BARS[round(tops * each.expanded_um / most)] for each in bought)
-    marks = [
-        put("{minutes:.3g} min ± {u}", minutes=each.minutes, u=um_text(each.expanded_um))
-        for each in bought
-        if each.mark is not None
-    ]
-    return said("What minutes buy, over the volume: {bars} {marks}.", bars=bars, marks=listed(", ", marks))
 
 
 def bound_sentence(answer: PlanAnswer) -> str:

@@ -85,10 +85,8 @@ class PlaneMap(AnswerDocument):
     std: PlaneFigures = Field(description="its whole standard deviation, the rest of the plane included")
     position_unit: Sequence[str] = Field(description="mm or deg, of each axis")
     value_unit: str = Field(description="um or urad")
-    prior_std: PlaneFigures = Field(description="before any reading, as stated")
     whole_mean: PlaneFigures = Field(description="with the curves of both axes, its mean taken off")
     whole_std: PlaneFigures = Field(description="its whole standard deviation")
-    from_readings: Figure = Field(description="share of the variance that readings took away")
     sign: int = Field(description="as the tool shows it")
 
 
@@ -269,5 +267,4 @@ class Result(AnswerDocument):
     rows: Sequence[AnswerRow] = Field(description="the answer, row by row; empty where no uncertainty is printed")
     tables: Sequence[TableFile] = Field(description="files that were written for controls, and what they leave")
     versions: Mapping[str, str] = Field(description="of axiscal and of what it computes with")
-    inputs: Mapping[str, str] = Field(description="SHA-256 by file")
     record: RecordState = Field(description="what all of it is made from")

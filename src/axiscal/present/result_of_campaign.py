@@ -6,8 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from hashlib import sha256
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,7 +38,6 @@ from axiscal.present.axis_tests_read import iso230_blocks
 from axiscal.present.conditions import conditions, counted_along
 from axiscal.present.curves import constants, errors
 from axiscal.present.findings import findings, observability
-from axiscal.present.readings_file import READINGS, readings_csv
 from axiscal.present.result import (
     AgreementFigures,
     BudgetSource,
@@ -137,7 +134,6 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
         rows=answer.rows,
         tables=extras.tables,
         versions=dict(sorted(versions().items())),
-        inputs={**_checksums(campaign), f"data/{READINGS}": sha256(readings_csv(campaign, history)).hexdigest()},
         record=record_state(campaign),
     )
 
@@ -207,18 +203,6 @@ def _checks(known: Estimation) -> ChecksFigures:
     found, readings = known.checks, known.readings
     each = [OneCheck(reading=readings[one.reading].numbered(one.reading), z=one.z, used=one.used) for one in found.each]
     return ChecksFigures(count=len(each), as_promised=found.as_promised, s=found.s, each=each)
-
-
-def _checksums(campaign: Campaign) -> dict[str, str]:
-    """Return the SHA-256 of what the campaign was described by, and the hash of its record."""
-    described = campaign.description
-    texts = {
-        Path(described.source).name: described.text,
-        Path(described.machine_source).name: described.machine.text,
-        said("the earlier campaign"): described.prior_text,
-    }
-    sums = {name: sha256(text.encode("utf-8", "surrogateescape")).hexdigest() for name, text in texts.items() if text}
-    return sums | {campaign.path.name: campaign.state.name}
 
 
 def record_state(campaign: Campaign) -> RecordState:

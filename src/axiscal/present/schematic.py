@@ -223,17 +223,10 @@ def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
     yield Caption(room.tip, said(setup.title))
 
 
-def _readings(room: DrawnMachine, setup: Setup, places: Sequence[Place], colour: str, radius: float) -> Iterator[Part]:
-    """Yield a dot where each reading is taken, with a tail to the side its one linear axis comes from.
-
-    radius : of a dot, pixels
-    """
-    axis = room.machine.axes[setup.moves[0]] if len(setup.moves) == 1 else None
+def _readings(room: DrawnMachine, places: Sequence[Place], colour: str, radius: float) -> Iterator[Part]:
+    """Yield a dot where each reading is taken.  radius : pixels"""
     for place in places:
         (at,) = room.on_table(room.machine.frames(np.array([place.pose])).tcp)
-        if axis is not None and not axis.rotary and place.approach and place.approach[setup.moves[0]]:
-            back = room.along(axis.direction) * float(place.approach[setup.moves[0]])
-            yield Stroke(np.array([at - 0.045 * room.size * back, at]), colour, 2.4)
         yield RoundMark(at, 0.0, colour, radius)
 
 
@@ -281,15 +274,13 @@ def setup_schematic(
     parts = [
         *_machine(room, setup.moves),
         *_instrument(room, setup),
-        *_readings(room, setup, open_dots, "soft", size),
-        *_readings(room, setup, dots, "read", size),
+        *_readings(room, open_dots, "soft", size),
+        *_readings(room, dots, "read", size),
     ]
-    one_line = len(setup.moves) == 1 and not campaign.machine.axes[setup.moves[0]].rotary
     legend = [
         put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else "",
         said("grey: {count} to come", count=len(later)) if later else "",
         _reach_note(room),
-        said("tail: the side it comes from") if one_line and any(any(place.approach) for place in own) else "",
     ]
     return Schematic(parts, setup.name, listed(" · ", [each for each in legend if each]))
 

@@ -50,7 +50,6 @@ def _plane(estimation: Estimation, plane: Term) -> PlaneMap:
     whole -= whole.mean(axis=0)  # where the zero lies is no shape
     sign = float(errors.axes[plane.axis].sign)
     rest, rests = plane.rest**2, sum(term.rest**2 for term in beside)
-    known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.without_readings))
     mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
     first, second = axes
     return PlaneMap(
@@ -58,13 +57,11 @@ def _plane(estimation: Estimation, plane: Term) -> PlaneMap:
         words=words(plane.name),
         position=[to_unit(at[0], first.unit).tolist(), to_unit(at[1], second.unit).tolist()],
         mean=_map(sign * (own @ mean), unit),
-        std=_map(known, unit),
+        std=_map(_std(own, belief.factor[: errors.size], rest), unit),
         position_unit=[first.unit, second.unit],
         value_unit=unit,
-        prior_std=_map(without, unit),
         whole_mean=_map(whole @ mean, unit),
         whole_std=_map(_std(whole, belief.factor[: errors.size], rests), unit),
-        from_readings=float(np.clip(1.0 - np.sum(known**2) / np.sum(without**2), 0.0, 1.0)),
         sign=int(sign),
     )
 

@@ -1,9 +1,7 @@
-"""The report of what the core knows of a machine, as a PDF, and its unknowns as a table."""
+"""The report of what the core knows of a machine, as a PDF."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
@@ -37,7 +35,7 @@ _LARGER, _FAR_LARGER = 1.5, 6.0
 
 
 def report(known: Known, folder: str | Path, title: str = "Machine", language: str | None = None) -> Path:
-    """Write report.pdf and unknowns.csv of what is known; return the former.
+    """Write report.pdf of what is known and return it.
 
     title : the name of the machine; language : "en" or "de", AXISCAL_LANGUAGE or English where it is not said
     Raises axiscal_core.InputError where nothing was read, InputError for another language, OSError.
@@ -53,10 +51,6 @@ def report(known: Known, folder: str | Path, title: str = "Machine", language: s
     out.mkdir(parents=True, exist_ok=True)
     with speaking(named_language(language) or "en"):
         write_whole(out / "report.pdf", pdf(result_of(known, title), {}))
-    lines = io.StringIO()
-    table = known.table()
-    csv.writer(lines, lineterminator="\n").writerows([[*table], *zip(*table.values(), strict=True)])
-    write_whole(out / "unknowns.csv", lines.getvalue().encode())
     return out / "report.pdf"
 
 

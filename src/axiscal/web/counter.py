@@ -67,7 +67,7 @@ class Counter:
         self._at_work: int | None = None
         self._drawn_up = Future[Any]()
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._ending, self._asked, self._news = False, set[Future[str]](), asyncio.Event()
+        self._ending, self._news = False, asyncio.Event()
         self._stages = list[Stage]()
         self._desk: Desk | None = None
         if record is not None:
@@ -134,10 +134,7 @@ class Counter:
 
     async def do(self, step: Callable[[Desk], str]) -> str:
         """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
-        asked = self._submitted(lambda: step(self.desk))
-        self._asked.add(asked)
-        asked.add_done_callback(self._asked.discard)
-        sentence = await asyncio.wrap_future(asked)
+        sentence = await asyncio.wrap_future(self._submitted(lambda: step(self.desk)))
         self._think()
         return sentence
 
@@ -173,7 +170,7 @@ class Counter:
 
         Work is ended as the main thread is by Ctrl-C, which may come anywhere: at the next step of Python.
         """
-        asked, broken_off = bool(self._asked), False
+        broken_off = False
         with self._lock:
             self._closing = True
         free = self._pool.submit(int)
@@ -184,11 +181,7 @@ class Counter:
         if self._desk is not None:
             self._pool.submit(self._desk.campaign.close).result()
         self._pool.shutdown()
-        if broken_off and asked:
-            return (
-                "A step that a page had asked for was broken off; what had been kept of it is shown at the next start."
-            )
-        return "What was being computed is begun anew at the next start." if broken_off else ""
+        return "What was being computed was broken off; what is kept is shown at the next start." if broken_off else ""
 
     def _break_off(self) -> None:
         """Break off what is made of the draft."""

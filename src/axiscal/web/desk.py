@@ -40,8 +40,6 @@ class Desk:
         self._answer: Outcome | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
         self._before: frozenset[int] | None = None
-        self._named: progress.Named | None = None
-        self._asks: progress.Named | None = None
         self._version = 0
         self._alike: set[int] = set()
         self.state = self._renewed()
@@ -69,14 +67,12 @@ class Desk:
         minds = list(self._minds)
         if self._before is not None:
             minds += progress.others_doubted(self.campaign, self._before, command=False)
-            if (named := progress.named_now(self.campaign)) != self._named:
-                self._asks = named
-        new_question, self._before = self._asks is not None and not self.state.asks, None
+        self._before = None
         self.campaign.estimate()  # the next reading is compared with it
         new = self._answers != self._stands  # what a report says stands
         if new:
             self._answer, self._answers = coming_answer(self.campaign) or standing_answer(self.campaign), self._stands
-        if new or minds or new_question:
+        if new or minds:
             self._show(minds, noted=True)
 
     @property
@@ -104,9 +100,9 @@ class Desk:
         typed = measured(text, self.campaign.description.setup(question.setup), stands(self.campaign))
         if cause is None:
             slips.refuse_surprising(self.campaign, question, typed)
-        before, jump = progress.doubted(self.campaign), progress.named_now(self.campaign)
+        before = progress.doubted(self.campaign)
         kept, told = slips.keep_as(self.campaign, question, typed, cause)
-        self._before, self._named = before, jump
+        self._before = before
         self._show()
         return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
 
@@ -155,12 +151,9 @@ class Desk:
         setup = description.setup(asked.place.setup)
         return setup_picture(setup_schematic(description, setup, taken, asked.place, state.coming), width)
 
-    def set_anew(self, answer: progress.Answer | None) -> str:
-        """Keep that a zero was set anew before the next reading, or the answer to what the page asks."""
-        if answer is None or self._asks is None:
-            told = progress.set_anew(self.campaign)
-        else:
-            told = progress.confirmed(self.campaign, self._asks, answer)
+    def set_anew(self) -> str:
+        """Keep that a zero was set anew before the next reading."""
+        told = progress.set_anew(self.campaign)
         self._show()
         return told
 
@@ -209,7 +202,6 @@ class Desk:
         self._minds = list(minds)
         if not noted:
             self._alike.clear()
-            self._asks = None
         self.state = self._renewed()
         self.publish()
 
@@ -222,7 +214,6 @@ class Desk:
         return StateShape(
             version=self._version,
             last=state.last,
-            begun=campaign.begun,
             machine=campaign.description.machine.name,
             record=campaign.path.name,
             progress=progress.Progress.of(campaign),
@@ -238,8 +229,6 @@ class Desk:
             undo=progress.last_step(campaign)[0],
             minds=[spelt(each) for each in [*self._minds, *progress.contradictions(campaign, command=False)]],
             named=state.finished is None and self._explained() is not None,
-            asks="" if self._asks is None else spelt(self._asks.question),
-            choices={} if self._asks is None else self._asks.choices,
             answer=None if answer is None or overtaken else AnswerShape.of_campaign(campaign, answer),
             results=results.name if written else "",
             tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),

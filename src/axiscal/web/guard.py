@@ -17,7 +17,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from fastapi import Depends, FastAPI, Request, Response, Security
+from fastapi import FastAPI, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.security import HTTPBearer
@@ -72,7 +72,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
         },
         default_response_class=PageDocument,
         responses=_REFUSALS,
-        dependencies=[Security(token), Depends(_refuse_unknown)],
+        dependencies=[Security(token)],
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
@@ -97,13 +97,6 @@ def problem(status: int, code: str, sentence: str) -> Response:
 async def _words(request: Request) -> Response:
     """Answer with the language of the page, and its messages by the English ones."""
     return JSONResponse({"language": spoken_now(), "messages": messages(spoken_now())})
-
-
-async def _refuse_unknown(request: Request) -> None:
-    """Raise RequestValidationError for a query that the path does not take."""
-    taken = {each.alias for each in request.scope["route"].dependant.query_params}
-    for name in sorted(set(request.query_params) - taken):
-        raise RequestValidationError([{"loc": ("query", name), "msg": "Extra inputs are not permitted"}])
 
 
 async def _malformed(request: Request, failure: Exception) -> Response:

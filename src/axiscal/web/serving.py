@@ -34,7 +34,7 @@ _STEPS: dict[str, tuple[type[AnswerDocument], Callable[..., str]]] = {
     "accepts": (shapes.StepRequest, Desk.accept),
     "skips": (shapes.SkipRequest, Desk.skip),
     "notes": (shapes.NoteRequest, Desk.note),
-    "zeros": (shapes.AnewRequest, Desk.set_anew),
+    "zeros": (shapes.StepRequest, Desk.set_anew),
     "undo": (shapes.StepRequest, Desk.undo),
     "next": (shapes.StepRequest, Desk.go_on),
     "finish": (shapes.StepRequest, Desk.finish),

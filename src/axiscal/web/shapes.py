@@ -13,7 +13,7 @@ from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import LONGEST_TEXT
-from axiscal.present.guide.progress import Answer, Due, KeptReading, Progress
+from axiscal.present.guide.progress import Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Cause, Jog
 from axiscal.present.plan_words import plan_text
@@ -50,10 +50,9 @@ class AnswerShape(AnswerWords):
 
 
 class StateShape(AnswerDocument):
-    """All that the page shows. `last` names the state of the record, `version` this document, `begun` the campaign.
+    """All that the page shows. `last` names the state of the record, `version` this document.
 
     minds : what to mind about the last reading; named : whether it names a mistake that can be put right
-    asks : whether a zero was set anew before some reading, "" for nothing; choices : of answers, in words
     jog : the test with which the mounting begins, null where it is done
     shows : what the instrument on a virtual machine shows at the question, "" on a real one
     answer : null until it is known for the first time; tables : the controls that there are tables for, once it ended
@@ -63,7 +62,6 @@ class StateShape(AnswerDocument):
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
     version: int
     last: int
-    begun: str
     machine: str
     record: str
     progress: Progress
@@ -79,8 +77,6 @@ class StateShape(AnswerDocument):
     undo: str
     minds: list[str]
     named: bool
-    asks: str
-    choices: Mapping[Answer, str]
     answer: AnswerShape | None
     results: str
     tables: Sequence[str]
@@ -223,12 +219,6 @@ class JogRequest(StepRequest):
 
     text: Short
     anyway: bool = False
-
-
-class AnewRequest(StepRequest):
-    """A zero was set anew before the next reading; answer : to what the page asks, instead."""
-
-    answer: Answer | None = None
 
 
 class SkipRequest(StepRequest):

@@ -119,12 +119,6 @@ class Named(NamedTuple):
     answers: tuple[Answer, ...]
 
     @property
-    def choices(self) -> dict[Answer, str]:
-        """The answers in words."""
-        words: dict[Answer, str] = {"jump": said("zero set anew"), "backlash": said("backlash")}
-        return {each: words[each] if len(self.answers) > 1 else said("Yes") for each in self.answers}
-
-    @property
     def typed(self) -> dict[str, Answer]:
         """What a person types for each of several answers."""
         return {said("jump").lower(): "jump", said("backlash").lower(): "backlash"}

@@ -139,16 +139,6 @@ function renderKept() {
   show("accept", state.named);
 }
 
-// Whether a zero was set anew: asked once, until a person says no or the next reading is kept.
-let denied = "";
-function renderAsking() {
-  show("asking", state.asks !== "" && state.asks !== denied);
-  text("asks", state.asks);
-  const choices = Object.entries(state.choices);
-  find("choices").replaceChildren(...choices.map(([answer, words]) => button(words, () => plain("/zeros", { answer }))));
-  text("was-not", choices.length > 1 ? said("I do not know") : said("No"));
-}
-
 function renderDue() {
   const { temperature_degc: warm, minutes_ago: ago, ask } = state.due, parts = [];
   if (warm !== null) parts.push(said("temperature {value} °C, {minutes} min ago", { value: shown(warm, 1), minutes: shown(ago, 0) }));
@@ -195,7 +185,6 @@ function render(newer) {
   renderLine();
   renderQuestion();
   renderKept();
-  renderAsking();
   renderAnswer();
   renderEnd();
   find("undo").disabled = state.undo === "";
@@ -341,7 +330,6 @@ on("jog-anyway", "click", () => tryJog(true));
 on("accept", "click", () => plain("/accepts"));
 on("to-start", "click", async () => { if ((await call("/leave", {})).ok) location.assign("/"); });
 on("anew", "click", () => plain("/zeros"));
-on("was-not", "click", () => { denied = state.asks; renderAsking(); home(); });
 on("undo", "click", () => plain("/undo"));
 on("skip", "click", () => asksForReason(true));
 on("leave", "click", () => asksForReason(true, "leave"));
