@@ -1,7 +1,5 @@
 """TOML documents: the line of every key, and files that cannot be read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Machines from generated chains and from damaged files: a machine, or a failure of ours, never anything else."""
 
-from __future__ import annotations
-
 import math
 
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Names and chains in the manner of ISO 230-1 and ISO 10791-6 and errors of two axes."""
 
-from __future__ import annotations
-
 import pytest
 
 from axiscal.machine import machine_from_text

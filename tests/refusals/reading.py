@@ -1,7 +1,5 @@
 """Files of refusals: right texts by name; rows of what is wrong in one of them, or of a command, and what is said."""
 
-from __future__ import annotations
-
 import io
 import json
 import shlex

@@ -18,7 +18,7 @@ from axiscal.machine.axis import travel_text
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.written import PORTS, named
 from axiscal.measurement.setup import FINEST, Nodes, Setup, Vector
-from axiscal.units import parse_quantity
+from axiscal.units import format_quantity, parse_quantity
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
@@ -120,12 +120,16 @@ Direction = Annotated[Vector, ReadAs(str | list[float | int], unit_vector)]
 
 def coordinate(text: str, axis: Axis) -> float:
     """Return a position on an axis, m or rad; raises UnitError, or DescriptionError outside the travel."""
-    value = parse_quantity(text, axis.dimension)
+    return within_travel(parse_quantity(text, axis.dimension), axis, text)
+
+
+def within_travel(value: float, axis: Axis, text: str = "") -> float:
+    """Return a position on an axis, m or rad; raises DescriptionError outside the travel.  text : as it is stated"""
     low, high = axis.travel
     slack = 1e-9 * axis.length
     if not low - slack <= value <= high + slack:
-        what = '"{text}" is outside the travel of {axis}'
-        raise DescriptionError(what, "It goes from {travel}", text=text, axis=axis.name, travel=travel_text(axis))
+        what, at = '"{text}" is outside the travel of {axis}', text or format_quantity(value, axis.unit)
+        raise DescriptionError(what, "It goes from {travel}", text=at, axis=axis.name, travel=travel_text(axis))
     return min(max(value, low), high)
 
 

@@ -133,13 +133,14 @@ def _evaluate(record: Path, described: CampaignDescription, draft: shapes.DraftS
     """Make a record of the readings that were dropped, with its results beside it; raises InputError."""
     from axiscal.present.delivery import deliver, read_in  # pictures and tables, which no draft else waits for
     from axiscal.present.findings import of_readings
+    from axiscal.present.result_of_campaign import Extras
 
     found = read_in(described, record.with_name(draft.file), along=draft.along)
     with Campaign.create(record, found.description) as campaign:
         campaign.adopt(found.readings, found.told)
         campaign.finish("all readings evaluated")
         warnings = of_readings(found.readings, described.setups, described.machine.axes)
-        extras = replace(found.extras, warnings=warnings, spoken=spoken_now())
+        extras = Extras(warnings=warnings, spoken=spoken_now())
         deliver(campaign, campaign.estimate(ended=True), results_beside(record), extras)
 
 
@@ -152,13 +153,16 @@ def record_of(here: Path, name: str) -> Path:
     return here / name
 
 
-def picture(here: Path, query: shapes.MachineQuery) -> str:
-    """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none."""
-    begun = first_files.of_builtin(query.machine) if query.machine else _beginning(here, kept(here), {})
-    if not query.instrument:
-        return setup_picture(machine_schematic(machine_from_text(begun.text), lengths=not query.small), query.width)
-    campaign = _with(begun, query.instrument)
-    return setup_picture(setup_schematic(campaign, campaign.setups[0], ()), query.width)
+def picture(here: Path, width: float, machine: str, instrument: str, *, lengths: bool) -> str:
+    """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none.
+
+    machine : built-in, "" for that of the draft; lengths : whether its axes say how far they travel
+    """
+    begun = first_files.of_builtin(machine) if machine else _beginning(here, kept(here), {})
+    if not instrument:
+        return setup_picture(machine_schematic(machine_from_text(begun.text), lengths=lengths), width)
+    campaign = _with(begun, instrument)
+    return setup_picture(setup_schematic(campaign, campaign.setups[0], ()), width)
 
 
 def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:
@@ -314,9 +318,9 @@ def _records(here: Path) -> tuple[list[shapes.BegunShape], list[str]]:
             record=str(each.file.relative_to(here)),
             machine=each.machine,
             at=each.at,
-            finished=each.finished is not None,
-            taken=each.taken,
-            coming=each.coming,
+            finished=each.state.finished is not None,
+            taken=len(each.state.readings),
+            coming=len(each.state.coming),
         )
         for each in found
     ]

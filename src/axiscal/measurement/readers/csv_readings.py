@@ -19,12 +19,11 @@ from typing import Literal
 
 from axiscal.document import meant, shown
 from axiscal.exceptions import Faults, UnitError
-from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, WORDS, Units, approach_of, sign_of, whole
 from axiscal.measurement.readers.csv_table import EXAMPLE, Cell, CsvTable, Row, csv_text, table_of
 from axiscal.measurement.readers.text_file import TextFile, read_text
 from axiscal.measurement.reading import Places, Reading, approach_text, columns_of
-from axiscal.measurement.setup import FINEST, Setup
+from axiscal.measurement.setup import FINEST, MOST, Setup
 from axiscal.units import parse_quantity, to_unit
 from axiscal_core.axes import Axis
 
