@@ -123,18 +123,9 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     "touches as a firmware printed them, of Klipper since 2025": lambda found: _points(
         found, "14:02:11  // probe: at {x:.3f},{y:.3f} bed will contact at z={z:.6f}\n"
     ),
-    "touches as a firmware printed them, of Marlin in a log with dates": lambda found: _points(
-        found, "[2026-11-20 10:11:12.345] Recv: Bed X: {x:.3f} Y: {y:.3f} Z: {z:.3f}\n"
-    ),
-    "touches as a firmware printed them, of Marlin in a log of Repetier-Host": lambda found: _points(
-        found, "12:33:44.123 : Bed X: {x:.3f} Y: {y:.3f} Z: {z:.3f}\n"
-    ),
     "touches as a firmware printed them, of grbl": lambda found: (
         "[PRB:0.000,0.000,-9.000:0]\nALARM:5\n"
         + _points(found, ">>> G38.2 Z-5 F50\n[PRB:{x:.3f},{y:.3f},{z:.3f}:1]\nok\n")
-    ),
-    "touches as a firmware printed them, of grbl of four axes": lambda found: _points(
-        found, "[PRB:{x:.3f},{y:.3f},{z:.3f},0.000:1]\n"
     ),
     "touches as a firmware printed them, of TinyG": lambda found: _points(
         found, '{{"r":{{"prb":{{"e":1,"x":{x:.3f},"y":{y:.3f},"z":{z:.3f},"a":0.000}}}},"f":[1,0,23]}}\n'
@@ -144,9 +135,6 @@ FORMS: Mapping[str, Callable[[DrawnMap], str]] = {
     ),
     "touches as a firmware printed them, of Repetier": lambda found: _points(
         found, "15:33:28.605 : G33 X{x:.2f} Y{y:.2f} Z{z:.3f}\n"
-    ),
-    "touches as a firmware printed them, of Klipper on a page": lambda found: _points(
-        found, "1/12/2026, 12:50:51 PM | probe at {x:.3f},{y:.3f} is z={z:.6f}\n"
     ),
     "a bCNC probe file": _bcnc,
     "a Candle height map": _candle,

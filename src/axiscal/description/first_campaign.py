@@ -144,26 +144,20 @@ def _way(axis: Axis) -> str:
     return "xyz"[letter_direction(axis.letter)]
 
 
-def _within(axis: Axis, share: float) -> str:
-    """Return what is so large a share of a travel above its lower end."""
-    return format_quantity(axis.travel[0] + share * axis.length, "mm", 4)
-
-
-def _place(point: Array) -> str:
-    """Return a point in whole millimetres."""
-    return ", ".join(f'"{round(1e3 * float(each)) + 0:d} mm"' for each in point)
-
-
 @cache
 def _campaign_templates() -> Environment:
+    """Return the templates, with what they write: shares of a travel, steps, and points in whole millimetres.
+
+    A step is one that an axis, or half of it, has several multiples of: a centimetre, or less where it is short.
+    """
     return templates(
-        "axiscal.description", way=_way, part=_within, step=_step, place=_place, mm=partial(format_quantity, unit="mm")
+        "axiscal.description",
+        way=_way,
+        part=lambda axis, share: format_quantity(axis.travel[0] + share * axis.length, "mm", 4),
+        step=lambda axis: next((step for step, least in _STEPS if axis.length >= least), _STEPS[-1][0]),
+        place=lambda point: ", ".join(f'"{round(1e3 * float(each)) + 0:d} mm"' for each in point),
+        mm=partial(format_quantity, unit="mm"),
     )
-
-
-def _step(axis: Axis) -> str:
-    """Return a step that an axis, or half of it, has several multiples of: a centimetre, or less where it is short."""
-    return next((step for step, least in _STEPS if axis.length >= least), _STEPS[-1][0])
 
 
 def _setups(machine: Machine) -> Any:

@@ -274,7 +274,12 @@ def machine_text(machine: IniMachine, source: str) -> str:
     """Return the text of machine.toml.  source : the INI file, as it is named"""
     units = {"from_unit": from_unit, "to_unit": to_unit}
     rendering = ports.templates(
-        "axiscal.description", plain=_plain, toml=toml_value, number=_number, direction=letter_direction, **units
+        "axiscal.description",
+        plain=lambda text: "".join(each if each.isprintable() else " " for each in text),  # ends no line of remarks
+        toml=toml_value,
+        number=lambda value: f"{float(value) + 0.0:.9g}",
+        direction=letter_direction,
+        **units,
     )
     values = {each.name: getattr(machine, each.name) for each in fields(machine)}
     return rendering.get_template("machine.jinja").render(values, source=source)
@@ -291,12 +296,3 @@ def unread(machine: IniMachine) -> list[str]:
     if any(axis.rotary and axis.letter not in machine.build.reversed for axis in machine.axes):
         found.append(said("which way the rotary axes count (direction)"))
     return found
-
-
-def _number(value: float) -> str:
-    return f"{float(value) + 0.0:.9g}"
-
-
-def _plain(text: str) -> str:
-    """Return a text that ends no line of remarks."""
-    return "".join(character if character.isprintable() else " " for character in text)

@@ -183,8 +183,7 @@ def _positive(found: IniValue | None, key: str) -> float | None:
 
 
 def _compensated(ini: IniFile, joint: int) -> bool:
-    sections = (f"JOINT_{joint}", f"AXIS_{joint}")
-    pairs = ((ini.get(each, "COMP_FILE"), ini.get(each, "BACKLASH")) for each in sections)
+    pairs = ((ini.get(each, "COMP_FILE"), ini.get(each, "BACKLASH")) for each in (f"JOINT_{joint}", f"AXIS_{joint}"))
     return any((table and table.text) or (step and step.number("BACKLASH") != 0) for table, step in pairs)
 
 

@@ -115,23 +115,16 @@ def undescribed(machine: Machine) -> str | None:
 
     None where all are. A squareness may be that of either axis: C0Y or C0X.
     """
-    named = {error.name for error in machine.errors}
-    missing = [name for axis in machine.axes for name in _motions(axis, named)]
-    missing += _squarenesses(machine, named)
-    return said("Not described, taken as zero: {names}.", names=listed(", ", missing)) if missing else None
-
-
-def _motions(axis: Axis, named: set[str]) -> list[str]:
-    absent = [name for component in COMPONENTS if (name := f"E{component}{axis.name}") not in named]
-    return absent if len(absent) < len(COMPONENTS) else [said("all six of {axis}", axis=axis.name)]
-
-
-def _squarenesses(machine: Machine, named: set[str]) -> Iterator[str]:
+    named, missing = {error.name for error in machine.errors}, list[str]()
+    for axis in machine.axes:
+        absent = [name for component in COMPONENTS if (name := f"E{component}{axis.name}") not in named]
+        missing += absent if len(absent) < len(COMPONENTS) else [said("all six of {axis}", axis=axis.name)]
     linear = sorted((axis for axis in machine.axes if not axis.rotary), key=lambda axis: axis.name)
     for first, second in combinations(linear, 2):
         about = _ABOUT.get(first.letter + second.letter)
         if about and not {f"{about}0{first.name}", f"{about}0{second.name}"} & named:
-            yield f"{about}0{second.name}"
+            missing.append(f"{about}0{second.name}")
+    return said("Not described, taken as zero: {names}.", names=listed(", ", missing)) if missing else None
 
 
 __all__ = ["Hidden", "hidden", "machine_check", "unseen_factor"]
