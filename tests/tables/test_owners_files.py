@@ -92,5 +92,7 @@ def test_a_pivot_that_lies_elsewhere_is_said(tmp_path: Path) -> None:
     found = configured(ini(tmp_path, "XYZAC", "xyzac-trt-kins", hal=pins))
     assert [*to_mind(found, trunnion(50))] == []
     warnings = [*to_mind(found, trunnion(60))]
-    assert sorted(each.partition(" about ")[0] for each in warnings) == [f"WARNING: the kinematics turn {n}" for n in "AC"]
+    assert sorted(each.partition(" about ")[0] for each in warnings) == [
+        f"WARNING: the kinematics turn {n}" for n in "AC"
+    ]
     assert all("(0 mm, 0 mm, -50 mm), machine.toml about (0 mm, 0 mm, -60 mm)" in each for each in warnings)
