@@ -83,7 +83,6 @@ class Campaign(AbstractContextManager["Campaign"]):
     def __init__(self, record: Record, description: CampaignDescription, planner: Planner = _next_places) -> None:
         self.log, self.description, self._planner = record, description, planner
         self.state = record.state()
-        self._first = record.events()[0]
         self._memo = Memo(_ANSWERS)
 
     @classmethod
@@ -109,7 +108,7 @@ class Campaign(AbstractContextManager["Campaign"]):
     @property
     def begun(self) -> str:
         """When the record was begun: ISO 8601, UTC."""
-        return self._first.at
+        return self.log.lines[0].row.at
 
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
