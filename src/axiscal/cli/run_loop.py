@@ -21,7 +21,6 @@ from axiscal.language.stages import listening
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.demo import description, run_demo
 from axiscal.present.result_set import RECORD, mend
-from axiscal.record.events import Asked, Created, Planned
 from axiscal.units import parse_quantity, said_quantity, to_unit
 
 
@@ -67,8 +66,7 @@ def run_loop(
 
 
 def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -> Campaign | None:
-    """Return the campaign that the folder holds, None if there is none, or none that was begun with a reading."""
-
+    """Return the campaign that the folder holds, None if there is none."""
     if not path.exists():
         return None
     opened = Campaign.open(path)
@@ -77,9 +75,6 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
     if same and resume:
         return opened
     opened.close()
-    if all(isinstance(stored.event, Created | Planned | Asked) for stored in opened.log.events()):
-        path.unlink()
-        return None
     if not resume:
         remedy = "Go on with it by --resume, or name another --out"
         raise RecordError("This folder holds a campaign already", remedy, path)
