@@ -252,11 +252,6 @@ class Campaign(AbstractContextManager["Campaign"]):
             self._append(Finished(why, result_of(self._said(ended=True))))
         return self.state.finished or ""
 
-    def sign(self) -> None:
-        """Sign the record so far, if this person has a key."""
-        self.log.sign()
-        self._append()
-
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""
         target, readings = self.description.target, self.state.readings
@@ -339,8 +334,7 @@ class Campaign(AbstractContextManager["Campaign"]):
         self.close()
 
     def _append(self, *events: Event) -> None:
-        if events:
-            self.log.append(*events, after=self.state.last)
+        self.log.append(*events, after=self.state.last)
         self._take_in(self.log.state())
 
     def _take_in(self, state: State) -> None:
