@@ -86,18 +86,18 @@ def test_a_failure_is_said_in_the_language_that_is_spoken_when_it_is_printed() -
     faults = Faults()
     for line in (3, 5, 7):
         with faults.noted():
-            raise ReadingError("{value} is not a finite number", "Give one of them", "a.csv", line, value="nan")
+            raise ReadingError("there are no readings", "Give one of them", "a.csv", line)
     with faults.noted():
         raise RecordError("There is nothing to take back", "Go on with `axiscal step next`", "a.csv", 9)
     with pytest.raises(ReadingError) as raised:
         faults.refuse()
     assert str(raised.value) == (
-        "a.csv, line 3: nan is not a finite number. Give one of them. (3 times, up to line 7.)\n"
+        "a.csv, line 3: there are no readings. Give one of them. (3 times, up to line 7.)\n"
         "- line 9: There is nothing to take back. Go on with `axiscal step next`."
     )
     with speaking("de"):
         assert str(raised.value) == (
-            "a.csv, Zeile 3: nan ist keine endliche Zahl. Eines davon angeben. (3-mal, bis Zeile 7.)\n"
+            "a.csv, Zeile 3: es gibt keine Messwerte. Eines davon angeben. (3-mal, bis Zeile 7.)\n"
             "- Zeile 9: Nichts kann zurückgenommen werden. Weiter mit `axiscal step next`."
         )
 

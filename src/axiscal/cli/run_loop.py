@@ -12,7 +12,7 @@ from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Milestone, because
 from axiscal.campaign.sources import open_source
 from axiscal.cli.outputs import tell_details, write_outputs, written_screen
 from axiscal.cli.printing import rewrite, say, tell
-from axiscal.cli.texts import kept_text, stoppable, tell_out_of_reach
+from axiscal.cli.texts import kept_words, stoppable, tell_out_of_reach
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.estimation.case import Case
 from axiscal.exceptions import InputError, RecordError, TargetError
@@ -52,7 +52,7 @@ def run_loop(
                 try:
                     opened.run(readings, watch)
                 except InputError as failure:
-                    remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=kept_text(opened, again))
+                    remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=kept_words(opened, again))
                     raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
         write_outputs(opened, out, as_json=json, details=details)
         because, file = opened.state.finished or "", opened.description.source
