@@ -36,7 +36,7 @@ demo: .venv/run.stamp
 	$(BIN)/axiscal demo --out demo-out
 
 demo-linuxcnc: .venv/run.stamp
-	$(BIN)/python -m tests.linuxcnc.demo --out demo-linuxcnc-out
+	$(BIN)/python -m benchmarks.linuxcnc_demo --out demo-linuxcnc-out
 
 howto-linuxcnc: .venv/dev.stamp
 	$(BIN)/python -m benchmarks.linuxcnc_howto

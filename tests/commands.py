@@ -1,7 +1,5 @@
 """Commands given as a person gives them, and what they say."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import dataclass

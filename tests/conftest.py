@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
-from tests import shapes
+from tests import saying, shapes
 from tests.commands import Command, Outcome
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ os.environ["AXISCAL_KEY"] = os.devnull + "/none"  # no test signs with the key o
 os.environ["XDG_CONFIG_HOME"] = os.devnull + "/none"  # nor says yes to code for whoever runs it
 os.environ["AXISCAL_PROGRESS"] = "off"  # what commands say in tests does not hang on how long they take
 shapes.install()  # before anything of the package is loaded
+saying.install()
 settings.register_profile("axiscal", deadline=None, derandomize=True, print_blob=True, max_examples=25)
 settings.register_profile("explore", deadline=None, max_examples=2000)
 settings.load_profile(os.environ.get("AXISCAL_HYPOTHESIS", "axiscal"))

@@ -1,7 +1,5 @@
 """Figures that tests hold below a limit, shown by `pytest -rP`."""
 
-from __future__ import annotations
-
 import sys
 
 

@@ -3,8 +3,6 @@
 AXISCAL_ORDER=11 repeats the order of seed 11 in any selection of tests; AXISCAL_ORDER=off keeps that of the files.
 """
 
-from __future__ import annotations
-
 import os
 import random
 from hashlib import sha256

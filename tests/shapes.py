@@ -5,8 +5,6 @@ modules of the package are loaded with a look at each such call: an array has as
 a number is that number, and a name is one length throughout the call. Lengths that are said in other words are free.
 """
 
-from __future__ import annotations
-
 import inspect
 import re
 import sys

@@ -1,7 +1,5 @@
 """Of the mistakes that readings name, the one that a person means, the event that puts it right, and all of it said."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """The campaign on a machine with one unknown and a plain plan: what it asks, keeps, takes back, and when it stops."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Protocol

@@ -1,7 +1,5 @@
 """When an accuracy counts as reached, and when it is said that no reading can reach it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,14 +21,13 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import first_described, of_builtin
 from axiscal.description.target import RowName, Target, Want
+from axiscal.estimation.accuracy.expanded import WantedAccuracy
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.known_rows import known_rows
 from axiscal.estimation.promise.agreement import Explained
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import WantedAccuracy
 from axiscal.planning.proposal import reached_unread
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
@@ -119,15 +116,6 @@ def test_the_volume_and_the_rows_are_wanted_together() -> None:
     ((row, _),), u = answered(known, {}), expanded_uncertainty(known).space
     for volume, limit, said in ((1.01, 1.01, ALL_REACHED), (0.99, 1.01, None), (1.01, 0.99, None)):
         target, known = wanting([Want(POSITIONING, limit * row.known)], volume * u, few)
-        assert standing(target, known) == said
-
-
-def test_a_wanted_row_without_a_limit_has_to_be_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    target, known = wanting([Want(POSITIONING, 1.0), Want(BACKLASH)])
-    position, back = known_rows(known.case, known.printed, known.readings)
-    for size, floor, said in ((0.4, 0.1, ALL_REACHED), (0.9, 0.1, None), (0.9, 0.8, ALL_REACHED)):
-        found = replace(back, known=size * back.before, floor=floor * back.before, measured=size < 0.5)
-        monkeypatch.setattr(ending, "known_rows", lambda *_, found=found: (position, found))
         assert standing(target, known) == said
 
 

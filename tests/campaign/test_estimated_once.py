@@ -1,7 +1,5 @@
 """What is known follows from the record alone: the same in any folder, and no file is left for the next command."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A record, and a type, of before knots stood at a quarter of the length: they keep their knots and their figures."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The program beside a running LinuxCNC, on a stand-in for the module `linuxcnc` that others give commands too."""
 
-from __future__ import annotations
-
 import re
 import sys
 import types

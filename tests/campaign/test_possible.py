@@ -1,7 +1,5 @@
 """What a record says must be possible on its machine, or it is damaged and the event is named."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

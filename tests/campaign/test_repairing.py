@@ -1,7 +1,5 @@
 """A new record of what stands whole: each event keeps its number, what is missing is named, branches are asked for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A zero that was set anew, as a person tells it: the readings before have a zero of their own."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

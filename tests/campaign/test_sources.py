@@ -1,7 +1,5 @@
 """Sources of readings: what they are sent, what they may answer, and how they fail."""
 
-from __future__ import annotations
-
 import json
 import math
 import shlex

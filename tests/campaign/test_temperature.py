@@ -1,7 +1,5 @@
 """How warm the scale is, as a person says it: as in campaign.toml, taken back by undo, refused where it is idle."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What is planned can be touched: on random machines, near the ends of their travels, by a control that goes there."""
 
-from __future__ import annotations
-
 import io
 from contextlib import suppress
 from dataclasses import replace
@@ -115,15 +113,6 @@ def test_what_cannot_be_touched_is_skipped_before_anything_moves() -> None:
     assert not control.stopped
     assert any(skipped)
     assert not all(skipped)
-
-
-def test_a_trial_above_the_ball_that_has_no_room_is_skipped_too() -> None:
-    campaign = described(8)
-    first = next(request for request in wanted(campaign, 60) if not tried(campaign, request))
-    control = made(campaign)
-    answer = attached(campaign, control, tried=False).read(first)
-    assert isinstance(answer, Skip)
-    assert control.lines == []
 
 
 def tried(campaign: CampaignDescription, request: Request) -> bool:

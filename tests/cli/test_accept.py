@@ -145,7 +145,7 @@ def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, comman
     said = 'the readings of "X again" before reading 19 have a zero of their own'
     assert f"Accepted: {said}" in command("status", path, "--details").printed
     with Campaign.open(path) as campaign:
-        found = result_of(campaign, campaign.estimate(ended=True), Extras()).result
+        found = result_of(campaign, campaign.estimate(ended=True), Extras())
         description, readings = last_campaign(carried_text(path))
         assert (readings, description.setups[-1].name) == (campaign.state.readings, "X again, before reading 19")
     assert [each.text for each in found.warnings if each.code == "accepted"] == [f"A person accepted: {said}."]

@@ -142,14 +142,3 @@ def test_ctrl_c_says_how_many_readings_are_kept(
         assert f"Stopped by Ctrl-C. {kept} readings are kept in {record}; go on with: axiscal" in complaint(capsys)
         with Campaign.open(record, write=False) as campaign:
             assert len(campaign.state.readings) == kept
-
-
-def test_where_folders_cannot_change_places_at_once_they_do_one_after_the_other(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("axiscal.present.result_set.exchanged", lambda *_: False)
-    measured(folder)
-    for _ in range(2):
-        assert run(["finish", "mill.axiscal", "--out", "out"]) == 0
-        assert differing(folder / "out", "manifest.json") == set()
-    assert not beside(folder)

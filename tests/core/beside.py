@@ -3,8 +3,6 @@
 What two axes usually do together has a size of its own in the product and is left out of both.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

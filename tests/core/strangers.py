@@ -1,7 +1,5 @@
 """Instruments as somebody would write them who has read the package's page and not its source: twelve lines at most."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

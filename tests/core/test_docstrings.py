@@ -1,7 +1,5 @@
 """What docstrings show runs as it says; what the package loads is little."""
 
-from __future__ import annotations
-
 import doctest
 import subprocess
 import sys

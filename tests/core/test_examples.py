@@ -1,7 +1,5 @@
 """The examples run, each says one number, and they stand on the page."""
 
-from __future__ import annotations
-
 import ast
 import re
 import runpy

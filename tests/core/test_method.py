@@ -1,7 +1,5 @@
 """The method of the core against the paper, brute force and its own definitions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -24,14 +22,6 @@ def _paper() -> ac.Case:
     machine = ac.Machine([ac.Axis.linear("X", "x", (0, 10))], [ac.Error("EXX", 1.0)])
     dial = ac.Laser("dial", "X", noise=0.1, unknowns={"zero": 0.0}, approach="+")
     return ac.Case(machine, [dial], usual="off", sure="exactly")
-
-
-def test_figure_4_one_after_another_and_equation_37() -> None:
-    case, taken, falls = _paper(), ac.Places("dial", np.zeros((0, 1))), list[float]()
-    for _ in range(7):
-        taken = taken + case.next(taken if len(taken) else None, criterion="joint")
-        falls.append(case.evaluate(taken, criterion="joint").J)
-    assert falls == pytest.approx([6.862436, 5.292276, 3.733758, 2.213547, 1.077412, 0.619999, 0.196335], abs=5e-5)
 
 
 def test_readings_chosen_together_beat_those_one_after_another() -> None:

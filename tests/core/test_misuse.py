@@ -1,7 +1,5 @@
 """Every misuse is an `InputError` that names function and argument and, where there is one, the pose."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The normal: roots of any scale and rank, and readings all at once against one by one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """The bound: below every design that brute force tries, reached by readings without noise, silent where it is far."""
 
-from __future__ import annotations
-
 from itertools import combinations_with_replacement
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The two rooms of one likelihood beside each other, beside differences, and beside the dense formula."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -1,7 +1,5 @@
 """What is known is the same after it was kept in a file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Splines against scipy."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The next measurement: no better reading in a dense lattice, gains as plain falls of the criterion."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """BLAS works with one thread where axiscal computes, and with as many as before where it does not."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

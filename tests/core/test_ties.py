@@ -1,7 +1,5 @@
 """Ties: what differs by rounding is equal, and the first of equals is taken."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """docs/api.md: every public name with the first sentence of its docstring.  `python -m tests.docs.api` writes it."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """docs/cli.md: the help of every command on one page.  `python -m tests.docs.cli` writes it."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence

@@ -1,10 +1,8 @@
 """The table of docs/evidence/equations.md: each numbered equation of the paper, what computes it, and what checks it.
 
-`python -m tests.docs.equations` writes it. Docstrings are the source: a function that computes an equation, and a test
-that checks it, cite it as `B&H eq. 23` or `B&H eq. 21-23`.
+`python -m tests.docs.equations` writes the last two anew. Docstrings are their source: a function that computes an
+equation, and a test that checks it, cite it as `B&H eq. 23` or `B&H eq. 21-23`.
 """
-
-from __future__ import annotations
 
 import ast
 import re
@@ -19,44 +17,8 @@ LAST = 37
 BEGIN, END = "<!-- table: made by python -m tests.docs.equations -->", "<!-- end of table -->"
 
 _CITATION = re.compile(r"B&H eq\. (\d+(?:-\d+)?(?:, \d+(?:-\d+)?)*)")
-_STATES = """\
-x_TCP = Σ K^k(t_k) + Σ V^k(t_k)
-S_i(t) = a_i + b_i u + c_i u² + d_i u³
-a_i = S(t_i), natural
-b_i, natural
-c_i, natural
-d_i, natural
-a_1 = a_n, cyclic
-b_1, cyclic
-c_1, cyclic
-d_1, cyclic
-b = M1 a, c = M2 a, d = M3 a
-∫ S''² dt → min
-M_b = −B_y y''
-y(x) = g_R(x) + a + bx + cx² + dx³
-x_d ≤ √(6 (S_u − S_l) / k_max)
-density of a
-C_b = M1 C_a M1ᵀ and so on
-Ŝ(t_p) = m_pᵀ â
-m_p from M1, M2, M3
-σ²(t_p) = m_pᵀ C_a m_p
-â after a reading
-C_a after a reading
-gain k_p
-interval variance σ_i²
-σ_i² = ∫ mᵀ C_a m dt
-J = Σ σ_i² → min
-t_p = arg min over roots and borders
-x_TCP = K(t) + Σ S^k(t_k)
-y = hᵀ x_TCP + v
-y = h̄ᵀ A + v
-Â after readings
-C_A after readings
-gain K
-interval covariance (σ_rs)²
-matrix C_I of these
-J = Σ Σ trace C_I
-t_p = arg min J¹(t)""".splitlines()
+_ROW = re.compile(r"^(\|(\d+)\|.*?\|)", re.MULTILINE)
+"""The number of an equation, and what it states."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,12 +64,12 @@ def _docstrings(node: ast.AST, prefix: str) -> Iterator[tuple[str, str]]:
             yield from _docstrings(child, f"{prefix}{child.name}.")
 
 
-def table() -> str:
-    """Return the table as Markdown."""
+def table(text: str) -> str:
+    """Return the table of a page with its links made anew."""
     functions, tests = citations("src", tests=False), citations("tests", tests=True)
     rows = [
-        f"|{number}|{states}|{_links(functions[number])}|{_links(tests[number])}|"
-        for number, states in enumerate(_STATES, start=1)
+        f"{stated}{_links(functions[int(number)])}|{_links(tests[int(number)])}|"
+        for stated, number in _ROW.findall(text)
     ]
     return "\n".join(["|eq.|states|computed by|checked by|", "|---|---|---|---|", *rows])
 
@@ -119,7 +81,7 @@ def _links(found: list[Citation]) -> str:
 def page(text: str) -> str:
     """Return the page with its table made anew."""
     head, _, rest = text.partition(BEGIN)
-    return f"{head}{BEGIN}\n{table()}\n{END}{rest.partition(END)[2]}"
+    return f"{head}{BEGIN}\n{table(text)}\n{END}{rest.partition(END)[2]}"
 
 
 if __name__ == "__main__":

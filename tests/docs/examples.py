@@ -3,8 +3,6 @@
 `python -m tests.docs.examples` writes the page, the pictures, and the golden numbers of the tests.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import runpy

@@ -3,8 +3,6 @@
 python -m tests.docs.howtos         # makes the pictures anew
 """
 
-from __future__ import annotations
-
 import re
 import shlex
 import subprocess

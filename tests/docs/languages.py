@@ -4,8 +4,6 @@ A translator edits `language/translations/NAME.po`; this adds messages that are 
 writes `NAME.mo`, which the program reads.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import tomllib
@@ -14,7 +12,6 @@ from datetime import UTC, datetime
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
-from string import Formatter
 
 from babel.messages.catalog import Catalog
 from babel.messages.mofile import write_mo
@@ -33,7 +30,6 @@ WORDS = SOURCES / "language" / "words.toml", SOURCES / "document" / "gone.toml"
 Message = str | tuple[str, str]
 REFUSALS = {name for name, each in vars(exceptions).items() if isinstance(each, type) and issubclass(each, InputError)}
 _SAYING = ("said", "counted", "later", "stage", "staged")
-_MADE_OF_SAID = (*_SAYING, "put", "listed", "joined", "capital", "again", "meant")
 _NEVER = datetime(2026, 1, 1, tzinfo=UTC)
 """Files that are made anew from the same messages are the same."""
 _IN_SCRIPT = re.compile(r'\bsaid\("((?:[^"\\]|\\.)*)"')
@@ -80,36 +76,6 @@ def _said(file: Path) -> Iterator[Message]:
                 yield from (text for each in _words(call) for text in _texts(each, held))
 
 
-def refusals() -> Iterator[tuple[str, bool]]:
-    """Yield each refusal by its file and line, and whether it is said in other languages."""
-    for file in sorted(SOURCES.rglob("*.py")):
-        tree = _tree(file)
-        for scope in _scopes(file):
-            for call in _calls(scope):
-                if words := _words(call):
-                    yield f"{file.relative_to(SOURCES)}:{call.lineno}", all(_whole(each, scope, tree) for each in words)
-
-
-def gaps() -> Iterator[str]:
-    """Yield each refusal whose places do not all get values, by its file and line, where it is plain what it says.
-
-    That is where a text stands in the call, or in a name that the function gives one text alone; doors add values.
-    """
-    for file in sorted(SOURCES.rglob("*.py")):
-        for scope in _scopes(file):
-            held = {name: list(_texts(values[0], {})) for name, values in _values(scope).items() if len(values) == 1}
-            for call in _calls(scope):
-                given = {each.arg for each in call.keywords}
-                if _name(call.func) not in REFUSALS or None in given:
-                    continue
-                texts = [text for each in call.args[:2] for text in _texts(each, held)]
-                places = {
-                    name for text in texts if given for _, name, _, _ in Formatter().parse(text) if name is not None
-                }
-                if not places <= given:
-                    yield f"{file.relative_to(SOURCES)}:{call.lineno}: {sorted(places - given)}"
-
-
 def _words(call: ast.Call) -> list[ast.expr]:
     """Return what a call says is wrong, and what would be right; nothing where it refuses nothing."""
     name = _name(call.func)
@@ -127,68 +93,9 @@ def _doors() -> dict[str, list[int]]:
         for node in _scopes(file):
             if node.name != "__init__":
                 parameters = [each.arg for each in node.args.args if each.arg != "self"]
-                if "what" in parameters and any(_name(each.func) in REFUSALS for each in _calls(node)):
+                if "what" in parameters and any(_name(each.func) in (*REFUSALS, "fail") for each in _calls(node)):
                     found[node.name] = [parameters.index(each) for each in ("what", "remedy") if each in parameters]
     return found
-
-
-def _whole(node: ast.expr, scope: ast.FunctionDef, tree: ast.Module, *, literal: bool = True) -> bool:
-    """Return whether a text is a message, or made of some, and nowhere put together in English.
-
-    literal : whether one that stands there is found as a message
-    """
-    if isinstance(node, ast.Constant):
-        return literal or not node.value
-    if isinstance(node, ast.Name):
-        given = _values(scope).get(node.id) or _values(tree).get(node.id, [])
-        others = [
-            each for each in given if node.id not in {one.id for one in ast.walk(each) if isinstance(one, ast.Name)}
-        ]
-        own = [each for each in given if each not in others and not isinstance(each, ast.IfExp)]
-        return (
-            not own
-            and (bool(given) or _is_given(node.id, scope))
-            and all(_whole(each, scope, tree, literal=literal) for each in others)
-        )
-    if isinstance(node, ast.Call):
-        if isinstance(node.func, ast.Name) and node.func.id in _MADE_OF_SAID:
-            return node.func.id != "meant" or all(_whole(each, scope, tree, literal=False) for each in node.args[2:])
-        if _name(node.func) == "get" and len(node.args) == 2:  # what a table has, as by its key, or else this
-            return _whole(node.args[1], scope, tree, literal=literal)
-        made = _functions().get(_name(node.func), [])
-        made = [each for each in made if each[1] is tree] or made
-        ends = [(each, end) for each in made for end in ast.walk(each[0]) if isinstance(end, ast.Return)]
-        return bool(ends) and all(_whole(end.value, *each, literal=False) for each, end in ends if end.value)
-    if isinstance(node, ast.Attribute | ast.Subscript):
-        return isinstance(node, ast.Subscript) or node.attr in ("what", "remedy", "wrong")
-    parts = {ast.IfExp: ("body", "orelse"), ast.BoolOp: ("values",), ast.Tuple: ("elts",), ast.Starred: ("value",)}
-    inner = [getattr(node, part) for part in parts.get(type(node), ())]
-    several = [each for part in inner for each in (part if isinstance(part, list) else [part])]
-    return bool(several) and all(_whole(each, scope, tree, literal=literal) for each in several)
-
-
-@cache
-def _functions() -> dict[str, list[tuple[ast.FunctionDef, ast.Module]]]:
-    """Return all functions of a name, each with its file."""
-    found: dict[str, list[tuple[ast.FunctionDef, ast.Module]]] = {}
-    for file in SOURCES.rglob("*.py"):
-        for node in _scopes(file):
-            found.setdefault(node.name, []).append((node, _tree(file)))
-    return found
-
-
-def _is_given(name: str, scope: ast.FunctionDef) -> bool:
-    """Return whether a name is what a function was called with, and so was said elsewhere, or a message of any file."""
-    parameters = [*scope.args.args, *scope.args.kwonlyargs]
-    return name in [each.arg for each in parameters] or name in _later()
-
-
-@cache
-def _later() -> set[str]:
-    """Return the names of messages that are said later, in whatever file."""
-    bodies = [_tree(file).body for file in SOURCES.rglob("*.py")]
-    pairs = [pair for body in bodies for pair in _assigned(body)]
-    return {name for name, value in pairs if isinstance(value, ast.Call) and _name(value.func) == "later"}
 
 
 def _name(called: ast.expr) -> str:
@@ -232,20 +139,11 @@ def _assigned(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ast.expr]]:
             yield from ((name.id, value) for name, value in pairs if isinstance(name, ast.Name))
 
 
-@cache
-def _values(scope: ast.FunctionDef | ast.Module) -> dict[str, list[ast.expr]]:
-    """Return what names are given in a function, or at the level of a file."""
-    found: dict[str, list[ast.expr]] = {}
-    for name, value in _assigned(scope.body if isinstance(scope, ast.Module) else _nodes(scope)):
-        found.setdefault(name, []).append(value)
-    return found
-
-
 def _held(nodes: Iterable[ast.AST]) -> dict[str, list[str]]:
     """Return the texts that names are given."""
     found: dict[str, list[str]] = {}
     for name, value in _assigned(nodes):
-        found.setdefault(name, []).extend(_texts(value, {}))
+        found.setdefault(name, []).extend([*_texts(value, found)])
     return found
 
 

@@ -1,7 +1,5 @@
 """Small line pictures as SVG: axes with round ticks, lines, a band, points; to a tenth of a pixel."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape

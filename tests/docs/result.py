@@ -1,7 +1,5 @@
 """docs/result.md and its JSON schema, from the classes of the document: `python -m tests.docs.result` writes both."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The files of the package as syntax trees, read once."""
 
-from __future__ import annotations
-
 import ast
 from collections import defaultdict
 from collections.abc import Iterable

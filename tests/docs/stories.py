@@ -3,8 +3,6 @@
 `python -m tests.docs.stories` writes both; the files in examples/ are their source.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import subprocess

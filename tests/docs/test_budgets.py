@@ -1,7 +1,5 @@
 """What a reader of one command has to hold in mind. It can only go down, as the sizes in `tools/size.toml` do."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

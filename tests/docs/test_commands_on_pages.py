@@ -1,7 +1,5 @@
 """Every axiscal command that a page gives is one that the program takes: its name, its options, its arguments."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every number that stands by itself in a module says why it is what it is, or stands with evidence in a table."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Every example runs, finds what it found before, and stands on the page with its picture."""
 
-from __future__ import annotations
-
 import json
 import re
 import runpy

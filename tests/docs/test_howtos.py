@@ -1,7 +1,5 @@
 """Every how-to and the page of studies are followed word for word, and every link of the docs leads somewhere."""
 
-from __future__ import annotations
-
 import csv
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The paper's simulations, as the examples run them: the published sequence, and a dense twin of every step."""
 
-from __future__ import annotations
-
 import runpy
 from collections.abc import Sequence
 from dataclasses import dataclass

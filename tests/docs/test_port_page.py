@@ -1,7 +1,5 @@
 """The page on ports of one's own: its package is installed in a folder, its tests run, and people type its names."""
 
-from __future__ import annotations
-
 import importlib
 import tomllib
 from collections.abc import Iterator

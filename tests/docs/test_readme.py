@@ -1,7 +1,5 @@
 """README shows what the program shows: the demo's last screen, and a picture of its volume."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

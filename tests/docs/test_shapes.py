@@ -1,7 +1,5 @@
 """The look at shapes finds what contradicts a docstring."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What the program must not load before it is needed."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The stories of the library: the notebook runs as it stands, and page and notebook say what the files say."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -3,8 +3,6 @@
 python -m tests.docs.tour         # makes its pictures anew
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from tempfile import TemporaryDirectory
 

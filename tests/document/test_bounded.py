@@ -1,7 +1,5 @@
 """Files that somebody named and what is named in their place; values as Python's own reader finds them."""
 
-from __future__ import annotations
-
 import math
 import os
 import threading

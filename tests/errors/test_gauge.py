@@ -1,7 +1,5 @@
 """What cannot be seen: right, few, said with the reading that would show it, and never guessed from chance."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The words for ISO 230-1 names."""
 
-from __future__ import annotations
-
 import itertools
 
 from axiscal.errors.iso230 import words

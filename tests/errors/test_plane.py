@@ -1,7 +1,5 @@
 """Errors of two axes against a plain twin with all control values, and against brute quadrature."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from axiscal.machine.kinematics import small_motions, tool_motion
 from axiscal_core.machine import Machine
 from axiscal_core.rigid import SmallMotions
 from axiscal_core.terms import Term
-from tests.generators.planes import BED, bed, centred, dense_rows, matern, natural, poses_of, table
+from tests.generators.planes import bed, centred, dense_rows, matern, natural, poses_of, table
 
 
 def _plane(machine: Machine, name: str) -> Term:
@@ -87,18 +85,3 @@ def test_other_lengths_give_the_covariance_of_other_lengths() -> None:
         slope = (plane.prior(30e-6, more) - plane.prior(30e-6, less)) / 2e-5
         found = plane.prior(30e-6, (0.8, 0.6), index)
         np.testing.assert_allclose(found, slope, atol=1e-8 * np.abs(slope).max())
-
-
-def test_a_last_campaign_is_read_at_the_knots_of_today() -> None:
-    finer = BED.replace('knots = [6, 5], length = ["70 mm", "40 mm"]', 'knots = [12, 11], length = ["40 mm", "25 mm"]')
-    then, now = _plane(bed(), "EZXY"), _plane(machine_from_text(finer), "EZXY")
-    rng = np.random.default_rng(0)
-    values = rng.standard_normal(len(then.covariance))
-    first, second = now.sides
-    knots = np.meshgrid(first.spline.control_positions, second.spline.control_positions, indexing="ij")
-    grid = np.stack([g.ravel() for g in knots], axis=1)
-    old = (then.rows(*grid.T) @ values).reshape(12, 11)
-    free = old - old.mean(axis=0)
-    free -= free.mean(axis=1, keepdims=True)
-    new = now.rows(*grid.T) @ (now.taken_from(then) @ values)
-    np.testing.assert_allclose(new.reshape(12, 11), free, atol=1e-6 * np.abs(old).max())

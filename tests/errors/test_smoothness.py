@@ -1,7 +1,5 @@
 """`smoothness = 1.5`: the slopes of the likelihood against differences."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """EXX_pitch: believed beforehand and estimated."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

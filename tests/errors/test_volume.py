@@ -1,7 +1,5 @@
 """Means over the working volume against quadrature of H itself."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A part is aligned before it is machined: against fitting the rigid motion of every drawn machine by least squares."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What a case makes of its description: prior, stations, scales, sides; a problem keeps every variance."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Check readings: z is that of a fit without them, U grows by their s and by nothing else, and a bad one is named."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

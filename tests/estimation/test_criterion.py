@@ -1,7 +1,5 @@
 """Roots and Gram matrices of criteria: one J by both."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Knots by evidence: detail that was read is followed, a smooth axis and what somebody said keep their knots."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

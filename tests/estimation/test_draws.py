@@ -1,7 +1,5 @@
 """The mode is a maximum, and weighed draws have the moments of the posterior of sizes."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Expanded uncertainties against draws: of the squared length itself, and of machines drawn from a belief."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Each row is what the standards define, by formulas that share nothing with it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

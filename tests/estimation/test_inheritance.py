@@ -1,7 +1,5 @@
 """Last year's campaign as this year's prior: beliefs carried over, curves that have changed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Readings of a coarse display or within bounds, against exact integrals, weighted draws, and coverage."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

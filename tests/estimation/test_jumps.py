@@ -1,7 +1,5 @@
 """A zero that jumps is weighed as the dense density says, and named on machines that no model drew.."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,13 +10,10 @@ from axiscal.campaign.agreement_words import agreement_words
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.promise import mistaken
 from axiscal.estimation.promise.jumps import jumped, suspects, ways_of
-from axiscal.estimation.promise.mistaken import gains_of_steps
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal_core.numbers import Numbers
 from axiscal_core.problem import Problem
-from axiscal_core.unknowns import Unknowns
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings, named
 from tests.generators.problems import asked, sized
@@ -65,27 +60,6 @@ def test_the_likeliest_jump_of_a_set_up_is_that_of_the_dense_density(kind: str) 
     assert known.jumps == (found.mistake,)
     alone = _log_odds(problem, found.make().rows[:, : len(ways)].T, places, judged=False)
     assert known.log_odds == pytest.approx(alone, rel=1e-6)
-
-
-@pytest.mark.parametrize("kind", ["axis", "two set-ups"])
-@pytest.mark.parametrize("room", [Numbers, Unknowns])
-def test_sums_that_grow_say_of_each_place_what_its_columns_say(kind: str, room: type[Numbers | Unknowns]) -> None:
-    """F and g of every column by the dense covariance; in both rooms, with causes of type B."""
-    problem = _off(sized(asked(kind, 24, 5), ()), 9, 50.0)
-    theta, mine = np.zeros(len(problem.sizes)), problem.setup == 0
-    given, wide = room(problem).given(theta), Dense(problem).judging(theta)
-    assert given is not None
-    starts = np.searchsorted(problem.reading, np.unique(problem.reading[mine]))[2:-1]
-    ways = ways_of(problem, mine) / problem.noise
-    columns = ways * (np.arange(len(problem.values)) >= starts[:, None])[:, None]
-    weighted = np.linalg.solve(wide, columns.reshape(-1, len(wide)).T).T.reshape(columns.shape)
-    fisher, pulled = columns @ weighted.transpose(0, 2, 1), weighted @ problem.values
-    expected = []
-    for std in JUMPS:
-        solved = np.linalg.solve(fisher + np.eye(len(ways)) / std**2, pulled[:, :, None])[:, :, 0]
-        widened = np.linalg.slogdet(np.eye(len(ways)) + std**2 * fisher)[1]
-        expected.append((np.sum(pulled * solved, axis=1) - widened) / 2)
-    np.testing.assert_allclose(gains_of_steps([given], ways, starts, JUMPS)[0], expected, rtol=1e-6, atol=1e-6)
 
 
 def test_the_likeliest_sign_of_a_stretch_is_that_of_the_dense_density() -> None:

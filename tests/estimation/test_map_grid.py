@@ -1,7 +1,5 @@
 """The grid of a bed map against a count of its nodes written out, and each of its limits met exactly."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Each mistake is as probable as the dense density of the readings without it says; what is named puts them right."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache

@@ -1,19 +1,14 @@
 """One bad reading: it is found, named, and moves nothing; one that somebody vouches for is believed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.judged import unit_guess
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
-from axiscal.present.findings import findings
 from axiscal_core.terms import Term
 from tests.generators.campaigns import built_in
 from tests.generators.texts import campaign_text, setup_text
@@ -67,13 +62,6 @@ def _moves_little(before: Estimation, after: Estimation, function: Term) -> bool
     return bool(np.all(np.abs(moved) <= 0.5 * std))
 
 
-def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:
-    """Whoever reads a file of them is told of another unit before (`estimation.wrong_unit`)."""
-    small = [replace(r, value=r.value / 1000) for r in _readings(2)]
-    assert [f.error for f in findings(_estimated(small)) if f.code == "prior-misfit"]
-    assert not [f for f in findings(_estimated(_readings(2))) if f.code == "prior-misfit"]
-
-
 def test_readings_that_agree_with_their_neighbour_are_a_fact_and_not_bad() -> None:
     """A bump of the curve that two of thirty readings see: no reading is wrong, so none is set aside."""
     bumped = [replace(r, value=r.value + 30e-6 * (i in (14, 15))) for i, r in enumerate(_readings(2))]
@@ -96,11 +84,3 @@ def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
             np.testing.assert_array_equal(found.printed.belief.mean, other.printed.belief.mean)
             curve = found.estimate().curve("EXX", at)
             assert np.all(np.abs(curve.mean - clean.mean) < 0.5 * clean.std)
-
-
-@pytest.mark.parametrize(
-    ("size", "says"), [(30.0, "inches instead of mm"), (500.0, "mm instead of um"), (2e4, "inches instead of um")]
-)
-def test_the_slip_of_the_unit_is_guessed(size: float, says: str) -> None:
-    assert says in unit_guess(size)
-    assert not unit_guess(1e9)

@@ -1,7 +1,5 @@
 """The posterior is the mixture that the equations say, it covers what it promises, and names bad readings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 
@@ -95,3 +93,13 @@ def test_good_readings_however_few_leave_an_answer_and_none_of_them_is_bad(count
     assert len(found.left_out) == count
     assert found.effective >= 10 or count < 3
     assert (set(found.sizes.values()) == {1.0}) == (count < 3)
+
+
+@pytest.mark.parametrize("slip", [8e-6, 20e-6])
+def test_a_second_reading_at_its_place_tells_a_slip_from_a_detail(slip: float) -> None:
+    case = case_of("axis")
+    right = readings_of(case, 24, 4)
+    wrong = replace(right[7], value=right[7].value + slip)
+    alone, again = (sorted_out(stated(case, [*right[:7], wrong, *right[8:], *more])) for more in ([], [right[7]]))
+    assert ([*alone.bad], alone.with_details is None) == ([7], False)
+    assert ([*again.bad], again.with_details is None) == ([7], True)

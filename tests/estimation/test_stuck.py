@@ -1,17 +1,15 @@
 """An instrument that is stuck is weighed as the dense density says, and named; what a coarse display repeats is not."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
-from math import comb, log
+from math import log
 
 import numpy as np
 import pytest
 
 from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.promise.sick import Repeats, _step, repeats, stuck
+from axiscal.estimation.promise.sick import Repeats, stuck
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import put_right
 from axiscal_core.draws import sized as weighed
@@ -72,31 +70,6 @@ def test_somebody_who_vouches_for_equal_values_is_believed() -> None:
     readings = _stuck(_shown(foreign_readings(LASER, 18, 3), 1e-6), 8)
     known = estimated(foreign_case(LASER), [replace(each, accepted=True) for each in readings])
     assert "stuck" not in {name for name, _ in named(known)}
-
-
-def test_patterns_are_counted_as_they_are() -> None:
-    """A run begins and ends anywhere; of repeats that are scattered each pattern of a count is as likely as another."""
-    case = foreign_case(LASER)
-    readings = _stuck(_shown(foreign_readings(LASER, 12, 3), 1e-6), 8)
-    found = list(repeats(case.description.setups, readings))
-    equal = {each.readings.size: each.log_places for each in found}
-    assert equal == {3: pytest.approx(log(12**2 / 2))}
-    again = [*readings[:2], replace(readings[2], value=readings[1].value), *readings[3:]]
-    equal = {each.readings.size: each.log_places for each in repeats(case.description.setups, again)}
-    assert equal == {3: pytest.approx(log(12**2 / 2)), 4: pytest.approx(log(12 * comb(11, 4)))}
-
-
-@pytest.mark.parametrize(
-    ("values", "step"),
-    [
-        ([12.4], 0.2), ([5.0], 1.0), ([0.0], 1.0), ([-31.0, 12.0, 25.0], 1.0), ([1.3, 12.4, 14.9], 0.1),
-        ([2.5, 5.1, 7.6, 12.7], 2.5), ([2.54, 7.62, 10.16], 2.54), ([0.123456789, 0.987654321, 5.55544433], 0.0),
-    ],
-)  # fmt: skip
-def test_the_step_of_a_display_is_its_last_digit_or_what_its_values_are_multiples_of(
-    values: list[float], step: float
-) -> None:
-    assert _step(np.array(values) * 1e-6, 1e-6) == pytest.approx(step * 1e-6)
 
 
 def test_readings_none_of_which_is_used_are_no_agreement_and_leave_no_uncertainty() -> None:

@@ -1,7 +1,5 @@
 """How far a reading is from what those before it allow, and readings in another unit, which are refused."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -13,13 +11,13 @@ from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.judged import bent, limit, nearest_first, surprises
+from axiscal.estimation.judged import bent, surprises
 from axiscal.estimation.stations import tips
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.cells import wandered
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator
+from axiscal_core.causes import wandered
 from benchmarks.trust.virtual import described, read_evenly
 from tests.generators.campaigns import built_in, drawn, mixed
 from tests.generators.foreign_axis import LASER, foreign_case, foreign_readings
@@ -102,27 +100,6 @@ def test_a_tracker_bends_by_half_of_the_square_of_its_turn_at_the_tool() -> None
     assert found == pytest.approx((25e-6 * away / 2) ** 2, rel=1e-6, abs=0.0)
     known = replace(setup, unknowns=tuple(u for u in setup.unknowns if not u.name.startswith("turn")))
     assert bent(case.description.machine, known, Reading("tracker", pose, (1, 1, 1), 0.0)) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("sizes", "most"),
-    [
-        ([], 12.0),
-        ([50.0] * 4, 12.0),
-        ([0.1] * 5, 12.0),
-        ([1.0, 1.0, 2.0, 9.0, 9.0], 12 * 2 * 1.4826),
-        ([9.0] * 5, 48.0),
-    ],
-)
-def test_where_most_are_larger_than_stated_more_is_allowed_up_to_four_times(sizes: list[float], most: float) -> None:
-    assert limit(sizes) == pytest.approx(most)
-
-
-def test_those_nearest_to_the_middle_of_their_own_set_up_come_first() -> None:
-    """Of three values the one that is farthest counts; what is as far stays in its order."""
-    one = [Reading("one", (0.0,), (1,), value) for value in (5.0, 1.0, 3.0, 6.0)]
-    three = [Reading("three", (0.0,), (1,), 7.0, others=others) for others in ((0.0, 0.0), (-0.3, 0.1), (0.0, 9.0))]
-    assert nearest_first([*one, *three]) == [4, 5, 0, 2, 3, 1, 6]
 
 
 def _readings(description: CampaignDescription, wrong: float, seed: int) -> list[Reading]:

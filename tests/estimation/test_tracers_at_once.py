@@ -1,7 +1,5 @@
 """Stations that nobody knows, alone and several at once: found as from closed form, mirrors refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Which sizes vary, and how: exp θ is log-normal where x is standard normal."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Starts and polish each by itself: exact distances, and scipy's least squares."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

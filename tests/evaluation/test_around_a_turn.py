@@ -1,7 +1,5 @@
 """Circles against closed forms and figures put together by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A check with instruments that read along x, y and z at once: trackers, and balls of a board."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The check after compensation: new places, both extremes, and a verdict that knows its uncertainty."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,8 +24,6 @@ from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from axiscal.tables.surface import Control
-from axiscal.tables.table import CompensationTable
-from tests.commands import Command
 from tests.evaluation.said import idle, measured, readings_of, said_of
 from tests.generators.campaigns import on
 from tests.generators.reaches import reach_of
@@ -189,32 +185,6 @@ def test_readings_of_other_places_are_refused(state: State, eight: Places) -> No
         judge(estimate, setups, level, level, control, 1e-6)
     with pytest.raises(ReadingError, match="cannot tell the machine from the set-up"):
         judge(estimate, setups, found[:1], found[:1], control, 1e-6)
-
-
-def test_the_command_plans_a_sheet_and_judges_what_is_filled_in(record: Path, tmp_path: Path, command: Command) -> None:
-    """What the estimate expects there is filled in; a target on the RMS is no tolerance."""
-    plan = tmp_path / "check.csv"
-    planned = command("verify", record, "--points", 8, "--plan", plan, "--json").document["plan"]
-    head, *lines = plan.read_text().splitlines()
-    for name in ("found", "left"):
-        rows = [f"{line}{place[f'{name}_um']:.3f}" for line, place in zip(lines, planned, strict=True)]
-        (tmp_path / f"{name}.csv").write_text("\n".join([head, *rows]) + "\n")
-    filled = ("verify", record, "--found", tmp_path / "found.csv", "--left", tmp_path / "left.csv")
-    shown = command(*filled, "--tolerance", "7 um").said
-    assert "Tolerance of 7 um (ISO 14253-1, guard band 0.589 um): kept" in shown
-    assert command(*filled, "--json").document["tolerance_um"] is None
-    shown = command("verify", record, "--points", 8, "--plan", plan).printed
-    assert shown.startswith("8 PLACES TO CHECK\n")
-    assert shown.endswith("--found found.csv --left left.csv\n")
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_rounding_moves_no_place_at_which_an_even_reversal_is_read(state: State, seed: int) -> None:
-    """Processors round unlike each other; a sheet of one must be that of another."""
-    low, high = state[0].box[0]
-    trims = 4e-6 + 1e-20 * np.random.default_rng(seed).normal(size=9)
-    table = CompensationTable("X", np.linspace(low, high, 9), trims, -trims)
-    assert table_checks._targets(state[0], 0, table) == (low, high, low, low)
 
 
 @pytest.mark.parametrize(

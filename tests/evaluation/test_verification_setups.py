@@ -1,7 +1,5 @@
 """What a check must not swallow: errors that look like a set-up's own unknowns, and tables that were not loaded."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Records that commands have begun, each made once: a test that goes on from there takes a copy and plans nothing."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import tempfile

@@ -1,7 +1,5 @@
 """Campaigns on built-in machines; one of two set-ups in turn, of one value and three, whose zero drifts."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

@@ -7,8 +7,6 @@ with the rows G of all numbers of the readings and R, diagonal, their noise. The
 from the first reading in it on. Nothing is kept, nothing is factorised: O(n³) for a single number.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -24,8 +24,6 @@ Here a reading is left out by leaving it out, and inverses are inverses: n numbe
 `axiscal_core.spaces` and `axiscal.estimation.promise.posterior` answer the same fast and are held to this file.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

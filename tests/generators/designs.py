@@ -1,7 +1,5 @@
 """Small problems for the tests of design: the paper's splines, and a machine with levers, reversal and rests."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 
 import numpy as np

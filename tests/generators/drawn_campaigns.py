@@ -1,7 +1,5 @@
 """Campaigns that a seed draws, with readings of a truth that shares nothing with the error model."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """An axis that no model of the product drew, and readings of it: a sag and two waves under a dial or a laser."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Kinematics of their own for tests: homogeneous matrices of a chain, link by link, and nothing of the program's."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Protocol
 

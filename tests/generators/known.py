@@ -1,7 +1,5 @@
 """What somebody believes who knows a machine, and the machine itself: for `drawn_and_known`, or control values."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from axiscal.errors.volume import whole_travel

@@ -1,7 +1,5 @@
 """One axis of a metre, a laser whose zero is open, and readings of it out and back: for the tests of verdicts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

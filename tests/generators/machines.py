@@ -4,8 +4,6 @@ The second writing starts at the bed and goes out to tool and workpiece on separ
 4 × 4 matrices, straight from docs/conventions.md; it works in complex numbers too, which gives exact derivatives.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any

@@ -1,7 +1,5 @@
 """An axis with one curve, for tests of what readings say."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from axiscal.description.campaign import campaign_from_texts

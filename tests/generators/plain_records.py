@@ -1,7 +1,5 @@
 """Records as a reader of their first page would write them: hashes, chains and sums by hashlib and zlib alone."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """Machines with errors of two axes, and the plain twin of these: all control values, no basis, nothing cut."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from axiscal.machine import machine_from_text

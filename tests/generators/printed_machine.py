@@ -1,7 +1,5 @@
 """A machine as its machine.toml says it, read by tests' own eyes: nothing of the program's reading is used."""
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib

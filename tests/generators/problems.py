@@ -1,7 +1,5 @@
 """Problems of the posterior: an axis with a reversal, five axes, a plate with a plane, two set-ups, stated noises."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Programs followed word by word, with matrices of the tests' own: over which poses the axes go."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

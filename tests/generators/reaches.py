@@ -1,7 +1,5 @@
 """References that reach over all travel, for tests that are about something else than where readings can be taken."""
 
-from __future__ import annotations
-
 from axiscal.machine import machine_from_text
 from axiscal.units import format_quantity
 from axiscal_core.machine import Machine

@@ -1,7 +1,5 @@
 """Readings of virtual machines, and records of them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import repeat
 from pathlib import Path

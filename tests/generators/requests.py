@@ -1,7 +1,5 @@
 """A reading that is asked for of a small machine, and the machine that sources simulate."""
 
-from __future__ import annotations
-
 import math
 
 from axiscal.campaign.sources.source import Request

@@ -3,8 +3,6 @@
 Read from the TOML itself: nothing of how the program reads it, and nothing of its charts, is used here.
 """
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Mapping

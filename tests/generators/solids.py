@@ -1,7 +1,5 @@
 """What of a machine moves, as solid cylinders, and how near it comes to posts and boxes: sampled, in no hurry."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What follows from the rows of a spline: its coefficients on each interval, and how much it bends."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from axiscal.numerics import Array

@@ -1,7 +1,5 @@
 """Descriptions of small machines as a person would write them, for tests that need one of their own."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 

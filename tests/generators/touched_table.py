@@ -4,8 +4,6 @@ By rotation matrices of its own. The axis lines of its rotary axes are a little 
 nothing else is.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts

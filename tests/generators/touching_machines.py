@@ -3,8 +3,6 @@
 The control goes by matrices of the tests' own. It refuses every move that leaves a travel, as LinuxCNC does.
 """
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

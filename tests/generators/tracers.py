@@ -1,7 +1,5 @@
 """Stations that nobody knows: four tracers on a three-axis machine, stated as far off as the row says."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

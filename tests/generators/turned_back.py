@@ -1,7 +1,5 @@
 """A record of one axis read out and on its way back, with a step where it turned: a jump of the zero, or backlash."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

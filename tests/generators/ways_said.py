@@ -3,8 +3,6 @@
 From the text of the program, of the campaign and of the machine alone.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """A height map as each program writes it: the words are theirs, the heights are drawn."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """`python -m tests.golden`: play the campaigns and compare with what they gave before, or keep it; see README.md."""
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import sys

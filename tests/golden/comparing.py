@@ -1,7 +1,5 @@
 """Two folders of texts compared: file by file, number by number."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator

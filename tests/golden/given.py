@@ -1,7 +1,5 @@
 """The campaigns: a folder each, with the files a person would write and the commands a person would give."""
 
-from __future__ import annotations
-
 import shlex
 from dataclasses import dataclass
 from pathlib import Path

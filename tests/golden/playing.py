@@ -3,8 +3,6 @@
 Loading the package takes longer than most commands do: a worker loads it once, and each command is a fork of it.
 """
 
-from __future__ import annotations
-
 import os
 import pkgutil
 import platform

@@ -1,7 +1,5 @@
 """All campaigns in all languages, by two processes; a single campaign by one, which loads the package once."""
 
-from __future__ import annotations
-
 import multiprocessing
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor

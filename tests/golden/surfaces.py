@@ -1,7 +1,5 @@
 """Surfaces that show an answer, read back: the first line, the rows as cells, the sentences below them."""
 
-from __future__ import annotations
-
 import math
 import re
 import shutil

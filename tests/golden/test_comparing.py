@@ -1,7 +1,5 @@
 """The comparison: equal is equal, each difference is named with its place, and the tolerance is kept."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Campaigns give what they gave, and show it alike on every surface: five in the quick tests, all in the long ones."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

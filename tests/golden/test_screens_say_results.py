@@ -1,7 +1,5 @@
 """Screens of golden campaigns beside their documents: a plan has the rows of its document, and U is one figure."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,7 +1,5 @@
 """Prompt, page and refusals in other languages: nothing is left out, nothing lost on the way to the screen."""
 
-from __future__ import annotations
-
 import re
 from string import Formatter
 
@@ -100,11 +98,3 @@ def test_a_failure_is_said_in_the_language_that_is_spoken_when_it_is_printed() -
             "a.csv, Zeile 3: es gibt keine Messwerte. Eines davon angeben. (3-mal, bis Zeile 7.)\n"
             "- Zeile 9: Nichts kann zurückgenommen werden. Weiter mit `axiscal step next`."
         )
-
-
-def test_no_refusal_is_in_english_alone() -> None:
-    assert [place for place, done in languages.refusals() if not done] == []
-
-
-def test_each_place_of_a_refusal_gets_its_value() -> None:
-    assert list(languages.gaps()) == []

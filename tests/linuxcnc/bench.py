@@ -1,7 +1,5 @@
 """A LinuxCNC that runs headless with spheres on its table, to be attached to as if it were somebody's machine."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -5,8 +5,6 @@ It runs under the system's Python, which alone has the modules `linuxcnc` and `h
 a socket.
 """
 
-from __future__ import annotations
-
 import json
 import socket
 import subprocess

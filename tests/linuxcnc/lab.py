@@ -1,7 +1,5 @@
 """A headless LinuxCNC for one job after another: configuration text in, motor commands, pins and samples out."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

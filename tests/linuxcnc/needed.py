@@ -1,7 +1,5 @@
 """What tests on a running LinuxCNC need: marks for whole files of them."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.linuxcnc.lab import available, can_load

@@ -8,8 +8,6 @@ LinuxCNC looks for modules in its own folder only. A copy of it, with a new modu
 over it inside the namespace of the run; nothing is installed.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import shutil

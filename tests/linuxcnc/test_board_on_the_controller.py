@@ -1,7 +1,5 @@
 """A board of balls, put down twice on a gantry of joints XYYZ that LinuxCNC moves: asked for, and found where it is."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The loop on a real control: what LinuxCNC does with our tables is what we said, and the error is gone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,11 +11,11 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.tables.registry import export
 from axiscal.tables.round_trip import drawn_and_known
+from benchmarks.linuxcnc_demo import close_loop
 from tests.generators.known import truth_of
-from tests.linuxcnc.demo import EXAMPLES, close_loop, description
 from tests.linuxcnc.lab import can_load
 from tests.linuxcnc.needed import LONG
-from tests.linuxcnc.virtual import LinuxcncMachine
+from tests.linuxcnc.virtual import EXAMPLES, LinuxcncMachine, description
 
 pytestmark = LONG
 

@@ -4,8 +4,6 @@ The machine is written from what its drives do and from nothing of the package: 
 whose drive that counts up turns the workpiece by the right hand, against ISO 841. Lengths in mm, angles in deg.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import cos, radians, sin
 from pathlib import Path

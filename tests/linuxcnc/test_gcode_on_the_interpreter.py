@@ -1,7 +1,5 @@
 """Measuring programs read by LinuxCNC's own interpreter: what it would make the machine do."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The HAL text on a real LinuxCNC: no jump whatever homes when."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A LinuxCNC that runs is attached to as if it were somebody's: interlocks, readings, and lines that are cut."""
 
-from __future__ import annotations
-
 import io
 import sys
 import threading

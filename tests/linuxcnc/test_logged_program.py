@@ -1,7 +1,5 @@
 """A program that touches spheres by itself, run by LinuxCNC, and its log read back."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """An owner's INI and HAL files with the component in them: started on a real LinuxCNC, put in, taken out again."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Tables loaded into Debian's LinuxCNC: it reads them as our model says and commands what our prediction says."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

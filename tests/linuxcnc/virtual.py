@@ -4,17 +4,18 @@ LinuxCNC makes every move; where it sends the motors, the hidden errors of the v
 are loaded into it act as they would on the shop floor.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Self
 
 import numpy as np
 
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.surface import CommandedMachine
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
@@ -46,6 +47,27 @@ class Build:
     unit: str = "mm"
     pairs: str = ""
     tcp: bool = False
+
+
+_TABLE = Build(tcp=True), ExportOptions()
+EXAMPLES: dict[str, tuple[str, Build, ExportOptions]] = {
+    "three-axis": ("three-axis", Build(), ExportOptions()),
+    "gantry": ("gantry", Build(pairs="Y"), ExportOptions(numbers={"Y": (1, 2)})),
+    "inch": ("three-axis", Build(unit="in"), ExportOptions(unit="in")),
+    "xyzac": ("xyzac", *_TABLE),
+    "xyzbc": ("xyzbc", *_TABLE),
+    "xyzac-all": ("xyzac-all", *_TABLE),
+}
+"""Name -> whose description it is, how LinuxCNC is set up, what is exported."""
+
+
+def description(name: str) -> CampaignDescription:
+    """Return the campaign on one of `EXAMPLES`."""
+    stem = EXAMPLES[name][0]
+    folder = Path(__file__).with_name("machines")
+    campaign, machine = (folder / f"{stem}.{kind}.toml" for kind in ("campaign", "machine"))
+    described, built = (path.read_text(encoding="utf-8") for path in (campaign, machine))
+    return campaign_from_texts(described, campaign.name, built, machine.name)
 
 
 class LinuxcncMachine:

@@ -1,12 +1,9 @@
 """Axes and knots of a machine from its TOML text; the built-in machines are what they say."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from axiscal.machine import builtin_names, load_machine, machine_from_text
-from axiscal.machine.axis import iso_axis
 from axiscal_core.machine import Machine
 
 
@@ -38,17 +35,6 @@ def test_spacing_and_length_give_equidistant_knots(error: str, said: str, count:
     head = 'chain = "w-b-X-t"\n[axes.X]\ntravel = ["100 mm", "700 mm"]\n[errors]\n'
     (term,) = machine_from_text(f'{head}{error} = {{ std = "1 um", {said} }}').terms
     assert term.spline.knots == pytest.approx(np.linspace(0.1, 0.7, count))
-
-
-@pytest.mark.parametrize(
-    ("name", "direction"),
-    [("X", 0), ("U", 0), ("P", 0), ("A", 0), ("Y", 1), ("V2", 1), ("Q", 1), ("B", 1), ("Z", 2), ("W", 2), ("R", 2)],
-)
-def test_letters_have_the_directions_of_iso_841(name: str, direction: int) -> None:
-    axis = iso_axis(name, False, (0.0, 1.0))
-    assert axis.direction == tuple(float(place == direction) for place in range(3))
-    assert axis.rotary == (name in "ABC")
-    assert axis.letter == name[0]
 
 
 def sizes(machine: Machine) -> dict[str, int]:

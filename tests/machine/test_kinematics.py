@@ -1,7 +1,5 @@
 """The chain against its second writing from the bed outward, and against ISO 841."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """How a machine moves while measuring: times against a run in small steps, overrun and room."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

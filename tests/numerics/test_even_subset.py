@@ -1,7 +1,5 @@
 """Few points that stand for many: the same whatever the order, and spread as all are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Roots are the same whichever eigenvectors a BLAS leaves, so that a seed is the same machine on every computer."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What is remembered of an object goes with it."""
 
-from __future__ import annotations
-
 import gc
 from functools import partial
 from weakref import ref

@@ -1,7 +1,5 @@
 """What repeats, steps or tilts, against sines, quadrature and the cyclic spline of one period."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

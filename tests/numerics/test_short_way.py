@@ -1,7 +1,5 @@
 """Short ways against OR-tools, which finds the shortest of few places and bounds that of many."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from ortools.sat.python import cp_model
@@ -10,7 +8,7 @@ from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
 from axiscal.machine.motion import approach_seconds
 from axiscal.numerics import Array
-from axiscal.numerics.short_way import _GAIN, _moved_segment, route, route_seconds
+from axiscal.numerics.short_way import route, route_seconds
 from axiscal_core.machine import Machine
 
 TICK = 1e-4
@@ -50,28 +48,3 @@ def test_within_three_percent_of_what_or_tools_finds(machine: Machine, count: in
     found, bound = shortest_by_or_tools(table, first)
     assert way <= 1.03 * found
     assert way >= bound - len(poses) * TICK
-
-
-def moved_one_by_one(order: list[int], table: Array) -> list[int] | None:
-    """Return the way with up to three places in a row put elsewhere, segment by segment and gap by gap."""
-    best: tuple[float, list[int]] | None = None
-    for length in range(1, min(3, len(order) - 2) + 1):
-        for a in range(1, len(order) - length + 1):
-            segment, rest = order[a : a + length], order[:a] + order[a + length :]
-            before = route_seconds(order, table)
-            for way in [segment, segment[::-1]][: min(length, 2)]:
-                ways = [[*rest[: k + 1], *way, *rest[k + 1 :]] for k in range(len(rest))]
-                shorter = [before - route_seconds(each, table) for each in ways]
-                at = next(k for k, each in enumerate(shorter) if each >= max(shorter) - _GAIN)
-                if shorter[at] > _GAIN and (best is None or shorter[at] > best[0] + _GAIN):
-                    best = shorter[at], ways[at]
-    return None if best is None else best[1]
-
-
-@pytest.mark.parametrize("count", [2, 3, 4, 5, 9, 14])
-def test_segments_are_put_where_trying_all_gaps_puts_them(count: int) -> None:
-    rng = np.random.default_rng(count)
-    for _ in range(20):
-        table = rng.uniform(0.0, 9.0, (count, count))
-        order = [count - 1, *rng.permutation(count - 1).tolist()]
-        assert _moved_segment(order, table) == moved_one_by_one(order, table)

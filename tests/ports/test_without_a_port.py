@@ -1,7 +1,5 @@
 """Each port can be taken out, with what it brings: all that does not need it works, and what does says so."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Files of a control from what the core knows: they hold what was put in, and what no table holds is refused."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

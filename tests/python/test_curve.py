@@ -1,7 +1,5 @@
 """One curve in Python: its band and its next place, against a plain dense twin."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

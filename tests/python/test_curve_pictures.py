@@ -1,7 +1,5 @@
 """Curves as pictures and as arrays of xarray."""
 
-from __future__ import annotations
-
 import sys
 from types import ModuleType
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """What the core knows has its report, of a machine of somebody's own as of any other."""
 
-from __future__ import annotations
-
 import re
 import runpy
 from pathlib import Path

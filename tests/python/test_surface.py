@@ -1,7 +1,5 @@
 """The names that outsiders rely on: few, each where it says, loaded when it is used."""
 
-from __future__ import annotations
-
 import ast
 import subprocess
 import sys

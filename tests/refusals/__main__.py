@@ -1,7 +1,5 @@
 """Write what is said today: `python -m tests.refusals`. What it changes is to be read before it is kept."""
 
-from __future__ import annotations
-
 from tests.refusals.reading import kinds, refusals, said, written
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 """What is wrong is refused in just the sentence that stands beside it: place, fault and remedy, on printable lines."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """The trials of `make reliability`, in small."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from functools import partial

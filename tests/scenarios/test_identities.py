@@ -3,8 +3,6 @@
 They are read back from `result.json` and from what a person reads of it, as an outsider would.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

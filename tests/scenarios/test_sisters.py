@@ -1,7 +1,5 @@
 """What `examples/sisters.py` prints of other machines' records, beside the type that scipy's splines are drawn from."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Quantities with units, by hand, by fractions and by properties; nonsense is a UnitError and nothing else."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """`axiscal serve` as a program of its own, and requests to it word for word."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import os

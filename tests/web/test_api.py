@@ -1,7 +1,5 @@
 """The steps of a campaign over HTTP, looked at from outside: what is kept is what is on the disk."""
 
-from __future__ import annotations
-
 import io
 import re
 import time
@@ -109,8 +107,8 @@ def test_the_set_up_that_is_asked_for_is_drawn_as_wide_as_the_page_wants(still: 
 
 
 NAMES = (
-    "addresses start stage rows curve planned plan draft open leave state typed cost readings jogs skips notes zeros "
-    "accepts undo next finish texts check"
+    "start stage rows curve planned plan draft open leave state typed cost readings jogs skips notes zeros "
+    "accepts undo next finish check"
 )
 """Of all paths."""
 

@@ -1,7 +1,5 @@
 """Ctrl-C of `axiscal serve` while something long is computed: it ends all the same, and says what was left."""
 
-from __future__ import annotations
-
 import contextlib
 import signal
 import sys

@@ -1,7 +1,5 @@
 """A display in mm that a person reads all the same: each answer says so, and that the readings contradict it."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Files of people, on which the program failed: each command of theirs answers what is known to be right."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Lengths between two places: a printed square becomes a skew, a ruler a slope; their truths nobody drew."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

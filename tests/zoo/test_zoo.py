@@ -1,7 +1,5 @@
 """Each animal of the zoo is answered rightly, or by the name of its cause; all of them in `make trust PART=zoo`."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import pytest

@@ -30,12 +30,11 @@ from axiscal.campaign.ending import (
 from axiscal.campaign.possible import beginning_of, described, jump_told, kept_text, note_told, refuse_unreadable
 from axiscal.campaign.sources import Request, Skip, Source, answered
 from axiscal.description.campaign import CampaignDescription
-from axiscal.estimation.case import Case, Timed, elapsed, timed
+from axiscal.estimation.case import Case, Knowledge, Timed, elapsed, timed
 from axiscal.estimation.estimate import estimated, in_detail
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
 from axiscal.measurement.reading import Place, Reading, seconds_since
 from axiscal.numerics.remembered import Memo

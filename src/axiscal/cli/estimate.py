@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import typer
@@ -24,7 +23,7 @@ from axiscal.present.delivery import evaluated, read_in
 from axiscal.present.findings import OF_THE_READING, of_readings
 from axiscal.present.plan_words import open_questions
 from axiscal.present.result_of_campaign import Extras
-from axiscal.present.result_set import RECORD, mend
+from axiscal.present.result_set import RECORD
 from axiscal.tables.exporter import unasked
 from axiscal.units import to_unit
 
@@ -59,17 +58,16 @@ def estimate(
     description = read_campaign(campaign, target_needed=False, asking=False)
     if readings is None and log is None:
         raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
-    placed, extras, told = tuple[Reading, ...](), Extras(), ""
+    placed, told = tuple[Reading, ...](), ""
     if readings is not None:
-        description, placed, extras, told = read_in(description, readings, length_unit(unit), axis, zero)
+        description, placed, told = read_in(description, readings, length_unit(unit), axis, zero)
     if log is not None:
         placed = (*placed, *placed_log(log, programs, description))
-    mend(out)
     if (out / RECORD).exists():
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
     if told:
         tell(told)
-    extras = replace(extras, warnings=of_readings(placed, description.setups, description.machine.axes))
+    extras = Extras(warnings=of_readings(placed, description.setups, description.machine.axes))
     with evaluated(description, placed) as opened:
         kept, again = out / RECORD, "give the command again"
         result = write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)

@@ -18,22 +18,20 @@ from axiscal.answers.answer_words import WIDTH, wrapped
 from axiscal.answers.row_words import row_name
 from axiscal.cli.printing import ask, complain, say
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.first_campaign import Purpose
+from axiscal.description.first_campaign import Beginning, Purpose
 from axiscal.description.first_files import (
-    Beginning,
     first_described,
     instruments_of,
     linear_travels,
     of_builtin,
     of_ini,
-    of_printer,
     offered_names,
     with_travels,
     write_files,
 )
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
-from axiscal.description.printer_file import is_printer_file
+from axiscal.description.printer_file import is_printer_file, of_printer
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import counted, ending, listed, said
 from axiscal.machine import builtin_names

@@ -9,7 +9,7 @@ from axiscal.errors.gauge import machine_check, undescribed
 from axiscal.language.spoken import said
 from axiscal.machine import builtin_names, load_machine
 from axiscal.machine.axis import travel_text
-from axiscal.machine.questions import questions, which_way
+from axiscal.machine.questions import which_way
 
 
 def list_machines(json: bool = False) -> None:
@@ -29,7 +29,7 @@ def check(file: Path, json: bool = False) -> None:
     """Check a description of a machine."""
     machine = load_machine(str(file))
     hidden, absent = machine_check(machine), undescribed(machine)
-    open_ones = (*questions(machine), *which_way(machine))
+    open_ones = which_way(machine)
     document = {
         "name": machine.name,
         "axes": [axis.name for axis in machine.axes],

@@ -18,7 +18,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import counted, joined, later, listed, quoted, said
-from axiscal.measurement.readers.csv_table import approach_of
+from axiscal.measurement.readers.columns import approach_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import contradictions, doubted, last_doubt, open_question, others_doubted

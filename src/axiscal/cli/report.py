@@ -30,7 +30,7 @@ def report(record: Path, out: Path | None = None, language: str | None = None) -
         raise RecordError(what, "Write it to {name}", target, out=target.name, name=target.with_suffix(".pdf").name)
     with Campaign.open(record, write=False) as campaign:
         known = campaign.estimate(ended=True)
-        result, _ = result_of(campaign, known, Extras(answer=standing_answer(campaign)))
+        result = result_of(campaign, known, Extras(answer=standing_answer(campaign)))
         target.parent.mkdir(parents=True, exist_ok=True)
         write_report(campaign, result, target, language_of_report(campaign.description.particulars, language))
     say(said("The report is in {file}.", file=target))

@@ -20,7 +20,7 @@ from axiscal.language.spoken import capital, put, said
 from axiscal.language.stages import listening
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.demo import description, run_demo
-from axiscal.present.result_set import RECORD, mend
+from axiscal.present.result_set import RECORD
 from axiscal.units import parse_quantity, said_quantity, to_unit
 
 
@@ -36,7 +36,6 @@ def run_loop(
     """Run the whole loop without a person."""
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
     again = f'axiscal step run {campaign} --source "{source}" --out {out} --resume'
-    mend(out)
     with ExitStack() as stack:
         opened = _kept_campaign(out / RECORD, description, resume)
         active = bool(description.compensation_active)

@@ -19,7 +19,7 @@ from axiscal.evaluation.check import Check
 from axiscal.language.spoken import ending, listed, said
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.measurement.reading import Places
-from axiscal.present.check_answer import check_answer, check_details, check_plan, check_screen
+from axiscal.present.check_answer import CheckAnswer, check_details, check_plan, check_screen
 from axiscal.tables import registry
 from axiscal.tables.bump import other_way
 from axiscal.tables.exporter import ExportOptions
@@ -91,15 +91,15 @@ def verify(
         say_either(json, "axiscal-verify/1", document, lines)
         return
     judged = check.judged(readings, tolerance)
-    answer = check_answer(judged, check.positions(readings[1]), check.tables.certain)
+    answer = CheckAnswer(judged, check.positions(readings[1]), check.tables.certain)
     if json:
-        say_document(answer.model_dump(mode="json", by_alias=True))
+        say_document(answer.document())
     elif details:
         say(_wrapped(check_details(answer)))
     else:
-        loading = [said("load the exported files again, then")] if answer.faulty else []
+        loading = [said("load the exported files again, then")] if judged.faulty else []
         folder = f"axiscal status {shlex.quote(str(record.parent))}"
-        coming = [folder] if answer.verdict == "promised" else [*loading, f"{again} --plan check.csv"]
+        coming = [folder] if judged.verdict == "promised" else [*loading, f"{again} --plan check.csv"]
         say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
 
 

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.setup import Reads, Setup
+from axiscal.measurement.setup import MOST, Reads, Setup
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis

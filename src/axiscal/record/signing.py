@@ -13,8 +13,7 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterator, Sequence
-from contextvars import ContextVar
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -39,19 +38,6 @@ class Hand(NamedTuple):
     computer: str
 
 
-_STEP: ContextVar[str] = ContextVar("step", default="")
-
-
-@contextlib.contextmanager
-def writing(step: str) -> Iterator[None]:
-    """Let all that is written in the block be of a step.  step : its id"""
-    before = _STEP.set(step)
-    try:
-        yield
-    finally:
-        _STEP.reset(before)
-
-
 def own_hand() -> Hand:
     """Return who writes here: the user of this computer, unless AXISCAL_PERSON names somebody."""
     try:
@@ -61,15 +47,10 @@ def own_hand() -> Hand:
     return Hand(*(name.encode("utf-8", "replace").decode() for name in (person, platform.node())))
 
 
-def step_now() -> str:
-    """Return the id of the step that is taken now, "" for none."""
-    return _STEP.get()
-
-
 def rows_of(events: Sequence[Event]) -> list[EventText]:
     """Return events as this person writes them now; raises ValueError for one that cannot be kept."""
-    at, by, step = now(), own_hand()._asdict(), step_now()
-    return [EventText(at, *encode(event, **by, **({"step": step} if step else {}))) for event in events]
+    at, by = now(), own_hand()._asdict()
+    return [EventText(at, *encode(event, **by)) for event in events]
 
 
 def now() -> str:

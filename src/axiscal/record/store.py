@@ -199,14 +199,6 @@ class Record(contextlib.AbstractContextManager["Record"]):
         self.last()
         return replace(self._story.state(), name=self.name)
 
-    def holds(self, step: str) -> bool:
-        """Return whether a step wrote more than a plan.  step : its id, hex digits; "" for none"""
-        self.last()
-        mark = f'"step":"{step}"'  # in what a person wrote it would stand with backslashes
-        return step != "" and any(
-            mark in row.payload and row.kind not in ("planned", "continued", "asked") for row in self.rows
-        )
-
     def copy_to(self, path: Path) -> None:
         """Write a copy, in the place of an earlier copy if there is one; raises as `refuse_other`."""
         self.refuse_other(path)

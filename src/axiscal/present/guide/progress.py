@@ -92,7 +92,7 @@ def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool 
         refused = "{why}. It is not used: take it back and read there again. If it is right, record it with --accept."
         kept = "{why}. It is not used: take it back and read there again. If it is right, keep it as really so."
         minds.append(said(refused if command else kept, why=known.objection_to(doubt)))
-    elif not campaign.state.readings[last].accepted and (size := known.absorbed.surprise(last)) >= _SURPRISING:
+    elif not campaign.state.readings[last].accepted and (size := known.history.surprise(last)) >= _SURPRISING:
         strange = (
             "it is {size} standard deviations from what was expected. It is believed so far; take it back and read "
             "there again if anything may have been wrong."

@@ -1,6 +1,6 @@
 """The whole loop on a real control: LinuxCNC moves, hidden errors are added, tables go in, the error is gone.
 
-    python -m tests.linuxcnc.demo --out DIR
+    python -m benchmarks.linuxcnc_demo --out DIR
 
 A campaign drives a LinuxCNC through MDI, what it makes is loaded, LinuxCNC starts anew, and positions that were never
 measured are visited as found, with the tables, and with the realtime component that corrects everything at once: on a
@@ -23,7 +23,6 @@ import numpy as np
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Milestone
 from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
@@ -31,25 +30,14 @@ from axiscal.exceptions import AxiscalError
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.delivery import write_files
-from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
 from axiscal.tables.surface import left_by, rms
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
 from tests.linuxcnc.lab import can_load
-from tests.linuxcnc.virtual import Build, LinuxcncMachine
+from tests.linuxcnc.virtual import EXAMPLES, Build, LinuxcncMachine, description
 
-_TABLE = Build(tcp=True), ExportOptions()
-EXAMPLES: dict[str, tuple[str, Build, ExportOptions]] = {
-    "three-axis": ("three-axis", Build(), ExportOptions()),
-    "gantry": ("gantry", Build(pairs="Y"), ExportOptions(numbers={"Y": (1, 2)})),
-    "inch": ("three-axis", Build(unit="in"), ExportOptions(unit="in")),
-    "xyzac": ("xyzac", *_TABLE),
-    "xyzbc": ("xyzbc", *_TABLE),
-    "xyzac-all": ("xyzac-all", *_TABLE),
-}
-"""Name -> whose description it is, how LinuxCNC is set up, what is exported."""
 _WHAT = {
     "three-axis": "mill in mm, trivkins",
     "gantry": "coordinates = XYYZ, trivkins",
@@ -58,7 +46,6 @@ _WHAT = {
     "xyzbc": "xyzbc-trt-kins in TCP mode",
     "xyzac-all": "xyzac-trt-kins in TCP mode, all 30 error motions",
 }
-FOLDER = Path(__file__).with_name("machines")
 SEED = 2005
 """Any seed: the demo is to be the same every time."""
 _AT_ONCE = 2
@@ -99,14 +86,6 @@ class Left:
     missed: float
     within: float
     certain: float
-
-
-def description(name: str) -> CampaignDescription:
-    """Return the campaign on one of `EXAMPLES`."""
-    stem = EXAMPLES[name][0]
-    campaign, machine = (FOLDER / f"{stem}.{kind}.toml" for kind in ("campaign", "machine"))
-    described, built = (path.read_text(encoding="utf-8") for path in (campaign, machine))
-    return campaign_from_texts(described, campaign.name, built, machine.name)
 
 
 @one_thread()
