@@ -15,7 +15,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
-from axiscal.present.guide.question import Stands, Word, answer
+from axiscal.present.guide.question import Stands, measured
 from benchmarks.zoo.running import given, rows_of
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
@@ -107,9 +107,8 @@ def test_what_the_control_found_is_typed_as_it_prints_it(tmp_path: Path) -> None
     with Campaign.open(record, write=False) as kept:
         (reading,) = kept.state.readings
         setup, at = kept.description.setup("touch"), Stands(kept.description.machine, reading.pose)
-        prompted = answer(f"found {x}; {y}; {z}", setup, at)
+        prompted = measured(f"found {x}; {y}; {z}", setup, at)
         with pytest.raises(AxiscalError, match="2 values"):
-            answer("found 1 2", setup, at)
+            measured("found 1 2", setup, at)
     assert reading.values == pytest.approx(wanted.values, abs=1e-12)
-    assert not isinstance(prompted, Word)
     assert prompted.tolist() == pytest.approx(list(wanted.values), abs=1e-12)

@@ -92,7 +92,7 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     terminal.type("-1,7")
     assert "kept reading 1; it is on the disk" in terminal.until("reading [um] > ")
     terminal.type("twelve")
-    assert "Type ? for what can be typed" in terminal.until("reading [um] > ")
+    assert "Type the number that the instrument shows" in terminal.until("reading [um] > ")
     terminal.type("0.0005 mm")
     assert "kept reading 2" in terminal.until("reading [um] > ")
     terminal.type("undo")

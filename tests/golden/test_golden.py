@@ -30,7 +30,7 @@ from tests.golden.surfaces import (
     written_screens,
 )
 
-SMALL = ("contradict", "manners", "plans", "programs", "refusals")
+SMALL = ("contradict", "manners", "plans", "programs")
 """Played in the quick tests, and looked at in both languages."""
 CAMPAIGNS = [pytest.param(name, marks=() if name in SMALL else pytest.mark.long) for name in names()]
 _CUT = re.compile("…|and[0-9]+more|und[0-9]+weitere")

@@ -12,7 +12,7 @@ from axiscal.exceptions import AxiscalError
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import sense
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.question import AxisPlace, Word, answer, coordinates_text
+from axiscal.present.guide.question import AxisPlace, coordinates_text, measured
 from tests.generators.texts import campaign_text, setup_text
 
 SETUPS = campaign_text(
@@ -33,8 +33,7 @@ DIAL, LEVEL, NEST = setup("dial"), setup("level"), setup("nest")
 
 
 def test_angles_are_in_microradians() -> None:
-    typed = answer("4 arcsec", LEVEL), answer("19.39", LEVEL)
-    values = [each[0] for each in typed if not isinstance(each, Word)]
+    values = [measured(text, LEVEL)[0] for text in ("4 arcsec", "19.39")]
     np.testing.assert_allclose(values, [4 / 3600 / 180 * np.pi, 19.39e-6], rtol=1e-12)
 
 
@@ -47,19 +46,17 @@ def test_angles_are_in_microradians() -> None:
     ],
 )
 def test_three_values_stand_in_one_line_and_a_unit_after_the_last_is_of_all(text: str) -> None:
-    typed = answer(text, NEST)
-    assert not isinstance(typed, Word)
-    np.testing.assert_allclose(typed, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
+    np.testing.assert_allclose(measured(text, NEST), [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
 
 
 @given(st.text(max_size=30))
 def test_nothing_typed_is_a_traceback(text: str) -> None:
     for where in (DIAL, LEVEL, NEST):
         try:
-            typed = answer(text, where)
+            typed = measured(text, where)
         except AxiscalError:
             continue
-        assert isinstance(typed, Word) or np.all(np.isfinite(typed))
+        assert np.all(np.isfinite(typed))
 
 
 def test_axes_that_move_are_said_apart_from_those_that_stand() -> None:

@@ -31,7 +31,7 @@ from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.simulation import read_truth
 from axiscal.ports.linuxcnc.configuring import export_into
-from axiscal.present.guide.question import answer
+from axiscal.present.guide.question import measured
 from axiscal.record.lines import EventText
 from axiscal.record.signing import rows_of
 from axiscal.record.store import content_of
@@ -186,7 +186,7 @@ def _entry(of: str, text: str) -> object:
 
 def _typed(of: str, text: str) -> object:
     """Return what is understood of a line that is typed where a set-up is read.  of : the set-up"""
-    return answer(text, read_campaign(Path("campaign.toml"), asking=False).setup(of))
+    return measured(text, read_campaign(Path("campaign.toml"), asking=False).setup(of))
 
 
 def _rewritten(_: str, text: str) -> object:

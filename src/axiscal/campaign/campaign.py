@@ -82,7 +82,6 @@ class Campaign(AbstractContextManager["Campaign"]):
     def __init__(self, record: Record, description: CampaignDescription, planner: Planner = _next_places) -> None:
         self.log, self.description, self._planner = record, description, planner
         self.state = record.state()
-        self._first = record.events()[0]
         self._memo = Memo(_ANSWERS)
 
     @classmethod
@@ -108,7 +107,7 @@ class Campaign(AbstractContextManager["Campaign"]):
     @property
     def begun(self) -> str:
         """When the record was begun: ISO 8601, UTC."""
-        return self._first.at
+        return self.log.lines[0].row.at
 
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
@@ -252,11 +251,6 @@ class Campaign(AbstractContextManager["Campaign"]):
             self._append(Finished(why, result_of(self._said(ended=True))))
         return self.state.finished or ""
 
-    def sign(self) -> None:
-        """Sign the record so far, if this person has a key."""
-        self.log.sign()
-        self._append()
-
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""
         target, readings = self.description.target, self.state.readings
@@ -339,8 +333,7 @@ class Campaign(AbstractContextManager["Campaign"]):
         self.close()
 
     def _append(self, *events: Event) -> None:
-        if events:
-            self.log.append(*events, after=self.state.last)
+        self.log.append(*events, after=self.state.last)
         self._take_in(self.log.state())
 
     def _take_in(self, state: State) -> None:

@@ -55,11 +55,8 @@ class Ended(NamedTuple):
     because: str
 
 
-class _Standing(NamedTuple):
-    """The wanted accuracy of the volume, and the accuracy so far, m."""
-
-    wanted: WantedAccuracy
-    now: float
+_Standing = tuple[WantedAccuracy, float]
+"""The wanted accuracy of the volume, and the accuracy so far, m."""
 
 
 def count_reached(target: Target, count: int) -> str | None:
@@ -83,15 +80,15 @@ def reaches(target: Target, known: Estimation) -> bool | None:
 def _said(target: Target, known: Estimation) -> str | None:
     """Return that the volume and all other rows are reached, or that no reading can; None for neither."""
     belief, yardstick = known.printed.belief, known.case.yardstick
-    volume = [_Standing(each, known_to(each.name, yardstick, belief)) for each in asked(target, yardstick)]
-    first = next((each for each in volume if each.now <= each.wanted.limit), None)
+    volume = [(each, known_to(each.name, yardstick, belief)) for each in asked(target, yardstick)]
+    first = next((wanted for wanted, now in volume if now <= wanted.limit), None)
     spent = [] if first is not None else _spent(target, known, volume)
     if volume and first is None and not spent:
         return None
     if not known.readings:
         return None
     if not target.lines and first is not None:
-        return None if _unread(target, known) else f"{first.wanted.name} {_REACHED}"
+        return None if _unread(target, known) else f"{first.name} {_REACHED}"
     rows = [row for row in known_rows(known.case, known.printed, known.readings) if row.row.kind != "volume"]
     missing = [row for row in rows if row.open]
     if not missing and (first is not None or not volume):
@@ -100,9 +97,9 @@ def _said(target: Target, known: Estimation) -> str | None:
         return None
     if first is not None or not volume:
         return f"{', '.join(row.row.name for row in missing)} {_BEYOND}"
-    floor, left = (format_quantity(size, "um", 3) for size in (spent[0].wanted.floor, spent[0].now))
-    name = spent[0].wanted.name
-    return f"{name} target cannot be reached: endless readings would leave {floor}, these leave {left}"
+    wanted, now = spent[0]
+    floor, left = (format_quantity(size, "um", 3) for size in (wanted.floor, now))
+    return f"{wanted.name} target cannot be reached: endless readings would leave {floor}, these leave {left}"
 
 
 def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> list[_Standing]:
@@ -115,20 +112,19 @@ def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> li
     sizes = {} if known.posterior is None else known.posterior.sizes
     largest = max([1.0, *(size for (kind, _), size in sizes.items() if kind not in _PASSING)])
 
-    def may_be(each: _Standing) -> bool:
-        """Whether a floor may be above its limit: floors grow with the sizes at the most, and take long to find."""
-        limit, floor, most = each.wanted.limit, each.wanted.floor, largest * each.wanted.floor
-        return each.now <= attainable(limit, most) and max(floor, surely * most) > limit
-
-    if not any(may_be(each) for each in volume):
+    for wanted, now in volume:  # floors grow with the sizes at the most, and take long to find
+        most = largest * wanted.floor
+        if now <= attainable(wanted.limit, most) and max(wanted.floor, surely * most) > wanted.limit:
+            break
+    else:
         return []
     found = []
-    for wanted, each in zip(asked(target, known.case.yardstick_as_sized), volume, strict=True):
-        checked = len(known.readings) >= FEW and each.wanted.floor > _CLEARLY * wanted.limit
-        floors = surely * wanted.floor, *([each.wanted.floor] if checked else [])
-        least = max((floor for floor in floors if floor <= each.now), default=0.0)
-        if each.now <= attainable(wanted.limit, wanted.floor) and least > wanted.limit:
-            found.append(_Standing(wanted._replace(floor=least), each.now))
+    for wanted, (stated, now) in zip(asked(target, known.case.yardstick_as_sized), volume, strict=True):
+        checked = len(known.readings) >= FEW and stated.floor > _CLEARLY * wanted.limit
+        floors = surely * wanted.floor, *([stated.floor] if checked else [])
+        least = max((floor for floor in floors if floor <= now), default=0.0)
+        if now <= attainable(wanted.limit, wanted.floor) and least > wanted.limit:
+            found.append((wanted._replace(floor=least), now))
     return found
 
 

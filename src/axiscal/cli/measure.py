@@ -24,10 +24,9 @@ from axiscal.numerics import Array
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import (
     Question,
-    Word,
     action,
-    answer,
     degrees,
+    measured,
     question_text,
     stands,
 )
@@ -66,72 +65,86 @@ class Prompt:
             steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
             named = said('Set-up "{setup}"', setup=question.setup)
             say("\n".join([f"\n{named}: {question.mount_sentence}.", *steps]))
-            then = self._until_done(said("Enter when it stands, or ? > "), partial(self._heed_at_mounting, question))
+            then = self._until_done(said("Enter when it stands, or ? > "), question, self._too_early)
             if then == "stands" and progress.open_temperature(self.campaign):
                 prompt = said("Temperature of the machine's scale [degC], Enter: not measured > ")
-                then = self._until_done(prompt, self._heed_temperature)
+                then = self._until_done(prompt, question, self._take_temperature)
             if then != "stands":
                 return then
             self.mounted = question.setup
         say(headline(self.campaign, question))
         say(question_lines(question))
-        return self._until_done(said("reading [{unit}] > ", unit=question.asks), partial(self._heed, question))
+        take = partial(self._keep, question)
+        return self._until_done(said("reading [{unit}] > ", unit=question.asks), question, take, enter="same")
 
-    def _until_done(self, prompt: str, heed: Callable[[str], _Then]) -> _Then:
-        """Ask until something has been done; a refusal is said, and the same is asked again."""
+    def _until_done(
+        self, prompt: str, question: Question | None, take: Callable[[str], _Then], enter: _Then = "stands"
+    ) -> _Then:
+        """Ask until something has been done; a refusal is said, and the same is asked again.
+
+        question : what is asked, None at the end; take : what is done with a value; enter : what comes of Enter alone
+        """
         then: _Then = "same"
         while then == "same":
+            word, _, text = (typed := ask(prompt).strip()).partition(" ")
             try:
-                then = heed(ask(prompt).strip())
+                wanted = action(word)
+                then = take(typed) if wanted is None else self._done(wanted, text, question) if wanted else enter
             except OvertakenError:
                 self.campaign.looked_at_again()
                 say("  " + said("Nothing was done: the record has moved on, on a page or by another command."))
                 then = "anew"
             except AxiscalError as failure:
                 say(f"  {failure}")
+            if then == "same" and question is not None and wanted in ("", "more"):
+                say(question_lines(question))
         return then
 
-    def _heed_at_mounting(self, question: Question, typed: str) -> _Then:
-        if not typed:
-            return "stands"
-        if action(typed.partition(" ")[0]) is None:
-            answer(typed, self.campaign.description.setup(question.setup), stands(self.campaign))
-            say("  " + said("This is a reading: press Enter when the set-up stands, then type it."))
-            return "same"
-        return self._heed(question, typed)
+    def _too_early(self, typed: str) -> _Then:
+        self._measured(typed)
+        say("  " + said("This is a reading: press Enter when the set-up stands, then type it."))
+        return "same"
 
-    def _heed_temperature(self, typed: str) -> _Then:
-        """Keep how warm the scale is; Enter is that nobody has measured it."""
-        word, _, text = typed.partition(" ")
-        if wanted := action(word):
-            return self._heed_anywhere(wanted, text)
-        if word:
-            say(f"  {progress.take_note(self.campaign, degrees(typed))}")
+    def _take_temperature(self, typed: str) -> _Then:
+        say(f"  {progress.take_note(self.campaign, degrees(typed))}")
         return "stands"
 
-    def _heed(self, question: Question, text: str) -> _Then:
-        typed = answer(text, self.campaign.description.setup(question.setup), stands(self.campaign))
-        if not isinstance(typed, Word):
-            return self._keep(typed, question)
-        match typed.action:
+    def _measured(self, typed: str) -> Array:
+        asked = self.campaign.open_question()
+        return measured(typed, self.campaign.description.setup(asked.place.setup), stands(self.campaign))
+
+    def _done(self, wanted: str, text: str, question: Question | None) -> _Then:
+        """Do what a word asks for.  text : what followed it"""
+        match wanted:
             case "skip":
                 say(f"  {cost_sentence(cost_words(self.campaign, rest=False))}")
-                self.campaign.skip(typed.text or ask("  " + said("why can it not be taken?") + " "))
+                self.campaign.skip(text or ask("  " + said("why can it not be taken?") + " "))
                 say("  " + said("skipped; the plan is made anew around it"))
                 return "anew"
-            case "leave":
-                return self._leave(typed.text, question)
+            case "leave" if question is not None:
+                return self._leave(text, question)
             case "stop":
                 return self._stop()
             case "help":
                 say("\n".join(f"  {said(typed):<18} {said(does)}" for typed, does in WORDS["prompt"]["rows"]))
-            case "show" | "more":
-                say(question_lines(question))
-            case _:
-                return self._heed_anywhere(typed.action, typed.text)
+            case "pause":
+                return "pause"
+            case "undo":
+                say(f"  {progress.take_back(self.campaign)[1]}")
+                return "anew"
+            case "anew":
+                say(f"  {progress.set_anew(self.campaign)}")
+                return "anew"
+            case "note":
+                sentence = text or ask("  " + said("what is to be kept in the record?") + " ")
+                say(f"  {progress.take_note(self.campaign, sentence)}")
+            case "more" if question is None:
+                self.campaign.next(beyond=True)
+                return "anew"
         return "same"
 
-    def _keep(self, typed: Array, question: Question) -> _Then:
+    def _keep(self, question: Question, text: str) -> _Then:
+        typed = self._measured(text)
         cause: slips.Cause | None = None
         try:
             slips.refuse_surprising(self.campaign, question, typed)
@@ -180,33 +193,7 @@ class Prompt:
         say("\n" + said("Done: {because}.", because=because_text(ended.because)))
         say(standing_screen(self.campaign))
         prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
-        return self._until_done(prompt, self._heed_at_end)
-
-    def _heed_at_end(self, typed: str) -> _Then:
-        word, _, text = typed.partition(" ")
-        wanted = action(word)
-        if wanted == "":
-            return "finish"
-        if wanted == "more":
-            self.campaign.next(beyond=True)
-            return "anew"
-        return self._heed_anywhere(wanted, text)
-
-    def _heed_anywhere(self, wanted: str | None, text: str) -> _Then:
-        """Do what can be asked for at every prompt."""
-        match wanted:
-            case "pause":
-                return "pause"
-            case "undo":
-                say(f"  {progress.take_back(self.campaign)[1]}")
-                return "anew"
-            case "anew":
-                say(f"  {progress.set_anew(self.campaign)}")
-                return "anew"
-            case "note":
-                sentence = text or ask("  " + said("what is to be kept in the record?") + " ")
-                say(f"  {progress.take_note(self.campaign, sentence)}")
-        return "same"
+        return self._until_done(prompt, None, self._too_early, enter="finish")
 
 
 def _chosen(named: progress.Named) -> progress.Answer | None:

@@ -158,7 +158,8 @@ def _kept(campaign: Campaign, reading: Reading) -> tuple[dict[str, object], str]
     return document, said(text, number=reading.number, value=listed(", ", [*values]), place=place, count=count)
 
 
-_ENTRY = re.compile(r"\s*([A-Z][0-9]?)\s*=\s*([^=,;]*?)\s*(?:[,;]|(?=\s[A-Z][0-9]?\s*=)|$)")
+_BETWEEN = re.compile(r"\s*[,;]\s*|\s+(?=[^\W\d_]\w*\s*=)")
+"""Between two axes of a place."""
 
 
 def _setup(campaign: Campaign, name: str | None) -> Setup:
@@ -171,18 +172,13 @@ def _setup(campaign: Campaign, name: str | None) -> Setup:
 
 
 def _position(text: str, machine: Machine) -> dict[str, float]:
-    position: dict[str, float] = {}
-    at = 0
-    while text[at:].strip():
-        found = _ENTRY.match(text, at)
-        if found is None or found[1] in position:
-            raise ReadingError(
-                '"{text}" is not a place', 'Write each axis once, as in --at "X=120 mm Y=250 mm"', text=text
-            )
-        axis = machine.axis(found[1])
-        position[found[1]] = parse_quantity(found[2], axis.dimension)
-        at = found.end()
-    return position
+    parts = [part.partition("=") for part in _BETWEEN.split(text.strip()) if part]
+    names = [name.strip() for name, _, _ in parts]
+    if not all(equals for _, equals, _ in parts) or len({*names}) < len(names):
+        raise ReadingError('"{text}" is not a place', 'Write each axis once, as in --at "X=120 mm Y=250 mm"', text=text)
+    return {
+        name: parse_quantity(at, machine.axis(name).dimension) for name, (_, _, at) in zip(names, parts, strict=True)
+    }
 
 
 def _directions(text: str) -> dict[str, int]:

@@ -94,7 +94,7 @@ def sign(record: Path, json: bool = False) -> None:
     """Sign a record with your key."""
     make_key()
     with opened_to_write(record) as campaign:
-        campaign.sign()
+        campaign.log.sign()
         found = campaign.log.signed()
         assert found is not None
         by = {name: getattr(found, name) for name in ("person", "computer", "key", "signature", "holds")}

@@ -12,7 +12,7 @@ from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Milestone, because
 from axiscal.campaign.sources import open_source
 from axiscal.cli.outputs import tell_details, write_outputs, written_screen
 from axiscal.cli.printing import rewrite, say, tell
-from axiscal.cli.texts import kept_text, stoppable, tell_out_of_reach
+from axiscal.cli.texts import kept_words, stoppable, tell_out_of_reach
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.estimation.case import Case
 from axiscal.exceptions import InputError, RecordError, TargetError
@@ -21,7 +21,6 @@ from axiscal.language.stages import listening
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.demo import description, run_demo
 from axiscal.present.result_set import RECORD
-from axiscal.record.events import Asked, Created, Planned
 from axiscal.units import parse_quantity, said_quantity, to_unit
 
 
@@ -52,7 +51,7 @@ def run_loop(
                 try:
                     opened.run(readings, watch)
                 except InputError as failure:
-                    remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=kept_text(opened, again))
+                    remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=kept_words(opened, again))
                     raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
         write_outputs(opened, out, as_json=json, details=details)
         because, file = opened.state.finished or "", opened.description.source
@@ -66,8 +65,7 @@ def run_loop(
 
 
 def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -> Campaign | None:
-    """Return the campaign that the folder holds, None if there is none, or none that was begun with a reading."""
-
+    """Return the campaign that the folder holds, None if there is none."""
     if not path.exists():
         return None
     opened = Campaign.open(path)
@@ -76,9 +74,6 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
     if same and resume:
         return opened
     opened.close()
-    if all(isinstance(stored.event, Created | Planned | Asked) for stored in opened.log.events()):
-        path.unlink()
-        return None
     if not resume:
         remedy = "Go on with it by --resume, or name another --out"
         raise RecordError("This folder holds a campaign already", remedy, path)

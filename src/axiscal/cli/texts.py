@@ -66,10 +66,10 @@ def stoppable(campaign: Campaign, again: str) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        raise AxiscalError(said("Stopped by Ctrl-C. {kept}", kept=kept_text(campaign, again))) from None
+        raise AxiscalError(said("Stopped by Ctrl-C. {kept}", kept=kept_words(campaign, again))) from None
 
 
-def kept_text(campaign: Campaign, again: str) -> str:
+def kept_words(campaign: Campaign, again: str) -> str:
     """Return how many readings the record has now, and the command that goes on."""
     one, many = "{count} reading is kept in {record}", "{count} readings are kept in {record}"
     kept = counted(one, many, len(campaign.looked_at_again().readings), record=campaign.path)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import typer
@@ -12,7 +12,6 @@ import typer
 from axiscal.answers.answer_of_campaign import advised_control
 from axiscal.answers.answer_words import WIDTH, template_of, wrapped
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources import Source
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.document.durable import write_whole
@@ -127,11 +126,19 @@ _LIVE = "linuxcnc-live"
 
 
 def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Path], loaded: Path | None) -> str:
-    """Let a machine read what is missing, without the tables or with them; returns what is to be done next."""
+    """Let a machine read what is missing, without the tables or with them; returns what is to be done next.
+
+    loaded : the folder of the tables that are to be in force; raises TableError for one without tables
+    """
+    from axiscal.ports.linuxcnc.live import InForce, attached_to
+
+    machine, host = check.description.machine, source.partition(":")[2]
     before, after = check.sheets(places, *files)
-    bare, compensated = (_opening(check, source, loaded, active) for active in (False, True))
+    bare, tables = InForce(bool(check.description.compensation_active)), InForce(True)
+    if loaded is not None:
+        tables = InForce.from_folder(loaded)
     if not before.complete():
-        before.fill(bare)
+        before.fill(lambda: attached_to(host, machine, bare))
         if not after.complete():
             text = (
                 "{found} holds the readings as found. Load the exported files and switch them on, then give the same "
@@ -139,18 +146,8 @@ def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Pat
             )
             return said(text, found=before.file, left=after.file)
     if not after.complete():
-        after.fill(compensated)
+        after.fill(lambda: attached_to(host, machine, tables))
     return ""
-
-
-def _opening(check: Check, source: str, loaded: Path | None, active: bool) -> Callable[[], Source]:
-    """Return what attaches to a machine, with the tables or without; raises TableError for a folder without tables."""
-    from axiscal.ports.linuxcnc.live import InForce, attached_to
-
-    host = source.partition(":")[2]
-    any_of = InForce(active or bool(check.description.compensation_active))
-    in_force = InForce.from_folder(loaded) if active and loaded is not None else any_of
-    return lambda: attached_to(host, check.description.machine, in_force)
 
 
 def _wrapped(lines: Sequence[str]) -> str:

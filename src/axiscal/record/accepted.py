@@ -73,8 +73,11 @@ def put_right(readings: Sequence[Reading], accepted: Accepted, machine: str = ""
     mine = [[i for i, each in enumerate(readings) if each.setup == name] for name in accepted.setups]
     if not all(mine):
         raise ValueError("a mistake of readings that there are not")
-    changed = MISTAKES[accepted.mistake](readings, mine, accepted)
-    return [right for i, each in enumerate(readings) if (right := changed.get(i, each)) is not None]
+    changed, found = MISTAKES[accepted.mistake](readings, mine, accepted), list[Reading]()
+    for i, each in enumerate(readings):
+        right = changed.get(i, each)
+        found += [] if right is None else [_with_value_of(each, readings[right]) if isinstance(right, int) else right]
+    return found
 
 
 def in_workpiece(machine: Machine, readings: Sequence[Reading], setup: str) -> list[Reading]:
@@ -93,8 +96,8 @@ def in_workpiece(machine: Machine, readings: Sequence[Reading], setup: str) -> l
 
 _THREE = 3
 """Values of a touch, along x, y and z: a frame turns all of them together."""
-_Changed = dict[int, Reading | None]
-"""By index, None for a reading that is left out."""
+_Changed = dict[int, Reading | int | None]
+"""By index; the index of the reading whose values it gets, None for one that is left out."""
 
 
 def _jump(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
@@ -130,9 +133,7 @@ def _sides(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted:
 def _mirrored(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
     wrong = _between(readings, mine[0], accepted)
     passes = [[*each] for _, each in groupby(wrong, key=lambda i: readings[i].approach)]
-    return {
-        i: _with_value_of(readings[i], readings[j]) for each in passes for i, j in zip(each, each[::-1], strict=True)
-    }
+    return {i: j for each in passes for i, j in zip(each, each[::-1], strict=True)}
 
 
 def _multiplied(reading: Reading, factor: float) -> Reading:
@@ -145,22 +146,17 @@ def _swapped(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepte
     one, other = mine
     if len(one) != len(other):
         raise ValueError(f"{len(one)} values of one set-up cannot be swapped with {len(other)} of another")
-    pairs = [*zip(one, other, strict=True), *zip(other, one, strict=True)]
-    return {i: _with_value_of(readings[i], readings[j]) for i, j in pairs}
+    return dict([*zip(one, other, strict=True), *zip(other, one, strict=True)])
 
 
 def _shifted(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
     step, last = int(accepted.factor), len(mine[0])
-    partners = {i: k - step for k, i in enumerate(mine[0])}
-    return {
-        i: _with_value_of(readings[i], readings[mine[0][k]]) if 0 <= k < last else None for i, k in partners.items()
-    }
+    return {i: mine[0][k - step] if 0 <= k - step < last else None for k, i in enumerate(mine[0])}
 
 
 def _stuck(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
-    pairs = [pair for each in mine for pair in pairwise(each)]
-    late = [(before, i) for before, i in pairs if readings[i].numbered(i) >= accepted.reading]
-    return {i: None for before, i in late if readings[i].values == readings[before].values}
+    pairs = ((readings[before], readings[i], i) for each in mine for before, i in pairwise(each))
+    return {i: None for one, two, i in pairs if two.numbered(i) >= accepted.reading and two.values == one.values}
 
 
 def _with_value_of(reading: Reading, other: Reading) -> Reading:

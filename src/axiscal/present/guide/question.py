@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -42,17 +41,6 @@ _MORE = re.compile(r"\s*[+−-]?[0-9.,]")
 _SEVERAL = re.compile(r"\s*[;/]\s*|\s*,\s+|(?<=[^\W\d]),|\s+(?=[+−-]?[.,]?[0-9])")
 
 
-@dataclass(frozen=True, slots=True)
-class Word:
-    """Something else than a reading.
-
-    action : "show", or one of ACTIONS; text : what followed, such as the reason of a skip
-    """
-
-    action: str
-    text: str = ""
-
-
 class Stands(NamedTuple):
     """pose : (q,) m or rad, where the machine stands as it was asked to"""
 
@@ -79,26 +67,13 @@ def action(word: str) -> str | None:
     return known.get(word.lower()) if word else ""
 
 
-def answer(text: str, setup: Setup, stands: Stands | None = None) -> Array | Word:
-    """Return what was typed, (k,) m or rad of a reading; raises ReadingError or UnitError.
+def measured(text: str, setup: Setup, stands: Stands | None = None) -> Array:
+    """Return the reading that was typed, (k,) m or rad; raises ReadingError or UnitError.
 
     stands : the machine and the pose (q,) that was asked for, by which `found X Y Z` is a reading
     A number is in the unit of the set-up where none is said, a place that was found in mm.
     Decimals come after a point or a comma. Three values are parted by blanks, semicolons or commas with a blank.
     """
-    word, _, rest = text.strip().partition(" ")
-    if not word:
-        return Word("show")
-    if (wanted := action(word)) is not None:
-        return Word(wanted, rest.strip())
-    if word[0].isalpha() and word.lower() not in (_FOUND, said(_FOUND).lower()):
-        what = said('"{text}" is no reading and no word known here', text=text.strip())
-        raise ReadingError(what, said("Type ? for what can be typed"))
-    return measured(text, setup, stands)
-
-
-def measured(text: str, setup: Setup, stands: Stands | None = None) -> Array:
-    """Return the reading that was typed, (k,) m or rad; arguments and errors as of `answer`."""
     if stands is not None and (met := found_at(text, setup, stands)) is not None:
         return met
     if not text.strip() or text.strip()[0].isalpha():
