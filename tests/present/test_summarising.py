@@ -1,7 +1,5 @@
 """The statement of uncertainty: whoever redoes its sum by hand finds the figures that it states."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Numbers and sentences as a reader sees them."""
 
-from __future__ import annotations
-
 from axiscal.campaign.ending import because_text
 from axiscal.language.spoken import said, speaking
 

@@ -1,7 +1,5 @@
 """What a log keeps is read again, and what cannot follow is refused: a matrix of cases."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
