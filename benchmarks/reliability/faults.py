@@ -17,9 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from axiscal.document import durable
 from axiscal.exceptions import AxiscalError
-from axiscal.present import result_set
 from benchmarks.reliability.trial import Say, forked
 
 CALLS = ("write", "fsync", "fdatasync", "replace", "rename", "link", "unlink", "mkdir", "rmdir", "ftruncate")
@@ -105,6 +103,4 @@ def _faulty(fault: Fault, say: Say) -> Iterator[None]:
     io.open = builtins.open = opened
     for name in CALLS:
         setattr(os, name, counted(name, getattr(os, name)))
-    for module in (durable, result_set):
-        module.exchanged = counted("exchange", durable.exchanged)  # type: ignore[attr-defined]
     yield

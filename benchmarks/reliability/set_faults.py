@@ -1,4 +1,4 @@
-"""Faults while results are written: whoever looks finds the earlier set or the new one, and the next try works."""
+"""Faults while results are written: the manifest never says what is not so, and the next try works."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from axiscal.document.durable import exchanged
 from axiscal.present.result import RecordState
-from axiscal.present.result_set import MANIFEST, mend, result_set, write_manifest
+from axiscal.present.result_set import MANIFEST, result_set, write_manifest
 from benchmarks.reliability.faults import faults
 from benchmarks.reliability.trial import Say, Trial, scratch
 
@@ -17,9 +16,9 @@ _MINE = ("mine.txt", "tables/mine.txt")
 Content = Mapping[str, str]
 
 
-def write_set(folder: Path, age: str, live: Path | None = None) -> None:
-    """Write results that tell their age.  live : a record in the folder that stays"""
-    with result_set(folder, live=live) as inside:
+def write_set(folder: Path, age: str) -> None:
+    """Write results that tell their age."""
+    with result_set(folder) as inside:
         for name in (*NAMES, f"tables/csv/{age}.csv"):
             (inside / name).parent.mkdir(parents=True, exist_ok=True)
             (inside / name).write_text(age)
@@ -40,64 +39,42 @@ def of_age(age: str) -> Content:
 def alone(first: bool) -> Trial:
     """Write results into a folder of their own, for the first time or over an earlier set."""
     what = "faults while results are written" + (" for the first time" if first else " over an earlier set")
-    whole = ({}, of_age("new")) if first else (of_age("old"), of_age("new"))
-    return _tried(what, first, beside=False, allowed=whole)
+    return _tried(what, () if first else NAMES, ())
 
 
 def with_others() -> Trial:
-    """Write results into a folder that holds a file of somebody: then it is the manifest that says what is whole."""
-    return _tried("the same in a folder with other files, by the manifest", False, beside=True, allowed=())
+    """Write results into a folder that holds files of somebody."""
+    return _tried("the same in a folder with other files", NAMES, _MINE)
 
 
-def _tried(what: str, first: bool, beside: bool, allowed: tuple[Content, ...]) -> Trial:
+def _tried(what: str, earlier: tuple[str, ...], mine: tuple[str, ...]) -> Trial:
     def work(folder: Path, say: Say) -> None:
         write_set(folder / "out", "new")
         say("done")
 
     def lost(folder: Path, said: tuple[str, ...]) -> bool:
         out = folder / "out"
-        if not (first or out.exists() or in_one_step):
-            mend(out)
-            put_back.append(out)
-        found = content(out) if out.exists() else {}
-        wrong = ("done" in said and found != of_age("new")) or bool(allowed and found not in allowed)
-        if beside:
-            wrong |= (out / MANIFEST).exists() and not _agrees(out)
-            mend(out)  # and then no new set comes
-            wrong |= (out / MANIFEST).exists() and not _agrees(out)
-            wrong |= any((out / name).read_text() != "mine" for name in _MINE)
+        wrong = "done" in said and content(out) != of_age("new")
+        wrong |= not _agrees(out) or any((out / name).read_text() != "mine" for name in mine)
         write_set(out, "again")
         left = [path.name for path in (*folder.iterdir(), *out.iterdir()) if path.name.startswith(".")]
         return wrong or content(out) != of_age("again") or bool(left)
 
-    put_back = list[Path]()
     with scratch() as top:
-        in_one_step = _in_one_step(top)
         before = top / "before"
         before.mkdir()
-        if not first:
+        if earlier:
             write_set(before / "out", "old")
-        if beside:
-            for name in _MINE:
-                (before / "out" / name).write_text("mine")
+        for name in mine:
+            (before / "out" / name).write_text("mine")
         outcomes = [lost(top / "now", outcome.said) for _, outcome in faults(before, top / "now", work)]
-    detail = f"{len(put_back)} put back by the next command" if put_back else ""
-    return Trial(what, len(outcomes), sum(outcomes), detail)
-
-
-def _in_one_step(top: Path) -> bool:
-    """Whether names can change places in one step on this disk; not on exFAT, say."""
-    one, other = top / "one", top / "other"
-    one.touch()
-    other.touch()
-    can = exchanged(one, other)
-    one.unlink()
-    other.unlink()
-    return can
+    return Trial(what, len(outcomes), sum(outcomes))
 
 
 def _agrees(out: Path) -> bool:
-    """Whether all that the manifest names is of its age, and there."""
+    """Whether all that a manifest names is of its age, and there; where there is none, nothing is said."""
+    if not (out / MANIFEST).exists():
+        return True
     manifest = json.loads((out / MANIFEST).read_text())
     age = manifest["versions"]["axiscal"]
     return all((out / name).exists() and (out / name).read_text() == age for name in manifest["files"])

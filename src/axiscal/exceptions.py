@@ -5,14 +5,11 @@ The command line turns any `AxiscalError` into a paragraph on stderr, faults bes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeVar
 
 from axiscal.language.spoken import Said, again, said
-
-Found = TypeVar("Found")
 
 _MOST = 5
 """So many faults of a file are said beside the first."""
@@ -84,12 +81,6 @@ class Faults:
             yield
         except InputError as fault:
             self.found.append(fault)
-
-    def tried(self, read: Callable[..., Found], *given: object) -> Found | None:
-        """Return what a call returns; None where it raises an InputError, which is kept."""
-        with self.noted():
-            return read(*given)
-        return None
 
     def refuse(self) -> None:
         """Raise all faults as one, of the class of the first; nothing if there are none."""

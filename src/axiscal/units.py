@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -57,37 +58,27 @@ class Unit:
     plus: float = 0.0
 
 
-def _table() -> dict[tuple[str, Dimension], Unit]:
-    """Return every unit under its name and dimension; only K has two dimensions."""
-    units: dict[tuple[str, Dimension], Unit] = {}
-
-    def add(name: str, dimension: Dimension, times: float, by: float, plus: float = 0.0) -> None:
-        units[name, dimension] = Unit(dimension, times, by, plus)
-
+def _units() -> Iterator[tuple[str, Unit]]:
+    """Yield every unit with its name; only K has two dimensions."""
     bases: list[tuple[dict[str, _Scale], Dimension, Dimension, Dimension]] = [
         (_TABLES["length"], "length", "speed", "acceleration"),
         (_ANGLES, "angle", "rotation_speed", "rotation_acceleration"),
     ]
     for scales, base, speed, acceleration in bases:
         for name, (times, by) in scales.items():
-            add(name, base, times, by)
-            if "/" in name:
-                continue
-            for second, (per, over) in _TABLES["time"].items():
-                add(f"{name}/{second}", speed, times * over, by * per)
-                add(f"{name}/{second}^2", acceleration, times * over**2, by * per**2)
-    for name, (times, by) in _TABLES["time"].items():
-        add(name, "time", times, by)
-    add("rpm", "rotation_speed", math.tau, 60)
-    add("degC", "temperature", 1, 1, 273.15)
-    add("K", "temperature", 1, 1)
-    add("K", "temperature_difference", 1, 1)
-    for name, (times, by) in _TABLES["expansion"].items():
-        add(name, "expansion", times, by)
-    return units
+            yield name, Unit(base, times, by)
+            for second, (per, over) in _TABLES["time"].items() if "/" not in name else ():
+                yield f"{name}/{second}", Unit(speed, times * over, by * per)
+                yield f"{name}/{second}^2", Unit(acceleration, times * over**2, by * per**2)
+    yield from ((name, Unit("time", *scale)) for name, scale in _TABLES["time"].items())
+    yield from ((name, Unit("expansion", *scale)) for name, scale in _TABLES["expansion"].items())
+    yield "rpm", Unit("rotation_speed", math.tau, 60)
+    yield "degC", Unit("temperature", 1, 1, 273.15)
+    yield "K", Unit("temperature", 1, 1)
+    yield "K", Unit("temperature_difference", 1, 1)
 
 
-_UNITS = _table()
+_UNITS = {(name, unit.dimension): unit for name, unit in _units()}
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*(\S.*)?", re.DOTALL)
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]+(?:,[0-9]+)+(?![0-9])")
@@ -185,18 +176,16 @@ def find_unit(name: str) -> Unit:
 def _split(text: str, dimension: Dimension) -> tuple[str, str]:
     """Return number and canonical unit name of a quantity."""
     plain = text.strip().replace("−", "-")
-    if not plain:
-        raise UnitError("an empty text is not a quantity", _expected(dimension))
+    found = _QUANTITY.fullmatch(plain)
     if _NOT_FINITE.match(plain):
         raise UnitError("{text} is not a finite number", _expected(dimension), text=_quoted(text))
     if _DECIMAL_COMMA.match(plain):
         remedy = said("{write}, and its decimals after a point", write=_expected(dimension))
         raise UnitError("{text} has a comma in its number", remedy, text=_quoted(text))
-    found = _QUANTITY.fullmatch(plain)
-    if found is None:
-        raise UnitError("{text} is not a number with a unit", _expected(dimension), text=_quoted(text))
-    if found[2] is None:
-        raise UnitError("{text} has no unit (missing unit)", _expected(dimension), text=_quoted(text))
+    if found is None or found[2] is None:
+        what = "{text} is not a number with a unit"
+        what = what if found is None else "{text} has no unit (missing unit)"
+        raise UnitError(what, _expected(dimension), text=_quoted(text))
     return found[1], _canonical(found[2])
 
 

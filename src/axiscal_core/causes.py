@@ -32,7 +32,7 @@ _FUNCTIONS = 20  # of Karhunen and Loève: they leave 0.5 % of the variance of B
 _MINUTES, _LONGEST, _MANY = 360.0, 4 * 3600.0, 300  # s, s, numbers: over more a cycle is not told from noise
 _NODES, _MEMORY = 10, 0.4  # of growth: five in its length, what lies between two of them is straight to a tenth
 WAYS = (0.03, 0.1, 0.35)  # m, over which a reversal comes: a hand's breadth, from a third of it to three
-_HOUR = 3600.0  # s, over which the rate of a drift that is stated forgets itself
+MEMORY = 3600.0  # s, over which the rate of a drift that is stated forgets itself
 _NUGGET = 1e-9  # on correlations of readings at one time
 Columns = Iterator[tuple[Kind, str, Array]]
 """Kind and owner of a size, and columns Z (n, q) of unknowns of variance one that exp θ multiplies."""
@@ -51,9 +51,17 @@ def drift(clock: Array, sigma: ArrayLike, wander: float) -> Array:
     """
     share, turns = (clock - clock.min()) / time_of(clock), (np.arange(_FUNCTIONS) + 0.5) * np.pi
     functions = np.column_stack([share, np.sqrt(2.0) * np.sin(np.outer(share, turns)) / turns])
-    x = time_of(clock) / _HOUR
-    stated = wander * _HOUR * np.sqrt(x - 1 + np.exp(-x))
+    stated = np.sqrt(wandered(wander, time_of(clock)) / 2)
     return np.asarray(np.hypot(np.multiply(DRIFT, sigma), stated).reshape(-1, 1) * functions)
+
+
+def wandered(rate: float, seconds: ArrayLike) -> Array:
+    """Return the variances of a zero so long after its first reading, 2 r²T² (x − 1 + exp(−x)), m² or rad².
+
+    It moves at a rate of standard deviation r that forgets itself over T, x = t/T (integrated Ornstein-Uhlenbeck).
+    """
+    after = np.abs(seconds) / MEMORY
+    return np.asarray(2 * (rate * MEMORY) ** 2 * (after + np.expm1(-after)))
 
 
 def growth_functions(clock: Array) -> Array:

@@ -70,12 +70,6 @@ MEANT = [
         'all values of "laser" have the wrong sign. Record them anew with the other sign',
     ),
     (
-        Explained("unit", 9.0, (1,), factor=25.4),
-        Accepted("unit", ("other",), 0, 1 / 25.4),
-        'the values of "other" so far are multiplied by 0.0393701',
-        'all values of "other" are 25.4 times what they should be. Check their unit',
-    ),
-    (
         Explained("unit", 9.0, (0,), 0, 0.001),
         Accepted("unit", ("laser",), 11, 1000.0),
         'the values of "laser" from reading 11 on are multiplied by 1000',
@@ -92,12 +86,6 @@ MEANT = [
         Accepted("shifted", ("laser",), 0, 1.0),
         'the values of "laser" move to the reading behind; the first one is left out',
         'the values of "laser" belong to the place before or after. Check their order',
-    ),
-    (
-        Explained("shifted", 9.0, (1,), factor=-1.0),
-        Accepted("shifted", ("other",), 0, -1.0),
-        'the values of "other" move to the reading before; the last one is left out',
-        'the values of "other" belong to the place before or after. Check their order',
     ),
 ]
 

@@ -1,7 +1,5 @@
 """The campaign on a machine with one unknown and a plain plan: what it asks, keeps, takes back, and when it stops."""
 
-import os
-import signal
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Protocol
@@ -15,7 +13,7 @@ from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
 from axiscal.exceptions import RecordError, SourceError
 from axiscal.measurement.reading import Place, Reading
-from axiscal.record.events import Asked, Gap, Recorded
+from axiscal.record.events import Asked, Gap
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text("w-X'-Y'-b-t", {"X": (0, 600), "Y": (0, 400)}, {"EXX_reversal": "20 um"})
@@ -182,39 +180,6 @@ def test_a_failing_source_costs_no_reading_and_the_run_goes_on(start: Start, fai
         source = Listed(*[Answer(3e-6)] * 5)
         assert again.run(source, ignore) == "5 readings taken"
         assert [request.reading for request in source.requests] == [4, 5, 6]
-
-
-class Interrupting(Listed):
-    """The operator presses Ctrl-C just as the second reading arrives."""
-
-    def read(self, request: Request) -> Answer | Skip:
-        answer = super().read(request)
-        if len(self.requests) == 2:
-            os.kill(os.getpid(), signal.SIGINT)
-        return answer
-
-
-def test_ctrl_c_while_waiting_stops_at_once(start: Start) -> None:
-    campaign, before = start("readings = 5"), signal.getsignal(signal.SIGINT)
-    with pytest.raises(KeyboardInterrupt):
-        campaign.run(Interrupting(*[Answer(1e-6)] * 5), ignore)
-    assert len(campaign.state.readings) == 1
-    assert signal.getsignal(signal.SIGINT) is before  # ignored already where the tests run in the background
-
-
-def test_ctrl_c_while_a_reading_is_kept_keeps_it(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
-    campaign = start("readings = 5")
-    append = campaign.log.append
-
-    def pressed(*events: Recorded, after: int | None = None) -> int:
-        if isinstance(events[0], Recorded):
-            os.kill(os.getpid(), signal.SIGINT)
-        return append(*events, after=after)
-
-    monkeypatch.setattr(campaign.log, "append", pressed)
-    with pytest.raises(KeyboardInterrupt):
-        campaign.run(Listed(*[Answer(1e-6)] * 5), ignore)
-    assert len(campaign.state.readings) == 1
 
 
 def test_a_source_that_only_skips_is_given_up(start: Start) -> None:

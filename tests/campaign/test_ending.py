@@ -21,13 +21,13 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import first_described, of_builtin
 from axiscal.description.target import RowName, Target, Want
+from axiscal.estimation.accuracy.expanded import WantedAccuracy
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.agreement import Explained
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import WantedAccuracy
 from axiscal.planning.proposal import reached_unread
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text

@@ -48,9 +48,8 @@ NO_STD = r"no standard deviation.*at least 0\.1 nm"
 @pytest.mark.parametrize(
     ("value", "std", "says"),
     [
-        *((value, None, "no deviation of a machine") for value in (1e3, -1e30)),
+        *((value, None, "no deviation of a machine") for value in (1e3, -1e30, float("nan"), float("inf"))),
         *((1e-6, std, NO_STD) for std in (0.0, -1e-6, 9e-11, 1e-300)),
-        *((value, None, f"^{value} is not a finite number") for value in (float("nan"), float("inf"))),
         (1e-6, float("nan"), "^nan m or rad is no deviation of a machine"),
     ],
 )

@@ -123,10 +123,9 @@ def test_a_command_that_stalls_is_given_up(answering: Callable[[str], Source], m
 
 def test_a_line_that_nobody_asked_for_is_not_taken_for_the_next_answer(answering: Callable[[str], Source]) -> None:
     line = '{"value": 1, "unit": "um"}'
-    source = answering(f"print({line!r} + chr(10) + {line!r})")
+    source = answering(f"sys.stdout.write({line!r} + chr(10) + {line!r} + chr(10))")
     assert isinstance(source, ExecSource)
     source.read(REQUEST)
-    source._lines.put(source._lines.get(timeout=20))  # wait until the second line is there
     with pytest.raises(SourceError, match="without being asked"):
         source.read(REQUEST)
 
@@ -183,7 +182,7 @@ def test_a_flood_is_bounded(opened: Opened, tmp_path: Path) -> None:
     for _ in range(2):
         with pytest.raises(SourceError, match=r"without being asked|no JSON object"):
             source.read(REQUEST)
-    assert source._lines.qsize() <= exec_source._AHEAD
+    assert len(source._heard) <= 2 * exec_source.LONGEST
     source.close()
 
 
@@ -223,14 +222,6 @@ def test_the_noise_of_a_reading_does_not_depend_on_those_before(opened: Opened) 
     readings = [through.read(replace(REQUEST, reading=number)) for number in range(1, 6)]
     assert resumed.read(replace(REQUEST, reading=5)) == readings[-1]
     assert len(set(readings)) == 5
-
-
-def test_given_curves_are_read_by_the_simulation(opened: Opened, tmp_path: Path) -> None:
-    """X bears the workpiece: where this stands 50 um further along x, the tool stands 50 um short."""
-    (tmp_path / "truth.csv").write_text("error,position_mm,value_um\nEXX,0,50\nEXX,600,50\n")
-    answer = opened(f"truth:{tmp_path}/truth.csv").read(REQUEST)
-    assert isinstance(answer, Answer)
-    assert answer.value == pytest.approx(-50e-6, abs=6 * SETUP.noise)
 
 
 @pytest.fixture

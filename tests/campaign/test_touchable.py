@@ -11,7 +11,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.source import Answer, Request, Skip
-from axiscal.cli.progress import shown_progress
+from axiscal.cli.run_loop import shown_progress
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, ProgramError, SourceError
 from axiscal.measurement.candidates import chart_candidates
@@ -188,8 +188,8 @@ def test_a_question_stands_alone_between_lines_of_progress(monkeypatch: pytest.M
     line: Any = made(campaign)
     source = LiveSource(line, campaign.machine, InForce())
     request = next(request for request in wanted(campaign, 60) if tried(campaign, request))
-    monkeypatch.setattr("axiscal.cli.progress.progress_line", lambda *_: "reading 1: so far so good")
-    with shown_progress(campaign.target) as watch:
+    monkeypatch.setattr("axiscal.cli.run_loop.progress_line", lambda *_: "reading 1: so far so good")
+    with shown_progress() as watch:
         watch(None)  # type: ignore[arg-type]
         assert isinstance(source.read(request), Answer)
     (asked,) = [text for text in shown.getvalue().split("\n") if "Enter makes one step" in text]

@@ -126,7 +126,7 @@ def test_a_reader_that_goes_away_is_no_failure_to_talk_about(tmp_path: Path) -> 
 
 SLOW = ("jinja2", "rich", "scipy.stats")
 HEAVY = ("numpy", "typer", "scipy", "pydantic", "rich")
-COMMANDS = ("axiscal.campaign", "axiscal.cli.plan", "axiscal.cli.report")
+COMMANDS = ("axiscal.campaign", "axiscal.cli.plan", "axiscal.cli.report", "numpy")
 
 
 @pytest.mark.parametrize(
@@ -135,6 +135,9 @@ COMMANDS = ("axiscal.campaign", "axiscal.cli.plan", "axiscal.cli.report")
         (["--version"], HEAVY, "axiscal 0."),
         (["--help"], COMMANDS, "Commands:"),
         (["step", "--help"], COMMANDS, "Commands:"),
+        (["plan", "--help"], COMMANDS, "--readings"),
+        (["data", "repair", "--help"], COMMANDS, "--json"),
+        (["plan", "--help"], (*COMMANDS, "numpy"), "--readings"),
         (["next", "m.axiscal"], SLOW, "Reading 1"),
         (["status", "m.axiscal"], SLOW, "READINGS"),
     ],

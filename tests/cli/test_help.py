@@ -6,6 +6,8 @@ import os
 import re
 import subprocess
 import sys
+from importlib import import_module
+from inspect import Parameter, signature
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ import pytest
 import typer.main
 
 from axiscal.cli.app import app
+from axiscal.cli.arguments import TABLE, parameters
 from tests.docs.cli import PAGE, reference
 
 TEN = ["init", "plan", "measure", "serve", "finish", "export", "verify", "status", "report", "demo"]
@@ -53,6 +56,16 @@ def test_every_command_is_said_in_one_short_sentence(words: list[str]) -> None:
     shown = _listed(text, "Commands") | _listed(text, "More commands, in groups")
     assert shown
     assert {name: text for name, text in shown.items() if len(text) > LONGEST or not text.endswith(".")} == {}
+
+
+def test_the_table_has_what_each_command_takes() -> None:
+    for place in {place for group in TABLE["commands"].values() for place in group.values()}:
+        file, _, function = place.partition(".")
+        taken = signature(getattr(import_module(f"axiscal.cli.{file}"), function)).parameters.values()
+        told = [*parameters(place)]
+        assert [each.name for each in told] == [each.name for each in taken], place
+        both = [(one.default, other.default) for one, other in zip(told, taken, strict=True)]
+        assert {one for one, other in both if other is not Parameter.empty and one != other} == set(), place
 
 
 SECTIONS = reference().split("\n## ")[1:]

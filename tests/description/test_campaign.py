@@ -24,11 +24,10 @@ def test_the_page_s_example_means_what_it_says(tmp_path: Path) -> None:
     target, laser, dial = campaign.target, *campaign.setups
     assert (target.expanded, target.rms, target.worst, target.readings, target.budget) == (1e-5, None, None, 40, None)
     assert (laser.direction, laser.moves, laser.park) == ((1, 0, 0), (0,), (0.3, 0.25, 0.3))
-    assert laser.unknowns == (Unknown("zero", 1e-4), Unknown("lag", 2e-6))
+    assert laser.unknowns == (Unknown("zero", 1e-4),)
     assert (laser.raster, laser.approach) == ((0.01, 0, 0), "both")
-    beside = math.hypot(3e-7, 1e-7 / math.sqrt(12))  # what scatters about the wider of both intervals: the bound
-    assert (laser.resolution, laser.bound, laser.scatter) == pytest.approx((1e-7, 2e-6, beside))
-    assert laser.noise == pytest.approx(math.hypot(beside, 2e-6 / math.sqrt(3)))
+    assert (laser.resolution, laser.scatter) == pytest.approx((1e-7, 3e-7))
+    assert laser.noise == pytest.approx(math.hypot(3e-7, 1e-7 / math.sqrt(12)))
     assert (laser.setup_time, laser.settle, laser.reading_time) == (1800, 1, 3)
     assert (dial.approach, dial.raster, dial.park) == ("+", (0, 0, 0), (0.3, 0.2, 0.2))
     assert dial.unknowns == (Unknown("zero", 1e-3), Unknown("slope", 1e-3))

@@ -12,7 +12,7 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine
-from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
+from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Line
 from tests.generators.campaigns import built_in
 
 SPHERES = """
@@ -60,7 +60,7 @@ def test_the_unknowns_of_a_site_that_are_named_keep_whose_they_are() -> None:
 def test_a_plane_of_two_directions_and_the_cone_of_an_artefact_hold_for_a_bar() -> None:
     (flat,) = described(BAR + "plane = [[1, 0, 0], [1, 1, 0]]\n").setups
     assert isinstance(flat.chart, Circle)
-    np.testing.assert_allclose([flat.chart.first, flat.chart.second], [[1, 0, 0], [0, 1, 0]], atol=1e-12)
+    np.testing.assert_allclose(flat.chart.plane, [[1, 0, 0], [0, 1, 0]], atol=1e-12)
     text = SPHERES + 'free = "z"\ncone = "40 deg"\n' + BAR.split("station")[0] + 'artefact = "spheres"\nball = "low"\n'
     (setup,) = described(text).setups
     assert isinstance(setup.chart, Bar)
@@ -69,8 +69,8 @@ def test_a_plane_of_two_directions_and_the_cone_of_an_artefact_hold_for_a_bar() 
 
 def test_a_nest_is_read_at_one_ball_in_touch() -> None:
     (setup,) = described(SPHERES + TOUCHED.replace("sphere", "rtest", 1) + 'ball = "high"\nmoves = ["C"]\n').setups
-    assert isinstance(setup.chart, Held)
-    np.testing.assert_allclose(setup.chart.point, [-0.1, 0.17, 0.12])
+    assert isinstance(setup.chart, Balls)
+    np.testing.assert_allclose(setup.chart.spots, [[-0.1, 0.17, 0.12]])
     assert setup.chart.turning == (0,)
     assert (setup.contact, setup.mean_sides, setup.stroke) == ("held", False, 1e-3)
 

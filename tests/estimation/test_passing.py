@@ -13,7 +13,7 @@ from axiscal.estimation.case import Case, Timed, elapsed, timed
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.causes import passing_columns
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
+from axiscal.measurement.reading_rows import places_of, times_of
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from tests.generators.campaigns import built_in, drawn, mixed
@@ -77,7 +77,7 @@ def test_a_part_of_a_reversal_is_missing_as_long_as_the_axis_has_not_come_far_si
 def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:
     """Return the columns of what passes by kind, of all set-ups and numbers."""
     places = places_of(case.observation.setups, readings)
-    numbers = numbers_of_setups(case.observation.setups)[places.setups]
+    numbers = case.observation.counts[places.setups]
     reading = np.repeat(np.arange(len(readings)), numbers)
     clock, found = times_of(readings), dict[str, list[Array]]()
     for kind, _, columns in passing_columns(case.observation, places, reading, clock, case.description.usual)[0]:

@@ -9,17 +9,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import gamma, kv
 
-from axiscal.estimation.located import absorbed
 from axiscal.numerics import Array
 from axiscal_core import unknowns
 from axiscal_core.columns import Curves
 from axiscal_core.numbers import Numbers
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given, parts_of
-from axiscal_core.theta import Sizes
 from axiscal_core.unknowns import Space, Unknowns, space_of
 from tests.generators.dense_posterior import Dense
-from tests.generators.problems import KINDS, asked, plain, plain_case, readings_of
+from tests.generators.problems import KINDS, asked
 
 COUNTS = {"axis": 14, "plate": 12, "five axes": 4, "two set-ups": 8}
 _STEP = 1e-4
@@ -135,21 +133,6 @@ def test_a_reading_left_out_is_left_out(drawn: tuple[Problem, Array]) -> None:
             apart = problem.values[mine] - mean
             residual = np.linalg.inv(block) @ weighted
             np.testing.assert_allclose(residual, apart, atol=1e-4 * np.sqrt(np.diagonal(covariance).max()))
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_without_sizes_the_posterior_is_that_of_the_belief(kind: str) -> None:
-    """The problem is made right: Kalman's equations of the room below, rests and zeros that wander among them."""
-    case = plain_case(kind)
-    readings = readings_of(case, COUNTS[kind], 5, stds=True)
-    problem = plain(case, readings, Sizes(()))
-    belief = absorbed(case, readings, {}).knowledge.belief
-    mean, covariance = belief.mean[: problem.answered], belief.covariance[: problem.answered, : problem.answered]
-    stds = np.sqrt(np.diagonal(covariance))
-    for space in _both(problem):
-        answer = _given(space, np.zeros(0)).posterior()
-        np.testing.assert_allclose((answer.mean - mean) / stds, 0, atol=1e-5)
-        np.testing.assert_allclose((answer.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-5)
 
 
 @pytest.mark.parametrize("smoothness", [1.5, 2.5])

@@ -14,10 +14,10 @@ from axiscal.estimation.estimate import estimated
 from axiscal.estimation.judged import bent, surprises
 from axiscal.estimation.stations import tips
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.cells import wandered
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator
+from axiscal_core.causes import wandered
 from benchmarks.trust.virtual import described, read_evenly
 from tests.generators.campaigns import built_in, drawn, mixed
 from tests.generators.foreign_axis import LASER, foreign_case, foreign_readings

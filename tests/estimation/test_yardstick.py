@@ -34,5 +34,5 @@ def test_readings_from_other_sides_than_allowed_are_judged_by_what_they_see(side
     narrow, wide = (read(case(approach), sides) for approach in ("+", "both"))
     assert narrow.accuracy == pytest.approx(wide.accuracy, rel=1e-9)
     assert narrow.accuracy.rms >= narrow.case.yardstick.unseen_rms
-    assert narrow.accuracy.floor <= narrow.accuracy.rms
+    assert narrow.case.yardstick.rms_floor <= narrow.accuracy.rms
     assert narrow.case.description.setups[0].approach == "+"

@@ -12,7 +12,7 @@ from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.present.check_answer import CheckAnswer, check_answer, check_details
+from axiscal.present.check_answer import CheckAnswer, check_details
 from axiscal.tables.surface import Control, left_by
 from tests.generators.recorded import measured as read_along
 from tests.generators.recorded import write_record
@@ -23,13 +23,8 @@ READINGS = 60
 
 def said_of(judgement: Judgement) -> str:
     """Return the words for a judgement."""
-    return "\n".join(check_details(answer_of(judgement)))
-
-
-def answer_of(judgement: Judgement) -> CheckAnswer:
-    """Return a judgement as a document, its places named by their numbers."""
     places = [{"place": float(number)} for number in np.unique(judgement.of)]
-    return check_answer(judgement, places, 1e-6)
+    return "\n".join(check_details(CheckAnswer(judgement, places, 1e-6)))
 
 
 def measured(path: Path, description: CampaignDescription, seed: int) -> Path:

@@ -9,8 +9,6 @@ import pytest
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, positioning_test
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.files import recognised
-from axiscal.numerics import Array
-from axiscal.units import said_quantity
 from tests.refusals.reading import refusals
 
 GOLDEN = Path(__file__).resolve().parents[1] / "golden" / "iso230"
@@ -136,38 +134,3 @@ def test_the_uncertainty_is_how_the_figures_scatter_when_the_test_is_repeated() 
         scatter = 2 * float(np.std([each.figures[name] for each in found]))
         promised = float(np.mean([each.uncertainty[name] for each in found]))
         assert 0.75 * scatter < promised < 2.0 * scatter  # largest of several: on the safe side
-
-
-def _drawn(rng: np.random.Generator, runs: int) -> Array:
-    """Return what a display shows of a machine that nobody described: run, side, target, um to a tenth, (r, 2, n)."""
-    x = np.linspace(0, 600, int(rng.integers(8, 20)))
-    curve = rng.normal(0, 0.01) * x + rng.uniform(1, 8) * np.sin(x / rng.uniform(60, 200) + rng.uniform(0, 6))
-    curve += rng.uniform(0, 1) * np.sin(2 * np.pi * x / rng.uniform(5, 40))
-    sides = np.array([0.0, rng.uniform(-6, 6)])[:, None]
-    shown: Array = np.round(curve + sides + rng.normal(0, 0.3, (runs, 2, len(x))), 1)
-    return shown
-
-
-def _warned(shown: Array) -> list[str]:
-    runs, _, count = shown.shape
-    up, down = (shown[:, side].T * 1e-6 for side in (0, 1))
-    found = evaluate(PositioningTest(np.linspace(0, 0.6, count), up, down)).warnings
-    assert runs == up.shape[1]
-    return [each for each in found if "a decimal point seems lost" in each]
-
-
-@pytest.mark.parametrize("runs", [1, 2, 5])
-def test_a_lost_decimal_point_is_named_and_nothing_is_said_of_right_tests(runs: int) -> None:
-    rng, named, tried, false = np.random.default_rng(runs), 0, 0, 0
-    for _ in range(200):
-        shown = _drawn(rng, runs)
-        false += len(_warned(shown))
-        run, side, target = (int(rng.integers(size)) for size in shown.shape)
-        if abs(value := shown[run, side, target]) > 2:
-            shown[run, side, target] = 10 * value  # "12" for "1.2"
-            tried += 1
-            place = said_quantity(0.6 * target / (shown.shape[2] - 1), "mm")
-            words = f"Run {run + 1} in direction {'+-'[side]} at {place} reads"
-            named += any(each.startswith(words) for each in _warned(shown))
-    assert false <= 2  # of 200
-    assert named >= 0.9 * tried, (named, tried)

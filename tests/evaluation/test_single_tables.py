@@ -13,7 +13,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.tables.loaded import table_control
 from axiscal.tables.surface import Control
-from tests.evaluation.said import answer_of, idle, measured, readings_of, said_of
+from tests.evaluation.said import idle, measured, readings_of, said_of
 from tests.generators.campaigns import on
 from tests.generators.reaches import reach_of
 from tests.generators.texts import Said, machine_text, setup_text
@@ -91,7 +91,7 @@ def test_a_single_table_that_is_wrong_or_missing_fails_whatever_the_tolerance(
     check, truth = checked(folder)
     judgement = judged(check, truth, check.planned(), with_share(check, name, share))
     assert (judgement.verdict, judgement.decision) == ("faulty", "conform")
-    faulty = [each.table for each in answer_of(judgement).faulty]
+    faulty = [each.name for each in judgement.faulty]
     assert name in faulty
     assert set(faulty) <= {name, f"reversal of {name}"}
     text = said_of(judgement)
@@ -103,7 +103,7 @@ def test_a_reversal_that_is_missing_fails(folder: Path) -> None:
     check, truth = checked(folder)
     means = [table.averaged() for table in check.tables.tables]
     judgement = judged(check, truth, check.planned(), table_control(check.estimate.machine, means))
-    assert [each.table for each in answer_of(judgement).faulty] == ["reversal of X"]
+    assert [each.name for each in judgement.faulty] == ["reversal of X"]
     assert judgement.verdict == "faulty"
 
 
@@ -113,15 +113,16 @@ def test_tables_that_were_not_looked_at_are_named_beside_the_verdict(folder: Pat
     along_x = places.within(np.array([check.description.setups[s].name == "x" for s in places.setups]))
     judgement = judged(check, truth, along_x, check.tables.control)
     assert judgement.verdict != "faulty"
-    assert {"Y", "Z", "Y over X"} <= set(answer_of(judgement).not_checked)
+    unchecked = {share.name for share in judgement.shares if not share.checked}
+    assert {"Y", "Z", "Y over X"} <= unchecked
     assert judgement.idle == ("Y", "Z")
-    assert "X" not in answer_of(judgement).not_checked
+    assert "X" not in unchecked
     text = said_of(judgement)
     assert "Not checked: positioning Y Z" in text
     assert text.index("PROMISED") < text.index("Not checked")
     missing = judged(check, truth, along_x, with_share(check, "Z", 0.0))
     assert missing.verdict != "faulty"
-    assert "Z" in answer_of(missing).not_checked
+    assert not next(share for share in missing.shares if share.name == "Z").checked
 
 
 def test_shares_are_the_least_squares_of_the_change(folder: Path) -> None:

@@ -55,7 +55,6 @@ def answer_row(
         limit=None,
         reached=None,
         measured=measured,
-        one_more=0.84 if row.kind == "backlash" and not measured else None,
         kelvin=-20.0 if row.kind == "scale" and measured else None,
         lines=[]
         if row.kind == "volume"

@@ -29,7 +29,9 @@ DIGITS = 12
 MOST = 8
 """Numbers of a list that is kept whole; of a longer one so many at most. Sentences are all kept."""
 THINGS = 2 * MOST
-"""Things with names of a list that is kept whole: sources of a budget, tables."""
+"""Things with names of a list that is kept whole: sources of a budget, tables. Of readings there are `MOST`."""
+GRID = 4
+"""Rows and columns of a grid, of which each row stands in a line of its own."""
 ROWS = 4 * MOST
 """Rows of a table that is kept whole; of a longer one so many at most."""
 _ROW = re.compile(r"(?:[A-Z]\w*[,;]\s*)?[-+.\d][-+.,;\dEe\s]*")
@@ -110,19 +112,20 @@ def _less(value: Any) -> Any:
     if not isinstance(value, list) or any(isinstance(each, str) for each in value):
         return value
     things = any(isinstance(each, dict) for each in value)
-    every = max(1, math.ceil(len(value) / (THINGS if things else MOST)))
+    most = THINGS if things and "reading" not in value[0] else MOST
+    every = max(1, math.ceil(len(value) / most))
     if things:
         kept = [_less(each) for each in value[(len(value) - 1) % every :: every]]  # the last one is what was found
     elif any(isinstance(each, list) for each in value):
-        return _grid(value, every)
+        return _grid(value)
     else:
         kept = [_less(each) for each in value[::every]]
     return kept if every == 1 else {"length": len(value), "every": every, "values": kept}
 
 
-def _grid(rows: list[list[Any]], every: int) -> Any:
-    """Return rows of as many numbers, thinned in both directions.  every : of the rows"""
-    across = max(1, math.ceil(len(rows[0]) / MOST))
+def _grid(rows: list[list[Any]]) -> Any:
+    """Return rows of as many numbers, thinned in both directions."""
+    every, across = (max(1, math.ceil(len(way) / GRID)) for way in (rows, rows[0]))
     kept = [[_less(each) for each in row[::across]] for row in rows[::every]]
     return (
         kept

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import AxiscalError, ChainError, InputError
 from axiscal.machine import builtin_names, load_machine, machine_from_text
-from axiscal.machine.description import parse_chain
 from axiscal.machine.error_names import error_named
+from axiscal.machine.machine_schema import parse_chain
 
 NAMES = [letter + digit for letter in "XYZUVWPQRABC" for digit in ("", "1", "9")]
 SOURCES = [load_machine(name).text for name in builtin_names()]

@@ -3,8 +3,8 @@
 import pytest
 
 from axiscal.machine import machine_from_text
-from axiscal.machine.description import parse_chain
 from axiscal.machine.error_names import error_named, reference_in
+from axiscal.machine.machine_schema import parse_chain
 from axiscal_core.errors import Kind
 
 NAMES: list[tuple[str, str, str, Kind, int]] = [

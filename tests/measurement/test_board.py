@@ -13,7 +13,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.candidates import spread
-from axiscal.measurement.observation import Owned
+from axiscal.measurement.observation import owned
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.rigid import rotation
@@ -120,9 +120,9 @@ def test_least_squares_of_scipy_find_the_same_angles_and_know_them_as_well() -> 
 
 def test_a_board_that_is_put_down_again_is_the_same_board_at_another_place() -> None:
     setups = described(board()).setups
-    owned = Owned.by(setups)
-    assert len(owned.unknowns) == 12 + 1 + 5 * 6
-    assert {each.owner for each in owned.unknowns if each.name == "one_x"} == {"board"}
-    assert len({each.owner for each in owned.unknowns if each.name == "place_x"}) == 5
+    unknowns = owned(setups).unknowns
+    assert len(unknowns) == 12 + 1 + 5 * 6
+    assert {each.owner for each in unknowns if each.name == "one_x"} == {"board"}
+    assert len({each.owner for each in unknowns if each.name == "place_x"}) == 5
     assert setups[3].artefact is not None
     np.testing.assert_allclose(setups[3].artefact.points[0], [0.45 + 0.11, 0.25 - 0.12, -0.22], atol=1e-12)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.measurement.charts.kinds import Bar, Circle, Held, Sight
-from axiscal.measurement.charts.room import Coordinate, Room, arrivals, has_room, turns
+from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Sight
+from axiscal.measurement.charts.room import Coordinate, Room, arrivals, has_room
 from tests.generators.kinematics import in_travel, stem, tip
 from tests.generators.printed_machine import printed_machine
 from tests.generators.solids import filled, solids
@@ -21,20 +21,21 @@ BALLS = {"low": (0.2, 0.0, -0.08), "high": (-0.1, 0.17, 0.12), "third": (-0.1, -
 HOME = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in DMU.axes])
 
 
-def held(ball: str = "low", step: float = 0.0, cone: float = 100.0) -> Held:
+def held(ball: str = "low", step: float = 0.0, cone: float = 100.0) -> Balls:
     """The tool point at one of the balls of the table of the five-axis machine."""
-    steps = (math.radians(step), math.radians(step))
-    return Held(Room.empty(DMU), np.array(BALLS[ball]), UP, math.radians(cone), (0, 1), HOME, turns(DMU, (0, 1), steps))
+    room, spots = Room.empty(DMU), np.array([BALLS[ball]])
+    turned = tuple(Coordinate(*axis.travel, math.radians(step), axis.overrun) for axis in DMU.axes[:2])
+    return Balls(room, HOME, turned, spots, (room,), UP, math.radians(cone), (0, 1))
 
 
 def circle(plane: str = "xy", turning: float = 0.0) -> Circle:
     """A bar of 150 mm."""
     ways = {"xy": (0, 1), "yz": (1, 2), "zx": (2, 0)}[plane]
-    first, second = (np.eye(3)[way] for way in ways)
     rates = np.array([turning, 0.0, 0.0, 0.0, 0.0])
     room = Room.empty(DMU)
     arc = (Coordinate(0.0, math.tau, 0.0, 1e-3 / 0.15, endless=turning == 0),)
-    return Circle(room, np.array([0.0, 0.0, 0.1]), first, second, 0.15, UP, math.radians(100), HOME, rates, arc)
+    bar = np.array([0.0, 0.0, 0.1]), 0.15, UP, math.radians(100)
+    return Circle(room, HOME, arc, *bar, plane=np.eye(3)[list(ways)], rates=rates)
 
 
 def sphere(overrun: float) -> tuple[Coordinate, ...]:
@@ -70,7 +71,7 @@ def test_a_rotary_axis_in_step_leaves_the_bar_where_it_is_in_the_workpiece() -> 
 
 def test_a_bar_in_space_reaches_all_of_its_sphere_and_no_place_under_the_stem() -> None:
     room = Room.empty(DMU)
-    chart = Bar(room, np.array([0.0, 0.0, 0.1]), 0.15, UP, math.radians(100), (), HOME, sphere(1e-3 / 0.15))
+    chart = Bar(room, HOME, sphere(1e-3 / 0.15), np.array([0.0, 0.0, 0.1]), 0.15, UP, math.radians(100))
     rng = np.random.default_rng(2)
     places = np.column_stack([rng.uniform(0, math.tau, 200), rng.uniform(-1.5, 1.5, 200)])
     poses = chart.poses(places)
@@ -124,7 +125,7 @@ def test_a_tracker_sees_what_is_in_range_and_in_its_reflector_s_cone() -> None:
     ends = tuple(Coordinate(*axis.travel) for axis in MILL.axes)
     station = np.array([0.3, -1.0, 0.0])
     chart = Sight(
-        Room.empty(MILL), (0, 1, 2), park, station[None], (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20), ends
+        Room.empty(MILL), park, ends, (0, 1, 2), station[None], (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20)
     )
     rng = np.random.default_rng(6)
     poses = chart.poses(spans[:, 0] + np.ptp(spans, axis=1) * rng.uniform(size=(300, 3)))

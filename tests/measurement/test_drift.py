@@ -14,7 +14,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
-from axiscal.measurement.cells import MEMORY, STEP, Course, wandered
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Reading
 from axiscal.numerics import Array
@@ -24,6 +23,7 @@ from axiscal.planning.promise import EVERY
 from axiscal.present.findings import untimed
 from axiscal.record.events import Recorded
 from axiscal.record.payload import decode, encode
+from axiscal_core.causes import MEMORY, wandered
 from tests.generators.campaigns import built_in
 
 RATE = 6e-6 / 3600
@@ -65,24 +65,6 @@ def test_a_wandering_zero_is_the_integral_of_a_rate_that_forgets_itself() -> Non
     assert _in_closed_form(times) == pytest.approx(_by_steps(times), rel=1e-3, abs=1e-20)
     assert wandered(RATE, times) == pytest.approx(np.diagonal(_in_closed_form(times)), rel=1e-9, abs=1e-20)
     assert np.sqrt(wandered(RATE, 3600.0)) == pytest.approx(6e-6, rel=0.2)
-
-
-def test_a_course_has_that_covariance_at_its_nodes_and_nearly_so_between_them() -> None:
-    nodes = [100.0, 700.0, 1100.0, 5000.0, 100000.0]
-    course = Course.from_zero(RATE, nodes[0], 7)
-    for node in nodes[1:]:
-        assert course.needs_node(node)
-        course = course.with_node(node, 7 + len(course.columns))
-    assert course.columns == tuple(range(7, 16))
-    assert not course.needs_node(nodes[-1] + STEP)
-    rows = course.rows(np.array(nodes))
-    assert rows @ rows.T == pytest.approx(_in_closed_form(np.array(nodes) - nodes[0]), rel=1e-6, abs=1e-20)
-    assert np.array_equal(course.rows(), rows[-1:])
-    assert np.array_equal(course.rows(np.array([np.nan, nodes[1]])), rows[[-1, 1]])
-    late = nodes[2] + STEP
-    expected = float(wandered(RATE, late - nodes[0]))
-    (row,) = course.rows(np.array([late]))
-    assert row @ row == pytest.approx(expected, rel=0.02, abs=0.0)
 
 
 def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drift() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from axiscal.estimation.case import Case
-from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import seen
+from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading_rows import rows_at, seen
 from tests.generators.campaigns import built_in
 
 STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
@@ -53,7 +53,7 @@ def test_a_tracker_is_linear_about_the_turn_that_readings_have_found() -> None:
     found = case.located(mean)
     assert found is not None
     sides, shown = np.ones_like(poses), case.observation.shown(0, poses, np.ones_like(poses), mean)
-    rows = np.array([each.rows for each in found.observation.rows_each(0, poses, sides)])
-    linear = (rows @ mean).T + found.observation.nonlinear_part(0, poses, sides)
+    rows = rows_at(found.observation, Places.of_setup(0, poses, sides)).rows
+    linear = (rows @ mean).reshape(2, 3) + found.observation.nonlinear_part(0, poses, sides)
     assert linear == pytest.approx(shown, abs=1e-12)
     assert np.abs(shown).max() > 1e-3

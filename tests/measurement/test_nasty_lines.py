@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from axiscal.description.ini_file import read_ini
-from axiscal.description.printer_file import is_printer_file, read_printer
+from axiscal.description.printer_file import is_printer_file, of_printer
 from axiscal.exceptions import InputError
 from axiscal.measurement.readers.csv_readings import read_poses
 from axiscal.measurement.readers.files import FORMATS, Format, recognised
@@ -58,7 +58,7 @@ def doors(file: Path) -> Iterator[Callable[[], object]]:
     yield lambda: recognised(file)
     yield lambda: read_poses(file)
     yield lambda: read_ini(file)
-    yield lambda: is_printer_file(file) and read_printer(file)
+    yield lambda: is_printer_file(file) and of_printer(file)
     yield lambda: read_touch_log(file)
     yield from (partial(_known, each, file) for each in FORMATS)
     yield lambda: zero_of(sections_in(file.read_text()) or {})

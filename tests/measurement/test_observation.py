@@ -14,7 +14,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import seen, visited
+from axiscal.measurement.reading_rows import rows_at, seen, visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -80,8 +80,9 @@ def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
     """With +½ and −½ of the reversal equally likely, the variance is a quarter of the reversal's."""
     model = load_machine("one-axis")
     setup = replace(mounted(model, "interferometer", (1.0, 0.0, 0.0)), unknowns=())
-    observation, at = Observation(model, (setup,)), np.array([[0.5]])
-    told, untold = (observation.rows(0, at, np.full((1, 1), side)).variances[0] for side in (1.0, 0.0))
+    observation, middle = Observation(model, (setup,)), np.array([[0.5]])
+    places = [Places.of_setup(0, middle, np.full((1, 1), side)) for side in (1.0, 0.0)]
+    told, untold = (rows_at(observation, each).variances[0] for each in places)
     reversal = model.by_name["EXX_reversal"]
     drawn = np.random.default_rng(3).normal(0.0, np.sqrt(reversal.covariance[0, 0]), 200_000)
     sides = np.random.default_rng(4).choice([-0.5, 0.5], 200_000)
@@ -95,7 +96,7 @@ def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
     observation = visited(Observation(model, (mounted(model, "probe", (1.0, 0.0, 0.0)),)), at(position))
     ((_, cell),) = observation.cells
     assert cell == round(position * 159)
-    assert observation.rows(0, np.array([[position]]), np.zeros((1, 1))).rows[0, -1] == 1.0
+    assert rows_at(observation, at(position)).rows[0, -1] == 1.0
 
 
 def test_breaks_are_knots_and_edges_of_visited_cells() -> None:

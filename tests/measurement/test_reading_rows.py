@@ -9,14 +9,14 @@ import numpy as np
 
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, place_text, reading_text
-from axiscal.measurement.reading_rows import places_of, seen, times_of, visited
+from axiscal.measurement.reading_rows import places_of, seen, visited
 from tests.generators.campaigns import drawn, mixed
 from tests.planning.test_out_and_back import one_axis
 
 
 def visited_by(observation: Observation, readings: Sequence[Reading]) -> Observation:
     """Return the map with columns for what comes with readings."""
-    return visited(observation, places_of(observation.setups, readings), times_of(readings))
+    return visited(observation, places_of(observation.setups, readings))
 
 
 def _readings(count: int = 40) -> list[Reading]:
@@ -33,9 +33,6 @@ def test_a_map_is_widened_by_all_readings_as_by_each() -> None:
     together = visited_by(mixed().observation, readings)
     assert together.size > mixed().observation.size
     assert together.cells == one_by_one.cells
-    assert {zero: course.columns for zero, course in together.courses.items()} == {
-        zero: course.columns for zero, course in one_by_one.courses.items()
-    }
     assert visited_by(together, readings) is together
 
 

@@ -11,6 +11,8 @@ from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Places
+from axiscal.measurement.reading_rows import rows_at
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
 from tests.generators.campaigns import built_in
@@ -74,9 +76,11 @@ def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_sho
         poses = setup.chart.poses(
             np.round(rng.uniform(low, high, (6, len(low)))) if len(low) > 3 else rng.uniform(low, high, (6, len(low)))
         )
-        kind, rows = setup, observation.numbers(index, poses, np.zeros_like(poses)).rows
+        rows = rows_at(observation, Places.of_setup(index, poses, np.zeros_like(poses))).rows.reshape(
+            6, -1, observation.size
+        )
         for name, column in names(observation, index).items():
-            up, down = (kind.shown(kind.places(poses), {name: sign * 1e-7}) for sign in (1, -1))
+            up, down = (setup.shown(setup.places(poses), {name: sign * 1e-7}) for sign in (1, -1))
             np.testing.assert_allclose(rows[:, :, column], (up - down) / 2e-7, atol=1e-6)
 
 
@@ -106,12 +110,12 @@ def test_a_sphere_touched_from_both_sides_does_not_show_the_reversal_of_a_linear
     poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3]]))
     approaches = np.zeros_like(poses)
     approaches[0, :2] = 1.0
-    for seen in observation.rows_each(0, poses, approaches):
-        for function in observation.errors.curves:
-            if function.kind == "reversal" and not DMU.axes[function.axis].rotary:
-                assert np.all(seen.rows[:, function.columns] == 0)
-        rests = sum(f.rest**2 for f in observation.errors.curves) * 3
-        assert setup.noise**2 <= seen.variances[0] <= setup.noise**2 + rests
+    seen = rows_at(observation, Places.of_setup(0, poses, approaches))
+    for function in observation.errors.curves:
+        if function.kind == "reversal" and not DMU.axes[function.axis].rotary:
+            assert np.all(seen.rows[:, function.columns] == 0)
+    rests = sum(f.rest**2 for f in observation.errors.curves) * 3
+    assert np.all((setup.noise**2 <= seen.variances) & (seen.variances <= setup.noise**2 + rests))
 
 
 def test_a_bar_is_looked_at_again_about_where_its_ball_is_found_and_what_touches_is_not() -> None:

@@ -19,7 +19,7 @@ from axiscal.measurement.candidates import breaks_along
 from axiscal.measurement.instruments.rotation import Level
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import visited
+from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.present.curves import errors
@@ -58,7 +58,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, bas
     poses[0] = setup.park
     poses[0, axis] = rng.uniform(low, high)
     pose = tuple(map(float, poses[0]))
-    rows = observation.rows(0, poses, approaches).rows[0]
+    rows = rows_at(observation, Places.of_setup(0, poses, approaches)).rows[0]
     for towards in rng.uniform(-1, 1, (6, observation.size)):
         ends = [virtual(model, (setup,), sign * step * towards) for sign in (1, -1)]
         up, down = (machine.read_all(setup, pose, (1,) * len(pose), rng)[0] for machine in ends)
@@ -69,7 +69,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, bas
 def test_a_way_that_rises_along_x_turns_the_level_about_minus_y() -> None:
     machine = Machine((iso_axis("X", False, (0.0, 1.0)),), (Error("EZX", 1e-5, knots=5),), 0.0, name="m")
     setup = replace(stepped(machine, 0, 0.2), direction=(0.0, 1.0, 0.0), unknowns=())
-    rows = Observation(machine, (setup,)).rows(0, np.array([[0.3], [0.9]]), np.ones((2, 1))).rows
+    rows = rows_at(Observation(machine, (setup,)), along([0.3, 0.9])).rows
     rising = 10e-6 * np.linspace(0.0, 1.0, 5)
     assert rows @ rising == pytest.approx(-10e-6)
     assert rows @ np.ones(5) == pytest.approx(0.0, abs=1e-12)
@@ -107,7 +107,7 @@ def _read(observation: Observation, places: Array) -> tuple[Observation, Normal]
     for place in places:
         wider = visited(observation, along([place]))
         belief, observation = belief.wider(np.sqrt(observation.rest_variances(wider))), wider
-        seen = observation.rows(0, np.array([[place]]), np.ones((1, 1)))
+        seen = rows_at(observation, along([place]))
         belief = belief.read(seen.rows, [1e-5 * np.cos(7 * place)], seen.variances)
     return observation, belief
 
@@ -118,7 +118,7 @@ def test_feet_share_the_rests_of_their_cells_as_a_dense_twin_does() -> None:
     setup = replace(stepped(model, 0, base), direction=(0.0, 1.0, 0.0))
     observation = Observation(model, (setup,))
     _, belief = _read(observation, places)
-    rows = observation.rows(0, places[:, None], np.ones((6, 1))).rows
+    rows = rows_at(observation, along(places.tolist())).rows
     feet = [((p + base / 2), 1 / base) for p in places], [((p - base / 2), -1 / base) for p in places]
     kernel = rows @ observation.prior_covariance() @ rows.T + (2e-6) ** 2 * np.eye(6)
     for one in feet:

@@ -50,15 +50,11 @@ def _at_spheres(tool: str, usual: bool = True) -> CampaignDescription:
     return campaign_from_texts(f"{tool}{TWO_SPHERES}", "campaign.toml", machine, "dmu60", usual_doubts=usual)
 
 
-_SOURCE = 'tool_certificate = "presetter"\n'
-
-
 @pytest.mark.parametrize(
     ("tool", "stds"),
     [
         ("", {"tool_x": 5e-6, "tool_y": 5e-6, "tool_z": 1e-4}),
-        (f'tool_length = "2 um"\n{_SOURCE}', {"tool_x": 2e-6, "tool_y": 2e-6, "tool_z": 2e-6}),
-        ('tool_length = "2 um"\n', {"tool_x": 5e-6, "tool_y": 5e-6, "tool_z": 1e-4}),
+        ('tool_length = "2 um"\n', {"tool_x": 2e-6, "tool_y": 2e-6, "tool_z": 2e-6}),
         ('tool_length = "30 um"\n', {"tool_x": 5e-6, "tool_y": 5e-6, "tool_z": 3e-5}),
         ('tool_length = "0 um"\n', {}),
         ('tool_length = "0 um"\ntool_eccentricity = "9 um"\n', {"tool_x": 9e-6, "tool_y": 9e-6}),
@@ -67,17 +63,6 @@ _SOURCE = 'tool_certificate = "presetter"\n'
 def test_how_well_the_tool_is_known_is_stated_once_for_all_that_touch(tool: str, stds: Mapping[str, float]) -> None:
     (setup,) = _at_spheres(tool).setups
     assert {u.name: u.std for u in setup.unknowns if "tool" in u.name} == pytest.approx(stds)
-
-
-def test_a_tool_that_is_stated_without_a_source_is_named_in_one_line_with_what_stays() -> None:
-    stated = 'tool_length = "5 um"\ntool_eccentricity = "1 um"\n'
-    lines = [each.words for each in _at_spheres(stated).unsourced]
-    assert lines == [
-        'tool_eccentricity = "1 um" has no source, so 5 um stays. Name one: tool_certificate = "presetter, 2026-03".',
-        'tool_length = "5 um" has no source, so 100 um stays. Name one: tool_certificate = "presetter, 2026-03".',
-    ]
-    assert _at_spheres(stated + _SOURCE).unsourced == ()
-    assert _at_spheres('tool_length = "0 um"\n').unsourced == ()
 
 
 def test_records_of_before_keep_the_doubt_of_the_tool_that_they_were_begun_with() -> None:

@@ -9,8 +9,8 @@ import pytest
 
 from axiscal.machine import machine_from_text
 from axiscal.machine.motion import approach_seconds
-from axiscal.measurement.charts.kinds import Held
-from axiscal.measurement.charts.room import Room, turns
+from axiscal.measurement.charts.kinds import Balls
+from axiscal.measurement.charts.room import Coordinate, Room
 from axiscal.measurement.instruments.distance import RTest
 from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
@@ -53,8 +53,9 @@ def test_nothing_takes_no_time_and_a_sphere_is_left_and_come_back_to() -> None:
 def test_off_a_ball_the_tool_goes_from_where_it_is_drawn_back_to_where_it_is_drawn_back() -> None:
     """With a head that swivels these are not as far apart as the places at the ball."""
     built = SWIVEL
-    turning = turns(built, (0, 4), (0.0, 0.0))
-    chart = Held(Room.empty(built), np.array([0.05, 0.0, 0.1]), UP, np.radians(100), (0, 4), np.zeros(5), turning)
+    turning = tuple(Coordinate(*built.axes[k].travel, overrun=built.axes[k].overrun) for k in (0, 4))
+    room, spots = Room.empty(built), np.array([[0.05, 0.0, 0.1]])
+    chart = Balls(room, np.zeros(5), turning, spots, (room,), UP, np.radians(100), (0, 4))
     sphere = replace(SPHERE, chart=chart)
     start, stop = chart.poses(places((10, -40), (20, 60)))
     off = [pose_with_tip(built, pose, tip(built, pose) + 0.05 * stem(built, pose)) for pose in (start, stop)]

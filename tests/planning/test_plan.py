@@ -50,8 +50,8 @@ def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
 
 def test_a_target_is_just_reached() -> None:
     asked = levered(100)
-    before = asked.yardstick.measure(asked.belief)
-    target = before.floor + 0.6 * (before.rms - before.floor)
+    before, floor = asked.yardstick.measure(asked.belief), asked.yardstick.rms_floor
+    target = floor + 0.6 * (before.rms - floor)
     plan = make_plan(asked, Limits(rms=target), goal=rms_of(asked, target), patience=0.0)
     assert plan.accuracy.rms <= target
     assert plan.readings[-2].accuracy.rms > target or len(plan.readings) == 1

@@ -84,8 +84,8 @@ def test_after_a_reading_elsewhere_no_worse_than_what_was_left_and_about_as_good
 
 
 def test_a_rejected_reading_is_made_up_for_where_an_accuracy_is_asked_for() -> None:
-    before = ASKED.yardstick.measure(ASKED.belief)
-    target = before.floor + 0.55 * (before.rms - before.floor)
+    before, floor = ASKED.yardstick.measure(ASKED.belief), ASKED.yardstick.rms_floor
+    target = floor + 0.55 * (before.rms - floor)
     limits = Limits(readings=60, rms=target)
     plan = make_plan(ASKED, limits, goal=rms_of(ASKED, target), patience=0.0)
     assert plan.accuracy.rms <= target
@@ -102,16 +102,17 @@ def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
     left = ASKED.lattice.within(ASKED.lattice.setups == 0).within(slice(0, 8))
     alone, both = ASKED.lattice.within(ASKED.lattice.setups == 0), ASKED.lattice
     of_one, of_all, known = (two.yardstick.measure(taken(two, each).belief) for each in (alone, both, left))
+    floor = two.yardstick.rms_floor
     assert of_all.rms < 0.8 * of_one.rms
 
     def rest(rms: float, readings: int | None = None) -> Places:
         return renewed(two, Limits(readings, rms=rms), left, goal=rms_of(two, rms))
 
     assert len(rest(0.9 * of_one.rms)) == 0
-    assert len(rest(known.floor, 9)) > 0  # which these do not bring within nine
+    assert len(rest(floor, 9)) > 0  # which these do not bring within nine
     assert len(rest(known.rms, 9)) > 0
-    assert len(rest(known.floor, 3)) == 3  # no more than there may be, though eight are left
-    short = renewed(two, Limits(2, rms=known.floor), left.within(slice(0, 2)), goal=rms_of(two, known.floor))
+    assert len(rest(floor, 3)) == 3  # no more than there may be, though eight are left
+    short = renewed(two, Limits(2, rms=floor), left.within(slice(0, 2)), goal=rms_of(two, floor))
     assert len(short) == 2
 
 

@@ -1,7 +1,5 @@
 """Readings that stand in a file twice: found where they were pasted, not where chance does it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

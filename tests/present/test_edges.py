@@ -6,13 +6,15 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
 from axiscal.machine.questions import which_way
 from axiscal.present.rendering import pdf
 from axiscal.present.result import Result
-from tests.generators.answers import answer
-from tests.generators.results import AT_ODDS, CONTRADICT, bare, constant, curve, five_axis_result
+from axiscal.present.result_of_campaign import Extras, result_of
+from tests.generators.laser_axis import CASE
+from tests.generators.results import golden_result
 from tests.golden.surfaces import of_paper, plain, words_of
 
 
@@ -22,41 +24,45 @@ def paper(tmp_path: Path) -> Path:
     return tmp_path / "report.pdf"
 
 
-def _said(result: Result, paper: Path, page: int | None = None) -> str:
+def _said(result: Result, paper: Path) -> str:
     paper.write_bytes(pdf(result, {}))
-    return of_paper(paper, page)
+    return of_paper(paper)
 
 
 def test_a_campaign_without_readings_has_a_report(paper: Path) -> None:
-    said = _said(bare(errors={"EXX": curve([0.0, 0.0], 9.0)}), paper)
+    with Campaign.create(paper.with_name("c.axiscal"), CASE.description) as campaign:
+        result = result_of(campaign, campaign.estimate(ended=True), Extras())
+    said = _said(result, paper)
     assert "NOREADINGSYET" in said
-    for stated in ("14.2um", "Uinspace23.4um", "Ualongy±12.0um", "foratoolof120mm", "hardlytouchthem:EXX"):
+    for stated in (f"{result.rms_um:.3g}um", "foratoolof", "hardlytouchthem:EXX"):
         assert stated in said
 
 
 def test_what_nobody_has_said_stands_in_it(paper: Path) -> None:
-    assert plain("What nobody has said") not in _said(bare(), paper)
-    asked = _said(bare(questions=which_way(load_machine("dmu60"))), paper)
-    assert plain("Which way do C and B count?") in asked
+    asked = golden_result("iso_test/out", questions=which_way(load_machine("dmu60")))
+    assert plain("Which way do C and B count?") in _said(asked, paper)
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-12, 1e12, 1e150])
 def test_extreme_figures_still_make_a_report(size: float, paper: Path) -> None:
-    errors, constants = {"EXX": curve([size, -size, size], size)}, {"C0Y": constant("C0Y", size, size, "urad")}
-    said = _said(bare(errors=errors, constants=constants, rms_um=size, worst_um=size), paper)
+    usual = golden_result("mill/out")
+    errors = {"EXX": usual.errors["EXX"].model_copy(update={"mean": [size, -size, size], "std": [size] * 3})}
+    constants = {"C0Y": usual.constants["C0Y"].model_copy(update={"mean": size, "std": size})}
+    changed = {"errors": errors, "constants": constants, "rms_um": size, "worst_um": size, "budget": ()}
+    said = _said(usual.model_copy(update=changed), paper)
     assert "C0Y" in said
     assert "nan" not in said
 
 
 def test_readings_that_contradict_each_other_leave_no_uncertainty(paper: Path) -> None:
-    withheld = answer(verdict="contradict", withheld=True)
-    said = _said(bare(agreement=AT_ODDS, answer=withheld, readings=24, errors={"EXX": curve([0.0], 9.0)}), paper)
+    result = golden_result("contradict/again")
+    said = _said(result, paper)
     assert "READINGSCONTRADICT" in said
-    assert plain(CONTRADICT) in said
+    assert plain(result.agreement.text) in said
 
 
 @pytest.mark.parametrize("language", sorted(LANGUAGES))
 def test_the_first_page_is_short(language: str, paper: Path) -> None:
     with speaking(language):
-        paper.write_bytes(pdf(five_axis_result(), {}))
+        paper.write_bytes(pdf(golden_result("mill/out"), {}))
     assert len(words_of(paper, 1)) <= 190

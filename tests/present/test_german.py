@@ -32,7 +32,7 @@ def result(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     folder, out = CAMPAIGNS / request.param, tmp_path_factory.mktemp("german") / "out"
     run(["estimate", str(folder / "campaign.toml"), str(folder / GIVEN[request.param]), "--out", str(out)])
     with Campaign.open(out / "campaign.axiscal", write=False) as campaign:
-        return result_of(campaign, campaign.estimate(ended=True), Extras()).result
+        return result_of(campaign, campaign.estimate(ended=True), Extras())
 
 
 def _sentences(result: Result) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from axiscal.present.rendering import pdf
-from tests.generators.results import HOSTILE, five_axis_result, with_every_text
+from tests.generators.results import HOSTILE, golden_result, with_every_text
 from tests.golden.surfaces import lines_of
 
 
@@ -15,33 +15,23 @@ def _words(made: bytes, folder: Path) -> str:
 
 
 def test_the_same_result_gives_the_same_bytes_and_a_pdf_for_archives() -> None:
-    made = pdf(five_axis_result(20), {})
+    made = pdf(golden_result("iso_test/out"), {})
     assert made.startswith(b"%PDF-")
     assert b"pdfaid:part" in made
-    assert pdf(five_axis_result(20), {}) == made
+    assert pdf(golden_result("iso_test/out"), {}) == made
 
 
 def test_what_is_signed_stands_in_it(tmp_path: Path) -> None:
-    result = five_axis_result(20)
+    result = golden_result("iso_test/out")
     words = _words(pdf(result, {}), tmp_path)
-    for each in (
-        result.machine,
-        "TARGET REACHED",
-        "Statement of uncertainty",
-        "set-up 3",
-        "ISO 230-2, axis X",
-        "x.comp",
-        "All readings",
-        "date, signature",
-    ):
+    stands = ("TARGET REACHED", "Statement of uncertainty", "ISO 230-2, axis", "csv", "All readings", "date, signature")
+    for each in (result.machine, *stands, *result.errors):
         assert each in words
-    for name in result.errors:
-        assert name in words
 
 
 def test_any_text_is_only_text(tmp_path: Path) -> None:
     attack = "#panic[x] $x$ *b* " + HOSTILE
-    found = five_axis_result(3)
+    found = golden_result("mill/out")
     codes = {"identity": {"begun": "2026-03-14", "place": attack}, "answer": found.answer, "rows": ()}
     attacked = with_every_text(found, attack).model_copy(update=codes)
     assert "#panic[x] $x$ *b*" in _words(pdf(attacked, {}), tmp_path)

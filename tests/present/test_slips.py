@@ -13,8 +13,7 @@ from axiscal.cli.outputs import standing_screen
 from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import first_described, of_builtin
 from axiscal.exceptions import ReadingError
-from axiscal.present.guide import slips
-from axiscal.present.guide.question import ExpectedNumber, Question
+from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import CAUSES, Cause, Meant, causes, jog, keep_as, surprise_text, try_jog
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS
@@ -100,18 +99,6 @@ def test_a_cause_does_what_it_says_and_is_noted(campaign: Campaign, typed: float
     assert noted == ([] if cause == "really" else [f"reading 2: {CAUSES[cause]}"])
     assert bool(told) is (cause != "really")
     assert [each.mistake for each in campaign.state.accepted] == ["jump"] * (cause == "bumped")
-
-
-def test_a_value_that_comes_again_is_asked_about_where_chance_seldom_does_that(campaign: Campaign) -> None:
-    question, value = asked(campaign), np.array([400e-6])
-    wide, narrow = (
-        question.model_copy(update={"expected": [ExpectedNumber(mean=400.0, half=half)]}) for half in (200.0, 1.0)
-    )
-    slips.refuse_surprising(campaign, wide, value + 0.1e-6)
-    slips.refuse_surprising(campaign, narrow, value)
-    with pytest.raises(slips.SurprisingError, match="Reading 1 showed exactly this") as strange:
-        slips.refuse_surprising(campaign, wide, value)
-    assert strange.value.causes == ("really", "keep")
 
 
 def test_a_height_in_mm_is_asked_about_where_no_jog_has_shown_the_unit(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.programs import dialect, programs
-from axiscal.programs.standing import standing
+from axiscal.programs.program import standing
 from tests.generators.kinematics import stem, tip, turned
 from tests.generators.printed_machine import PrintedMachine, number, printed_machine
 from tests.generators.program_ways import Reader

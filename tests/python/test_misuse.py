@@ -42,7 +42,6 @@ MISUSES: dict[str, tuple[Callable[[], object], str]] = {
         "Simulator: setups",
     ),
     "Simulator.drawn: −1": (lambda: simulator().drawn(-1), "Simulator.drawn: seed"),
-    "Simulator: too few coefficients": (lambda: simulator().with_coefficients([1], 1), "Simulator.with_coefficients"),
     "Simulator: a list of curves": (lambda: simulator().with_curves([1], 1), "Simulator.with_curves: curves"),
     "Simulator: curves of seed −1": (lambda: simulator().with_curves({}, -1), "Simulator.with_curves: seed"),
     "Campaign.create: of 3": (lambda: anything.Campaign.create("a.axiscal", 3), "Campaign.create: description"),

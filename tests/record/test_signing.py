@@ -50,7 +50,7 @@ def key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def public(path: Path) -> str:
     found = Record.open(path, write=False).signed()
     assert found is not None
-    return found.by.key
+    return found.key
 
 
 def test_each_entry_says_who_wrote_it(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -147,7 +147,7 @@ def test_two_people_sign_and_nobody_twice(path: Path, key: Path, monkeypatch: py
         assert "of a key that was not given" in checked(path.read_bytes(), [otto]).faults[0]
         found = record.signed()
     assert found is not None
-    assert found.by.key == otto
+    assert found.key == otto
 
 
 def test_a_key_that_others_may_read_signs_nothing(path: Path, key: Path, command: Command) -> None:

@@ -24,8 +24,8 @@ from axiscal.description.placed_readings import file_readings
 from axiscal.evaluation.standards import positioning_test
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.machine.description import parse_chain
 from axiscal.machine.error_names import error_named
+from axiscal.machine.machine_schema import parse_chain
 from axiscal.measurement.readers.csv_readings import Around, read_poses
 from axiscal.measurement.readers.files import read_any, recognised
 from axiscal.measurement.readers.text_file import read_text

@@ -13,6 +13,8 @@ import pytest
 
 from axiscal import tables
 from axiscal.numerics import Array
+from axiscal.tables.vcomp_file import whole_control
+from axiscal_core.machine import Machine
 
 HERE = Path(__file__).parent
 SOURCES = Path(tables.__file__).parent
@@ -62,3 +64,9 @@ def passed(values: Any) -> Any:
     kept = values if values.flags.c_contiguous else np.ascontiguousarray(values)
     assert kept is values, "give arrays row by row"
     return ctypes.c_void_p(kept.ctypes.data)
+
+
+def stated(machine: Machine, mean: Array, joints: Array, ways: Array) -> Array:
+    """Return what is said to be added to the joints of each axis, (m, q) mm or deg.  mean : control values of errors"""
+    units = np.array([np.radians(1.0) if axis.rotary else 1e-3 for axis in machine.axes])
+    return np.asarray(whole_control(machine, mean)(joints * units, ways) / units)

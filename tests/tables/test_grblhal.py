@@ -16,10 +16,8 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.numerics import Array
 from axiscal.ports.grblhal import GrblHal
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.vcomp_applying import VcompFile, correction
-from axiscal.tables.vcomp_file import read
 from tests.generators.machines import random_machine
-from tests.tables.core_library import NEEDS_GCC, passed
+from tests.tables.core_library import NEEDS_GCC, passed, stated
 from tests.tables.test_vcomp_core import drawn
 
 pytestmark = NEEDS_GCC
@@ -81,29 +79,32 @@ class Host:
 
 
 class Machined(NamedTuple):
-    """A host, the table in it, and between which places its axes go, (q,), in joint order."""
+    """A host, what is known in it, and between which places its axes go, (q,), in joint order."""
 
     host: Host
-    file: VcompFile
+    known: Estimate
     low: Array
     high: Array
 
     def drives(self, places: Array, ways: Array) -> Array:
-        """Return where the table sends the drives, (m, q), of places and sides in joint order."""
-        joint = [axis.joints[0] for axis in self.file.axes]
-        added = np.zeros_like(places)
-        added[:, joint] = correction(self.file, places[:, joint], ways[:, joint])
+        """Return where the drives are said to be sent, (m, q), of places and sides in joint order."""
+        joint, added = in_order(self.known), np.zeros_like(places)
+        added[:, joint] = stated(self.known.machine, self.known.mean, places[:, joint], ways[:, joint])
         return places + added
+
+
+def in_order(estimate: Estimate) -> list[int]:
+    """Return the number of the joint of each axis."""
+    numbers = ExportOptions().joints(estimate.machine)
+    return [numbers[axis.name][0] for axis in estimate.machine.axes]
 
 
 def machined(estimate: Estimate, folder: Path) -> Machined:
     files = GrblHal().make(estimate, ExportOptions(origin="0" * 64)).files
-    file = read(files["axiscal.vcomp"])
-    joint = [axis.joints[0] for axis in file.axes]
-    ends = np.zeros((2, len(joint)))
-    for axis, own in zip(estimate.machine.axes, file.axes, strict=True):
-        ends[:, own.joints[0]] = np.array(axis.travel) * (np.degrees(1.0) if axis.rotary else 1e3)
-    return Machined(Host(files, folder, len(joint)), file, *ends)
+    joint, ends = in_order(estimate), np.zeros((2, len(estimate.machine.axes)))
+    for axis, own in zip(estimate.machine.axes, joint, strict=True):
+        ends[:, own] = np.array(axis.travel) * (np.degrees(1.0) if axis.rotary else 1e3)
+    return Machined(Host(files, folder, len(joint)), estimate, *ends)
 
 
 def _spans(seed: int) -> bool:

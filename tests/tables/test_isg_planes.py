@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
 from axiscal.machine import machine_from_text
-from axiscal.tables.controllers.isg import read_csv, write_csv
+from axiscal.tables.controllers.isg import SampledError, read_csv, write_csv
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from axiscal.tables.round_trip import drawn_and_known
-from axiscal.tables.volumetric import SampledError
 from tests.generators.planes import BED, TABLE
-from tests.generators.texts import machine_text
 
 
 def test_the_kernel_holds_what_two_axes_do_together() -> None:
@@ -41,11 +37,3 @@ def test_a_table_over_two_axes_is_read_as_it_was_written() -> None:
     again = read_csv(text, machine)
     assert write_csv(again, machine) == text
     np.testing.assert_allclose(again["EBC"].values, turned.values, atol=1e-14)
-
-
-def test_the_directions_are_apart_in_a_list_of_each_axis_and_that_of_a_turn_repeats() -> None:
-    travels, errors = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100), "C": (0, 360)}, {"EXX EXX_reversal": "6 um"}
-    text = machine_text("w-C'-b-X-Y-Z-t", travels, errors | {"ECC_reversal": "60 urad"})
-    files = export(drawn_and_known(machine_from_text(text)), "isg", ExportOptions()).files
-    repeats = {name: re.findall(r"^kw\.ssfk\.modulo (\d)$", files[name], re.MULTILINE) for name in files}
-    assert repeats == {"volcomp.csv": [], "volcomp.lis": [], "ssfk_X.lis": ["0"], "ssfk_C.lis": ["1"]}

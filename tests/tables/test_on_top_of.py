@@ -83,7 +83,6 @@ BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much com
     "heidenhain: deviations, and BACKLASH besides on the way down": (
         "heidenhain", OldFile("X_AXIS.COM", com((0, 0, 0, 0, 0), (100, 0.014, -0.01, 0, 0))), "X", 10, -4
     ),
-    "isg: actual less setpoint": ("isg", OldFile("ssfk_X.lis", LIST), "X", 10, -4),
     "csv: deviations": ("csv", OldFile("X.csv", f"{CSV}X,0,-10,4,1\n"), "X", 10, -4),
     "klipper: the lengths of its manual": (
         "klipper", OldFile("k", f"SET_SKEW XY=140.4,142.8,99.8 XZ={SQUARE} YZ={SQUARE}\n"), "X", 1695.3, 1695.3
@@ -132,9 +131,9 @@ def test_new_files_hold_the_old_ones_and_what_was_found(controller: str) -> None
     assert "on top of it what was found: load them in its place" in made.readme
 
 
-@pytest.mark.parametrize("controller", sorted(controllers()))
+@pytest.mark.parametrize("controller", sorted({*controllers()} - {"grblhal", "linuxcnc-volumetric"}))
 def test_what_is_written_is_read_back_as_an_old_compensation(controller: str) -> None:
-    """A round trip of every format that is read and written."""
+    """A round trip of every format that is read and written; whole corrections are read by their own code in C."""
     estimate = known("small")[0]
     made = round_trip(exporter(controller), estimate, OPTIONS.get(controller, ExportOptions()))
     assert np.max(np.abs(made.control(*spread_poses(estimate)))) > 5e-6

@@ -7,20 +7,17 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import InputError
-from axiscal.machine import machine_from_text
-from axiscal.ports.linuxcnc.configuring import agreeing, configured, options_of
+from axiscal.ports.linuxcnc.configuring import configured, options_of
 from axiscal.tables.exporter import ExportOptions
-from axiscal_core.machine import Machine
-from tests.generators.texts import machine_text
 
 INI = """\
 [EMC]
 MACHINE = mill
 [KINS]
-KINEMATICS = {kinematics}
-JOINTS = {joints}
+KINEMATICS = trivkins
+JOINTS = 3
 [TRAJ]
-COORDINATES = {axes}
+COORDINATES = XYZ
 LINEAR_UNITS = mm
 [HAL]
 HALFILE = LIB:core_sim.hal
@@ -41,28 +38,12 @@ def _library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("axiscal.ports.linuxcnc.configuring.LIBRARY", tmp_path / "hallib")
 
 
-def ini(folder: Path, axes: str = "XYZ", kinematics: str = "trivkins", hal: str = "") -> Path:
+def ini(folder: Path) -> Path:
     """Return the INI file of a machine whose axes go from -100 to 100, beside its HAL file."""
-    text = INI.format(kinematics=kinematics, joints=len(axes), axes=axes)
-    text += "".join(f"[AXIS_{name}]\nMIN_LIMIT = -100\nMAX_LIMIT = 100\n" for name in axes)
-    joins = "".join(f"net j{k} joint.{k}.motor-pos-cmd => joint.{k}.motor-pos-fb\n" for k in range(len(axes)))
-    (folder / "mill.hal").write_text(HAL + joins + hal)
-    (folder / "mill.ini").write_text(text)
+    joins = "".join(f"net j{k} joint.{k}.motor-pos-cmd => joint.{k}.motor-pos-fb\n" for k in range(3))
+    (folder / "mill.hal").write_text(HAL + joins)
+    (folder / "mill.ini").write_text(INI + "".join(f"[AXIS_{n}]\nMIN_LIMIT = -100\nMAX_LIMIT = 100\n" for n in "XYZ"))
     return folder / "mill.ini"
-
-
-def mill(travel: float = 100) -> Machine:
-    return machine_from_text(machine_text("w-X'-Y'-b-Z-t", dict.fromkeys("XYZ", (-travel, travel)), {"EXX": "5 um"}))
-
-
-def trunnion(low: float) -> Machine:
-    """Return a machine whose swivelling axis lies so many mm below the zero."""
-    axes = {**dict.fromkeys("XYZ", (-100, 100)), "A": (-100, 100), "C": (-100, 100)}
-    text = machine_text("w-C'-A'-X'-Y'-b-Z-t", axes, {"EXX": "5 um"})
-    for name in "AC":
-        placed = f'direction = "reversed"\norigin = ["0 mm", "0 mm", "{-low} mm"]'
-        text = text.replace(f"[axes.{name}]", f"[axes.{name}]\n{placed}")
-    return machine_from_text(text)
 
 
 def test_a_file_that_is_no_utf_8_is_refused_with_the_byte(tmp_path: Path) -> None:
@@ -77,20 +58,3 @@ def test_joints_are_said_by_the_ini_file_alone(tmp_path: Path) -> None:
     assert options_of(found, ExportOptions()).numbers == {"X": (0,), "Y": (1,), "Z": (2,)}
     with pytest.raises(InputError, match="Leave --unit and --number out"):
         options_of(found, ExportOptions(numbers={"X": (0,)}))
-
-
-def test_what_lies_beyond_the_calibrated_travel_is_said(tmp_path: Path) -> None:
-    found = configured(ini(tmp_path))
-    assert agreeing(found, mill()) == ()
-    (x, *others) = agreeing(found, mill(80))
-    assert x.startswith("X may go -100 mm to 100 mm, and was calibrated over -80 mm to 80 mm")
-    assert len(others) == 2
-
-
-def test_a_pivot_that_lies_elsewhere_is_said(tmp_path: Path) -> None:
-    pins = "".join(f"setp xyzac-trt-kins.{pin} {value}\n" for pin, value in (("z-rot-point", -50), ("z-offset", 0)))
-    found = configured(ini(tmp_path, "XYZAC", "xyzac-trt-kins", hal=pins))
-    assert agreeing(found, trunnion(50)) == ()
-    warnings = agreeing(found, trunnion(60))
-    assert [each.partition(" about ")[0] for each in warnings] == [f"WARNING: the kinematics turn {n}" for n in "CA"]
-    assert all("(0 mm, 0 mm, -50 mm), machine.toml about (0 mm, 0 mm, -60 mm)" in each for each in warnings)

@@ -11,7 +11,6 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.ports.linuxcnc.tables import cross
 from axiscal.tables.controllers import sinumerik
-from axiscal.tables.controllers.isg import write_list
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile, read_old
 from axiscal.tables.registry import export, loaded
@@ -36,15 +35,6 @@ def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(sinumerik.Sinumerik, "load", missing)
     with pytest.raises(TableError, match=r"a number that sinumerik needs is missing, or is none \('interval'\)"):
         loaded("sinumerik", THREE, ExportOptions(old_files=(OldFile("AX_EEC.INI", ""),)))
-
-
-def test_the_file_of_another_machine_is_refused() -> None:
-    files = export(drawn_and_known(THREE), "linuxcnc-volumetric", ExportOptions()).files
-    old = OldFile("axiscal.vcomp", files["axiscal.vcomp"])
-    with pytest.raises(TableError, match="the file has axes X Y Z"):
-        loaded("linuxcnc-volumetric", LATHE, ExportOptions(old_files=(old,)))
-    with pytest.raises(TableError, match="A whole correction goes on top of none"):
-        export(drawn_and_known(THREE), "linuxcnc-volumetric", ExportOptions(old_files=(old,)))
 
 
 def test_a_spacing_is_of_an_axis_of_the_machine() -> None:
@@ -74,9 +64,7 @@ def test_a_folder_without_files(tmp_path: Path) -> None:
 def test_uneven_points_where_the_control_knows_one_distance() -> None:
     uneven = table("X", "X", [0.0, 0.01, 0.03])
     with pytest.raises(TableError, match="not evenly spaced"):
-        write_list(uneven, 1, False)
-    with pytest.raises(TableError, match="not evenly spaced"):
-        sinumerik.write([uneven], [], {"X": "X1"})
+        sinumerik.write([uneven], [], {"X": "X1"}, 1, 0)
 
 
 def test_what_a_lincurve_cannot_hold() -> None:

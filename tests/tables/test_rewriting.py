@@ -135,15 +135,15 @@ def test_a_rewritten_program_leaves_a_twentieth_of_the_deviation(tmp_path: Path,
     assert after < 0.05 * before
 
 
-def test_what_moves_nothing_stays_and_arcs_stay_arcs() -> None:
+def test_what_moves_nothing_stays_and_arcs_become_lines() -> None:
     done = written(PART, known(), 0.5e-6)
     text = "\n".join(done.lines)
     for line in ("(a plate)", "T1 M6", "S8000 M3", "F600 ; along", "(a helix)", "G91 G28 Z0", "M30"):
         assert line in done.lines
-    assert [line[:2] for line in done.lines if line.startswith(("G2 ", "G3 "))] == ["G2"] * 2 + ["G3"] * 6
-    assert text.count("G90 G91.1") == 1
+    assert not [line for line in done.lines if line.startswith(("G2 ", "G3 "))]
+    assert text.splitlines().count("G90") == 2  # at the begin, and after G28 in G91
     assert done.motions == 10
-    assert done.pieces < 60
+    assert done.pieces < 1200
 
 
 def test_a_coarser_chord_cuts_less_and_nothing_is_added_at_the_program_s_zero() -> None:
@@ -171,4 +171,4 @@ def test_inches_and_other_planes_are_the_same_ways() -> None:
     inch = "G20 G90 G18\nG0 X.3937008 Y.3937008 Z1.1811024\nG2 X1.1811024 Z1.9685039 I.7874016 K0 F4\n"
     ends = [read_program(TextFile("p", tuple(text.splitlines())))[2].motion for text in (mm, inch)]
     assert np.allclose([m.end for m in ends if m], ends[0].end if ends[0] else (), atol=1e-7)
-    assert all(m and m.turn[1] == pytest.approx(-3 * np.pi / 2, abs=1e-5) for m in ends)
+    assert all(m and m.turn == pytest.approx(-3 * np.pi / 2, abs=1e-5) for m in ends)

@@ -14,11 +14,12 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import load_machine, machine_from_text
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
+from axiscal.tables.controllers.isg import curves, tip_control
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import table_control
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import Effect, effect_of_control
 from axiscal.tables.table import CompensationTable, Hats
-from axiscal.tables.volumetric import curves, tip_control
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.splines import NaturalSpline
@@ -156,7 +157,7 @@ def test_tables_by_name_take_the_whole_error_motion_away() -> None:
         if function.kind == "reversal":
             mean[function.columns] = 0.0
     estimate = known_to_be(model, mean)
-    found = curves(estimate, {k: np.linspace(*axis.travel, 801) for k, axis in enumerate(model.axes)})
+    found = curves(estimate, ExportOptions(spacing={axis.name: axis.length / 800 for axis in model.axes}))
     assert set(found) == {"EXX", "EYY"}
     low, high = np.array(estimate.box).T
     poses = np.random.default_rng(3).uniform(low, high, (50, 3))

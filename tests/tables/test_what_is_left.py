@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.volume import MovedErrors, whole_travel
+from axiscal.errors.volume import whole_travel
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
@@ -25,7 +25,7 @@ from axiscal.tables.offer import effect_sentence, foreword, shifts
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.surface import CommandedMachine, Effect, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
-from axiscal.tables.vcomp_applying import whole_control
+from axiscal.tables.vcomp_file import whole_control
 from axiscal_core.normal import Normal
 from tests.evaluation.said import idle
 from tests.generators.known import sure
@@ -111,16 +111,6 @@ def test_points_of_a_sum_are_those_of_both_as_far_as_they_fit(
     added = np.interp(found.positions, before.positions, 3e-6 * before.positions**2)
     assert found.forward == pytest.approx(own - added, abs=1e-15)
     assert found.reverse == pytest.approx(own - added, abs=1e-15)
-
-
-@pytest.mark.parametrize("control", ["linuxcnc-volumetric", "isg"])
-def test_a_control_turns_about_the_axes_as_described_wherever_levers_were_found(control: str) -> None:
-    """Errors of milliradians: rows of readings are taken where the machine is then, by a micrometre elsewhere."""
-    found = known("three-axis-mill")[0]
-    belief = sure(30 * found.mean)
-    bent = replace(found, model=MovedErrors(found.machine, belief.mean[: found.model.size]), belief=belief)
-    exported = registry.export(bent, control, ExportOptions())
-    assert exported.effect.after < 0.1 * exported.effect.before
 
 
 def test_a_reversal_takes_a_fifth_of_the_acceleration_of_each_joint_within_5_ms_and_5_s() -> None:

@@ -13,7 +13,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from axiscal.web.guard import Addresses
 from tests.web.served import Served, served, started
 
 HOSTS = ["evil.example", "127.0.0.1", "127.0.0.1:1", "localhost", "[::1]:{port}", "127.0.0.2:{port}", "0.0.0.0:{port}"]
@@ -66,27 +65,6 @@ def test_the_token_is_long_and_no_answer_holds_it(page: Served) -> None:
     assert page.ask("GET", "/api/1/state", Authorization=f"Bearer {page.token[:-1]}").status == 403
 
 
-def test_an_address_for_the_browser_itself_answers_once(page: Served) -> None:
-    address = page.call("addresses", path="/setup.svg?width=640").document["address"]
-    assert page.token not in address
-    assert page.ask("POST", address).status == 403
-    assert page.ask("GET", f"{address}x").status == 403
-    drawn = page.ask("GET", address)
-    assert (drawn.status, drawn.headers["content-type"]) == (200, "image/svg+xml")
-    assert page.ask("GET", address).status == 403
-
-
-def test_an_address_that_nobody_asked_for_in_time_is_void(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = [0.0]
-    monkeypatch.setattr("axiscal.web.guard.monotonic", lambda: now[0])
-    addresses = Addresses()
-    first, second = addresses.once("/report.pdf"), addresses.once("/tables.zip?control=csv")
-    now[0] = 59.0
-    assert addresses.redeem(first) == ("/report.pdf", "")
-    now[0] = 61.0
-    assert addresses.redeem(second) is None
-
-
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1:{port}", "http://127.0.0.1", ""])
 def test_another_page_cannot_post(page: Served, origin: str) -> None:
     last = page.state()["last"]
@@ -117,7 +95,7 @@ def test_every_answer_forbids_scripts_that_are_not_ours(page: Served) -> None:
 
 def test_the_script_writes_text_and_nothing_else() -> None:
     sources = [path.read_text() for path in STATIC.iterdir() if path.name.endswith(".js")]
-    assert len(sources) == 7
+    assert len(sources) == 6
     makes_markup = r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b|Function\(|DOMParser|srcdoc"
     assert [found for text in sources for found in re.findall(makes_markup, text)] == []
 

@@ -6,7 +6,7 @@ import pytest
 
 from tests.generators.texts import FOUR_READINGS
 from tests.web.browser import Browser, Page
-from tests.web.served import Served, kept, served, started
+from tests.web.served import Served, kept, served, serving, started
 
 SIZES = [(390, 844), (768, 1024), (1400, 900)]
 HOSTILE = "<img src=x onerror=alert(1)>\"&'</script><svg/onload=alert(2)>"
@@ -239,3 +239,17 @@ def test_what_people_write_is_text_and_nothing_else(browser: Browser, tmp_path: 
         assert page.value(f"document.querySelectorAll(`{STRANGE}, script:not([src]), [onload], [onerror]`).length") == 0
         looked_at(page)
         assert page.complaints() == []
+
+
+@pytest.mark.long
+@pytest.mark.chromium
+def test_what_is_typed_stays_where_no_answer_comes(browser: Browser, tmp_path: Path) -> None:
+    page = browser.page(768, 1024)
+    with serving(started(tmp_path)) as (server, process):
+        arrived(page, server)
+        stand(page)
+        page.until("document.activeElement.id === 'field'")
+        process.kill()
+        page.enter("0.5")
+        page.until("document.getElementById('heard').textContent.startsWith('No answer came')")
+        assert page.value("document.getElementById('field').value") == "0.5"

@@ -14,7 +14,6 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SkipValidatio
 from axiscal.description.target import Kind
 from axiscal.exceptions import SummaryError
 from axiscal.planning.helping import Helping
-from axiscal.planning.promise import Alike
 
 _DIGITS = 6
 """Figures kept, so that the same campaign gives the same bytes on any processor."""
@@ -100,7 +99,6 @@ class AnswerRow(PlannedRow):
     signed: Sequence[SignedNumber] = Field(description="numbers with [signs](conventions.md#rows-with-a-sign)")
     largest: Figure = Field(description="the same where it is largest")
     left: Mapping[str, Figure] = Field(description="by control, what its tables leave, √(left² + u²)")
-    one_more: Figure | None = Field(None, description="`known_to` of a backlash after one reading from the other side")
     kelvin: Figure | None = Field(None, description="K above 20 degC that would explain a scale; else null")
 
 
@@ -154,18 +152,6 @@ class ReachAnswer(AnswerDocument):
     helps: Helping | None
 
 
-class LargestCause(AnswerDocument):
-    """What no reading shows and is most of an uncertainty: its name, whose it is, and its share of the variance.
-
-    measurable : it is the temperature, and nobody has measured that
-    """
-
-    cause: str
-    owner: str
-    share: float
-    measurable: bool
-
-
 class BoughtAccuracy(AnswerDocument):
     """What some minutes buy: U of the volume after them.  mark : which share of a plan's minutes they are"""
 
@@ -179,16 +165,13 @@ class PlannedAnswer(AnswerDocument):
 
     rows, aims : after them, with all that a result counts; setups : in the order in which they are mounted
     bought : a curve, what a quarter of the minutes up to twice as many buy
-    alike : a set-up whose zero these places cannot tell from a curve; allowed : readings, None for any number
-    checks : of the readings, drawn at random
+    allowed : readings, None for any number; checks : of the readings, drawn at random
     """
 
     verdict: PlanVerdict
     rows: Sequence[PlannedRow]
     aims: Sequence[Aim]
     reach: ReachAnswer | None
-    mostly: LargestCause | None = None
-    alike: Alike | None = None
     setups: Sequence[PlannedSetup]
     steps: Sequence[NextStep]
     readings: int

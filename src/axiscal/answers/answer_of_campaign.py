@@ -32,19 +32,18 @@ from axiscal.answers.row_words import row_name
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
 from axiscal.campaign.evidence import overruled
-from axiscal.estimation.accuracy.expanded import known_to, reach
+from axiscal.estimation.accuracy.expanded import asked, known_to
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
 from axiscal.estimation.functionals.functional import AxisLine, signed_numbers
-from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, warmth, with_one_more
+from axiscal.estimation.known_rows import KnownRow, known_row, known_rows, warmth
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.reading import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
-from axiscal.planning.promise import asked
 from axiscal.tables.offer import places
 from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
@@ -71,23 +70,11 @@ def answered(known: Estimation, controls: Mapping[str, Control]) -> Answered:
     asked = asked_rows(described, known.readings, whole=bool(described.target.lines))
     belief, read = known.printed.belief, bool(known.readings)
     found = [(each, known_row(each, known.case, belief, read, prior)) for each in asked]
-    open_rows = [row for _, row in found if row.described and row.row.kind == "backlash" and not row.measured]
-    one_sided = [row for row in open_rows if row.lines[0].read and not len(row.lines[0].both)]
-    turned = with_one_more(known, [row.lines[0] for row in one_sided])
-
-    def then(asked: AskedRow, row: KnownRow) -> float | None:
-        """Return U after one reading from the other side, None where that tells no more."""
-        if turned is None or asked.map is None or row not in one_sided:
-            return None
-        return reach(asked.map.spectra(known.case.errors, turned.factor), turned.degrees)
-
-    return [(row, _answered(each, row, known, controls, then(each, row))) for each, row in found if row.described]
+    return [(row, _answered(each, row, known, controls)) for each, row in found if row.described]
 
 
-def _answered(
-    asked: AskedRow, row: KnownRow, known: Estimation, controls: Mapping[str, Control], then: float | None
-) -> AnswerRow:
-    """Return a row along lines, or that of the volume.  then : its U after one reading from the other side"""
+def _answered(asked: AskedRow, row: KnownRow, known: Estimation, controls: Mapping[str, Control]) -> AnswerRow:
+    """Return a row along lines, or that of the volume."""
     estimate, errors, belief, functional = known.estimate(), known.case.errors, known.printed.belief, asked.own
     shown: Callable[[Array], Array]
     if functional is None:
@@ -122,7 +109,6 @@ def _answered(
             SignedNumber(direction=name, value=to_unit(value, row.unit), U=to_unit(u, row.unit))
             for name, value, u in signed
         ],
-        one_more=None if then is None else to_unit(then, row.unit),
         kelvin=warmth(known, row.row.axes[0], signed[0].value) if scale else None,
     )
 
@@ -305,12 +291,12 @@ def _verdict(known: Estimation, aims: Aims, rows: Sequence[KnownRow]) -> Verdict
 def missing_readings(known: Estimation, aims: Aims, rows: Answered) -> tuple[int, float]:
     """Return about how many readings are missing, one at least, and their minutes; noughts where no number helps."""
     count = len(known.readings)
-    then = {row.row: row.one_more for _, row in rows if row.one_more is not None}
     left = [aim.missing for aim in aims.volume if aim.floor < aim.limit]
-    turned = [aim.model_copy(update={"now": then.get(aim.name, aim.now)}) for aim in aims.lines if not aim.unread]
-    shares = [min(left, default=0.0), *(aim.missing for aim in turned)]
+    turned = {row.row.name for row, _ in rows if row.one_sided and aims.lines}  # one reading from the other side does
+    lines = (aim.missing for aim in aims.lines if not aim.unread and aim.name not in turned)
+    shares = [min(left, default=0.0), *lines]
     new = sum(not line.read for row, _ in rows if row.open for line in row.lines) if aims.lines else 0
-    readings = max(math.ceil(count * max(shares)) + _TARGETS * new, 1)
+    readings = max(math.ceil(count * max(shares)) + _TARGETS * new + len(turned), 1)
     if readings > count:
         from axiscal.planning.enough import evenly_until_reached  # whoever is nearly there need not load it
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from axiscal.errors.volume import deviation_of
+from axiscal.estimation.case import timed
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import beside_the_line
 from axiscal.estimation.machine_estimate import Band
@@ -15,7 +17,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.reading import Place, in_radii
-from axiscal.measurement.reading_rows import blank_readings, seen
+from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.machine import Machine
@@ -91,8 +93,8 @@ def expectation(known: Estimation, place: Place) -> Band:
 
     mean, std : (k,) of each number of the reading, its noise included, m or rad
     """
-    blanks = blank_readings(known.case.description.setups, [place])
-    before = known.knowledge.opened(blanks)
-    numbers, scales = seen(before.observation, blanks), known.case.description.setup(place.setup).scales
-    expected = before.belief.through(numbers.rows)
-    return Band((expected.mean - numbers.values) / scales, np.hypot(expected.std, np.sqrt(numbers.variances)) / scales)
+    readings, setup = known.history.normal, known.case.description.setup(place.setup)
+    every = timed(known.case, [*readings, *blank_readings(known.case.description.setups, [place])]).readings
+    before = replace(known.history, readings=every, left_out=known.left_out | {len(readings)})
+    away, std = before.surprises[before.problem.reading == len(readings)].T
+    return Band(-away / setup.scales, std / setup.scales)

@@ -61,8 +61,12 @@ def signs_sentence(groups: Sequence[Sequence[AnswerRow]]) -> str:
 
 
 def lacking(row: AnswerRow) -> tuple[bool, bool, bool]:
-    """Return what a row has not: one side, which U counts as stated, any place of its own, what readings could tell."""
-    return row.one_more is None, not _read(row), _exhausted(row)
+    """Return what a row has not: places of one side alone, any place of its own, what readings could tell."""
+    return not _one_sided(row), not _read(row), _exhausted(row)
+
+
+def _one_sided(row: AnswerRow) -> bool:
+    return row.kind == "backlash" and not row.measured and _read(row) > 0 and not row.lines[0].places["both"]
 
 
 def _exhausted(row: AnswerRow) -> bool:
@@ -75,11 +79,9 @@ def _read(row: AnswerRow) -> int:
 
 def reason(rows: Sequence[AnswerRow], warm: Sequence[Sequence[str]]) -> str:
     """Return why rows of one kind are not measured.  warm : axes of which a temperature could be their scale"""
-    then = [row.one_more for row in rows if row.one_more is not None]
-    if then:
+    if any(map(_one_sided, rows)):
         apart = any(line.places["+"] and line.places["-"] for row in rows for line in row.lines)
-        why = "no place read from both sides; one reading more: {size}"
-        return said(why if apart else "one side read; one reading more: {size}", size=_within(max(then), rows[0].unit))
+        return said("no place read from both sides") if apart else said("one side read")
     worst = max(rows, key=lambda row: row.known_to)
     places = _read(worst)
     aimed = places and any(line.setup for line in worst.lines)  # the angles of an axis show nothing of its centre

@@ -27,17 +27,15 @@ from axiscal.campaign.ending import (
     result_of,
     standing,
 )
-from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.possible import beginning_of, described, jump_told, kept_text, note_told, refuse_unreadable
 from axiscal.campaign.sources import Request, Skip, Source, answered
 from axiscal.description.campaign import CampaignDescription
-from axiscal.estimation.case import Case, Timed, elapsed, timed
+from axiscal.estimation.case import Case, Knowledge, Timed, elapsed, timed
 from axiscal.estimation.estimate import estimated, in_detail
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.knowledge import Knowledge
-from axiscal.exceptions import AmbiguityError, RecordError
+from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
 from axiscal.measurement.reading import Place, Reading, seconds_since
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.promise import plan_basis
@@ -53,7 +51,7 @@ from axiscal.record.events import (
     Recorded,
     Skipped,
     State,
-    Undoable,
+    Stored,
     Undone,
 )
 from axiscal.record.store import Record
@@ -201,7 +199,10 @@ class Campaign(AbstractContextManager["Campaign"]):
         """
         refuse_finished(self.state.finished, self.path)
         place = at or self.open_question().place
-        refuse_unreadable(self.description.setup(place.setup), (value, *others), std, self.state.mounted)
+        if gone := next((each for each in self.state.mounted if each.name == place.setup), None):
+            what = '"{setup}" has gone: its zero jumped'
+            raise ReadingError(what, 'Read "{instead}"', setup=gone.name, instead=gone.setup)
+        refuse_unreadable(self.description.setup(place.setup), (value, *others), std)
         time = seconds_since(self.begun, self.state.readings) if live else None
         where = place.setup, place.pose, place.approach
         self._append(Recorded(Reading(*where, value, std, None, accepted, others, time, check=place.check)))
@@ -224,7 +225,7 @@ class Campaign(AbstractContextManager["Campaign"]):
         """Keep by how much the bump in the tables of a control moved the tool today, m, also after the end."""
         self._append(Bumped(controller, moved, datetime.now(UTC).date().isoformat()))
 
-    def undo(self) -> Undoable:
+    def undo(self) -> Stored:
         """Take back the last reading, skip, accepted mistake, temperature or finish; its question is open again."""
         if not self.state.undo:
             raise RecordError("There is nothing to take back", "Go on with `axiscal step next`", self.path)
@@ -302,32 +303,27 @@ class Campaign(AbstractContextManager["Campaign"]):
         """Ask and record until a target is reached, and return why it stopped.
 
         watch : called with the beginning and with every reading that is kept
-        Raises SourceError, or KeyboardInterrupt between two readings; what was kept is kept.
+        Raises SourceError, or KeyboardInterrupt at any time; what was kept is kept.
         """
         path, in_a_row = [self._milestone()], 0
         watch(path[0])
-        with noted_interrupts() as heeding:
-            while True:
-                accuracies = [milestone.accuracy for milestone in path]
-                before = partial(estimated, self.case(), self.state.readings[:-FUTILE])
-                hopeless = out_of_reach(self.description.target, accuracies, before, self.estimate())
-                asked = Ended(hopeless) if hopeless and not self.reached() else self.next()
-                if isinstance(asked, Ended):
-                    return self.finish(asked.because)
-                with heeding():
-                    answer = answered(source, self.request(asked))
-                if isinstance(answer, Skip):
-                    self.skip(answer.reason)
-                    in_a_row += 1
-                    refuse_endless(in_a_row, answer)
-                else:
-                    self.record(answer.value, answer.std, others=answer.others, live=answer.live)
-                    in_a_row = 0
-                    path.append(self._milestone())
-                    watch(path[-1])
-                    refuse_implausible(self.estimate())
-                with heeding():
-                    pass  # before the next plan is made
+        while True:
+            before = partial(estimated, self.case(), self.state.readings[:-FUTILE])
+            hopeless = out_of_reach(self.description.target, [each.accuracy for each in path], before, self.estimate())
+            asked = Ended(hopeless) if hopeless and not self.reached() else self.next()
+            if isinstance(asked, Ended):
+                return self.finish(asked.because)
+            answer = answered(source, self.request(asked))
+            if isinstance(answer, Skip):
+                self.skip(answer.reason)
+                in_a_row += 1
+                refuse_endless(in_a_row, answer)
+            else:
+                self.record(answer.value, answer.std, others=answer.others, live=answer.live)
+                in_a_row = 0
+                path.append(self._milestone())
+                watch(path[-1])
+                refuse_implausible(self.estimate())
 
     def request(self, asked: Asked) -> Request:
         """Return the question as a source is asked it."""

@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 from axiscal.campaign.sources import Skip
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.expanded import expanded, known_to
+from axiscal.estimation.accuracy.expanded import WantedAccuracy, asked, known_to
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.known_rows import known_rows
 from axiscal.exceptions import RecordError, SourceError
 from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
-from axiscal.planning.promise import FEW, WantedAccuracy, asked
+from axiscal.planning.promise import FEW
 from axiscal.record.events import KeptResult
 from axiscal.units import format_quantity
 
@@ -137,9 +137,7 @@ def _unread(target: Target, known: Estimation) -> bool:
     if len(known.readings) >= FEW or not len(known.stated.sizes):
         return False
     yardstick, prior = known.stated.yardstick, known.stated.prior
-    rms, worst, *_ = yardstick.measure(prior)
-    pairs = (target.rms, rms), (target.worst, worst), (target.expanded, expanded(yardstick, prior).space)
-    return any(limit is not None and before <= limit for limit, before in pairs)
+    return any(known_to(each.name, yardstick, prior) <= each.limit for each in asked(target, yardstick))
 
 
 def out_of_reach(

@@ -16,10 +16,9 @@ def signed_text(record: Record) -> str:
     found, last = record.signed(), record.last()
     if found is None:
         return ""
-    person, computer, key, _ = found.by
-    by = said("{person} on {computer}", person=person, computer=computer)
-    if not is_own(key):
-        by = said("{by}, key {key}", by=by, key=key[:16])
+    by = said("{person} on {computer}", person=found.person, computer=found.computer)
+    if not is_own(found.key):
+        by = said("{by}, key {key}", by=by, key=found.key[:16])
     if not found.holds:
         return said("changed since it was signed at event {number} by {by}", number=found.number, by=by)
     signed = said("signed by {by} until reading {reading}", by=by, reading=found.reading)

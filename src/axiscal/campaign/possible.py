@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import platform
 from collections.abc import Sequence
 from dataclasses import replace
@@ -127,32 +126,17 @@ def _standing(state: State) -> str:
     return next((gone.get(each.setup, each.setup) for each in last), "")
 
 
-def refuse_unreadable(
-    setup: Setup, values: Sequence[float], std: float | None, mounted: Sequence[Mounted] = ()
-) -> None:
-    """Raise ReadingError for what a set-up's instrument does not read, or one that has gone.  values, std : m or rad"""
-    for each in mounted:
-        if each.name == setup.name:
-            what = '"{setup}" has gone: its zero jumped'
-            raise ReadingError(what, 'Read "{instead}"', setup=setup.name, instead=each.setup)
-    for value in values:
-        if not math.isfinite(value):
-            remedy = "Give the reading, or skip it with its reason"
-            raise ReadingError("{value} is not a finite number", remedy, value=value)
-    _refuse_absurd(setup, values, std)
-    if std is not None and not std >= FINEST:
-        remedy = "Give one of at least 0.1 nm or 0.1 nrad, or none"
-        shown = format_quantity(std, reading_unit(setup))
-        raise ReadingError("{std} is no standard deviation", remedy, std=shown)
-
-
-def _refuse_absurd(setup: Setup, values: Sequence[float], std: float | None) -> None:
-    """Raise ReadingError for numbers, m or rad, that no instrument reads, or more or fewer than a set-up's does."""
+def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None, least: float = FINEST) -> None:
+    """Raise ReadingError for what a set-up's instrument does not read.  values, std : m or rad; least : smallest std"""
     for value in (*values, std or 0.0):
         if not abs(value) < LARGEST:
             remedy = "Give the reading with its unit, such as 1.7 um"
             raise ReadingError("{value:g} m or rad is no deviation of a machine", remedy, value=value)
     refuse_other_values(setup, len(values))
+    if std is not None and not std >= least:
+        remedy = "Give one of at least 0.1 nm or 0.1 nrad, or none"
+        shown = format_quantity(std, reading_unit(setup))
+        raise ReadingError("{std} is no standard deviation", remedy, std=shown)
 
 
 _BACK = "Put it back from a copy"
@@ -170,7 +154,9 @@ class Possible:
         match event:
             case Recorded(reading):
                 self._refuse_place(reading)
-                _refuse_values(reading, self._setups[reading.setup])
+                refuse_unreadable(self._setups[reading.setup], reading.values, reading.std, _LEAST)
+                if reading.time is not None and not abs(reading.time) < _LATEST:
+                    raise RecordError("{seconds:g} s after its beginning", _BACK, seconds=reading.time)
             case Asked(place=place):
                 self._refuse_place(place)
             case Planned(places):
@@ -207,11 +193,3 @@ class Possible:
             if not low - slack <= value <= high + slack:
                 place = format_quantity(value, axis.unit, 9)
                 raise RecordError("{axis} = {shown} is outside the travel", _BACK, axis=axis.name, shown=place)
-
-
-def _refuse_values(reading: Reading, setup: Setup) -> None:
-    _refuse_absurd(setup, reading.values, reading.std)
-    if reading.std is not None and reading.std < _LEAST:
-        raise RecordError("{std:g} m or rad is no standard deviation", _BACK, std=reading.std)
-    if reading.time is not None and not abs(reading.time) < _LATEST:
-        raise RecordError("{seconds:g} s after its beginning", _BACK, seconds=reading.time)

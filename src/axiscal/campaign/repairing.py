@@ -38,7 +38,7 @@ from axiscal.record.events import (
 )
 from axiscal.record.lines import EMPTY, HEAD, DamageError, EventText, KeptLine, counts, entry, whole_lines
 from axiscal.record.payload import PayloadError, decode, encode, stored
-from axiscal.record.signing import hand_of, rows_of, signed_by
+from axiscal.record.signing import hand_of, holds, rows_of
 from axiscal.record.store import Record, content_of_lines, said_hand
 
 _MOST = 20
@@ -144,7 +144,7 @@ def _refuse_unfit(
     """Raise DamageError for a whole entry that cannot stand.  whole : whether none before it is missing"""
     if isinstance(event, Accepted) and not whole:
         raise DamageError("what it puts right may be missing; accept it anew")
-    if isinstance(event, Signed) and not (whole and signed_by(row, event, before)[1]):
+    if isinstance(event, Signed) and not (whole and holds(row, event, before)):
         raise DamageError("it answers for what is missing, or was changed; sign anew")
     if possible is not None:
         possible.take(event)

@@ -1,26 +1,27 @@
 """All commands in one application, and the one place where a failure becomes a paragraph on stderr.
 
-The file of a command is loaded only when the command is called. So files of commands import what they need at their
-top, and `axiscal --help` only reads what they say of themselves.
+The file of a command is loaded only when the command is run. So files of commands import what they need at their top,
+and help only reads the table of their words.
 """
 
 from __future__ import annotations
 
-import ast
 import gc
 import os
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections import ChainMap
+from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
-from pathlib import Path
+from inspect import Signature
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
+from axiscal.cli.arguments import TABLE, parameters, words_of
 from axiscal.cli.printing import agreed, complain, say
 from axiscal.document.consent import asking, nobody
 from axiscal.document.gone import instead_of
@@ -29,64 +30,21 @@ from axiscal.exceptions import AxiscalError, InputError, PortError
 from axiscal.language.spoken import WORDS, later, said, speaking
 from axiscal.present.whose_language import chosen
 
-_MAIN = {
-    "init": "init",
-    "plan": "plan",
-    "measure": "measure",
-    "serve": "serve.serve",
-    "finish": "report.finish",
-    "export": "export",
-    "verify": "verify",
-    "status": "status",
-    "report": "report",
-    "demo": "run_loop.demo",
-}
-"""In the order of `--help`: a file with a function of its name, or "file.function"; `app` where it has subcommands."""
-_STEP = {
-    "start": "plan.start",
-    "next": "steps.next_reading",
-    "record": "record",
-    "undo": "steps.undo",
-    "accept": "steps.accept",
-    "note": "steps.note",
-    "skip": "record.skip",
-    "status": "status",
-    "run": "run_loop",
-}
-_DATA = {
-    "estimate": "estimate",
-    "iso230": "estimate.iso230",
-    "predict": "estimate.predict",
-    "copy": "records.copy_record",
-    "sign": "records.sign",
-    "repair": "records.repair",
-    "merge": "records.merge",
-}
-_GROUPS = {
-    "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
-    "data": ("Work on readings, records and poses in files.", _DATA),
-}
+_TREE, _GROUPS = TABLE["commands"], TABLE["groups"]
 _GONE = later("{name} is gone. {instead}.")
-_Places = Mapping[str, str | tuple[str, Mapping[str, str]]]
-"""The file of each command; of a group what it is for, and the files of its commands."""
-_SECTIONS: Mapping[str, _Places] = {"Commands": _MAIN, "More commands, in groups": {**_GROUPS, "machine": "machine"}}
-_SALVAGE = {"salvage": "records.repair"}
-_UNGROUPED = {**_STEP, **_DATA, **_SALVAGE}
-"""The names that commands had before: they work, and no help lists them."""
 
 
 class AllCommands(TyperGroup):
-    """Commands, each loaded from its file when it is called.
+    """The commands of a group, "" for all.
 
-    sections : those that help and completion show, by the heading over them; unlisted : the others
+    sections : those that help and completion show, by the heading over them; places : the files of all
     """
 
-    def __init__(
-        self, sections: Mapping[str, _Places] = _SECTIONS, unlisted: _Places = _UNGROUPED, **attributes: Any
-    ) -> None:
+    def __init__(self, group: str = "", **attributes: Any) -> None:
         super().__init__(**attributes)
-        self.sections = sections
-        self.places = dict(unlisted) | {name: place for each in sections.values() for name, place in each.items()}
+        self.sections = {"Commands": _TREE[group or "main"]} | ({} if group else {"More commands, in groups": _GROUPS})
+        before = [_TREE[name] for name in {"": ("hidden", "step", "data"), "data": ("hidden",)}.get(group, ())]
+        self.places: dict[str, str] = dict(ChainMap(*self.sections.values(), *before))
         self.commands = dict.fromkeys(self.places, TyperCommand("not loaded"))
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -100,30 +58,18 @@ class AllCommands(TyperGroup):
         return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command or group by its name, loaded now; None if there is no such command."""
+        """Return a command or group by its name; None if there is no such command."""
         place = self.places.get(cmd_name)
-        if isinstance(place, tuple):
-            shown = {"Commands": place[1]}
-            return AllCommands(
-                shown,
-                _SALVAGE if cmd_name == "data" else {},
-                name=cmd_name,
-                help=place[0],
-                rich_markup_mode=None,
-                no_args_is_help=True,
-            )
-        return None if place is None else _command(cmd_name, place)
+        if place is None or cmd_name not in _GROUPS:
+            return None if place is None else _command(cmd_name, place)
+        return AllCommands(cmd_name, name=cmd_name, help=place, rich_markup_mode=None, no_args_is_help=True)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the lists of commands into the help, each with the first sentence that its file says of it."""
+        """Write the lists of commands into the help, each with the first line of its own."""
         for title, places in self.sections.items():
             with formatter.section(title):
-                formatter.write_dl(
-                    [
-                        (name, place[0] if isinstance(place, tuple) else _docstring(place).splitlines()[0])
-                        for name, place in places.items()
-                    ]
-                )
+                lines = {name: _GROUPS.get(name) or words_of(at)["help"].splitlines()[0] for name, at in places.items()}
+                formatter.write_dl([*lines.items()])
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was called; each is a door of planning or estimating."""
@@ -134,32 +80,27 @@ class AllCommands(TyperGroup):
 
 
 def _command(name: str, place: str) -> Any:
+    """Return a command as the table has it; its file is loaded when it is run."""
     file, _, function = place.partition(".")
-    try:
-        module = import_module(f"axiscal.cli.{file}")
-    except ModuleNotFoundError as missing:
-        port = (missing.name or "").removeprefix("axiscal.ports.")
-        if port == missing.name:
-            raise
-        remedy = "Install the package that brings it"
-        raise PortError("{command} needs {name}, which is not installed", remedy, command=name, name=port) from None
-    if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
-        gc.freeze()
-        gc.enable()
-    several: typer.Typer | None = getattr(module, "app", None)
-    if several is not None:
-        return typer.main.get_command(several)
+
+    def called(**given: Any) -> None:
+        try:
+            module = import_module(f"axiscal.cli.{file}")
+        except ModuleNotFoundError as missing:
+            port = (missing.name or "").removeprefix("axiscal.ports.")
+            if port == missing.name:
+                raise
+            what, remedy = "{command} needs {name}, which is not installed", "Install the package that brings it"
+            raise PortError(what, remedy, command=name, name=port) from None
+        if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
+            gc.freeze()
+            gc.enable()
+        getattr(module, function)(**given)
+
+    called.__signature__ = Signature([*parameters(place)])  # type: ignore[attr-defined]
     alone = typer.Typer(rich_markup_mode=None, add_completion=False)
-    alone.command(name)(getattr(module, function or file))
+    alone.command(name, help=words_of(place)["help"])(called)
     return typer.main.get_command(alone)
-
-
-def _docstring(place: str) -> str:
-    """Return the docstring of a command as its file has it, unloaded."""
-    file, _, function = place.partition(".")
-    tree = ast.parse(Path(__file__).with_name(f"{file}.py").read_text(encoding="utf-8"))
-    functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
-    return next(ast.get_docstring(each) or "" for each in functions if each.name == (function or file))
 
 
 INTERRUPTED = 130

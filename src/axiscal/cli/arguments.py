@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import os
+import tomllib
+from collections.abc import Iterator, Mapping
+from inspect import Parameter
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from axiscal.exceptions import RecordError, TargetError
 from axiscal.units import Dimension, parse_quantity
 
+TABLE = tomllib.loads(Path(__file__).with_name("commands.toml").read_text(encoding="utf-8"))
+"""Where commands are and in which group, and the words of what each takes, by file, function and parameter."""
 _COMPLETING = "_AXISCAL_COMPLETE"
 """Set by a shell that asks for completions."""
 
@@ -56,50 +61,43 @@ def length_unit(text: str | None) -> str:
     return text or ""
 
 
-RecordFile = Annotated[
-    Path, typer.Argument(metavar="RECORD", help="The campaign record, a file *.axiscal.", autocompletion=records_here)
-]
-OwnRecord = Annotated[
-    Path,
-    typer.Argument(
-        metavar="RECORD",
-        default_factory=own_record,
-        show_default=False,
-        autocompletion=records_here,
-        help="The campaign record; default: AXISCAL_RECORD, or the only one here.",
-    ),
-]
-Language = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="en or de; default: AXISCAL_LANGUAGE, or that of the computer."),
-]
-ReportLanguage = Annotated[
-    str | None,
-    typer.Option("--language", metavar="NAME", help="en or de; default: that of campaign.toml."),
-]
-CampaignFile = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="The description of the campaign, a TOML file.")]
-Log = Annotated[Path | None, typer.Option("--log", metavar="FILE", help="The log of programs of plan --gcode --log.")]
-Programs = Annotated[Path, typer.Option("--programs", metavar="DIR", help="With --log: the folder of these programs.")]
-Template = Annotated[
-    Path | None, typer.Option("--template", metavar="FILE", help="A file saved by your control (heidenhain, fanuc).")
-]
-PlacesFile = Annotated[
-    Path | None, typer.Option("--plan", metavar="FILE.csv", help="Write the places as a file to fill in.")
-]
-Anyway = Annotated[
-    bool, typer.Option("--anyway", help="Write U and tables although the readings contradict each other.")
-]
-Details = Annotated[
-    bool, typer.Option("--details", help="Say before the last screen what U holds for, and all warnings.")
-]
-Unit = Annotated[
-    str | None, typer.Option("--unit", metavar="UNIT", help="Of lengths without one, such as inch; default: mm.")
-]
-Zero = Annotated[str | None, typer.Option(metavar="PLACE", help='Where the printer homes Z, such as "150 mm, 150 mm".')]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
-ResultsFolder = Annotated[
-    Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder for the results; default: beside the record.")
-]
-Out = Annotated[
-    Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for record, result.json, report and tables.")
-]
+_FACTORIES = {each.__name__: each for each in (own_record, only_record)}
+_TYPES: Mapping[str, Any] = {"text": str, "texts": list[str], "path": Path, "number": int, "flag": bool, "choice": bool}
+
+
+def words_of(place: str) -> Mapping[str, Any]:
+    """Return what the table says of a command.  place : "file.function" """
+    file, _, function = place.partition(".")
+    found: Mapping[str, Any] = TABLE[file][function]
+    return found
+
+
+def parameters(place: str) -> Iterator[Parameter]:
+    """Yield the arguments and options of a command as typer reads them.
+
+    A text in the place of a row names one of [shared], as does the parameter itself where there is none.
+    """
+    words = words_of(place)
+    for name in words["takes"]:
+        row = words.get(name, name)
+        yield _parameter(name, **(TABLE["shared"][row] if isinstance(row, str) else row))
+
+
+def _parameter(
+    name: str, type: str = "text", default: Any = None, required: bool | None = None, **row: Any
+) -> Parameter:
+    """Return a parameter.  required : left out for an argument that is, and an option that is not"""
+    argument, kind = row.pop("argument", ""), _TYPES[type]
+    if argument:
+        factory = _FACTORIES.get(row.pop("factory", ""))
+        completing = records_here if argument == "RECORD" else None
+        words = typer.Argument(metavar=argument, default_factory=factory, autocompletion=completing, **row)
+    else:
+        words = typer.Option(*row.pop("flags", [f"--{name.replace('_', '-')}"]), **row)
+    if default is not None or type == "flag":
+        default = Path(default) if type == "path" else default or kind()
+    elif argument != "" if required is None else required:
+        default = Parameter.empty
+    else:
+        kind |= None
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, words])

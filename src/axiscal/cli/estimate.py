@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from axiscal.answers.prediction import predict_poses
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile, Unit, Zero, length_unit
+from axiscal.cli.arguments import length_unit
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell, tell_minds
 from axiscal.cli.record import placed_log
@@ -25,26 +23,13 @@ from axiscal.present.delivery import evaluated, read_in
 from axiscal.present.findings import OF_THE_READING, of_readings
 from axiscal.present.plan_words import open_questions
 from axiscal.present.result_of_campaign import Extras
-from axiscal.present.result_set import RECORD, mend
+from axiscal.present.result_set import RECORD
 from axiscal.tables.exporter import unasked
 from axiscal.units import to_unit
 
 
-def predict(
-    record: RecordFile,
-    poses: Annotated[Path, typer.Argument(metavar="POSES.csv", help="Columns X_mm, ... C_deg, and optional approach.")],
-    json: Json = False,
-) -> None:
-    """Say how far off the tool is at poses.
-
-    Mean and standard deviation of the tool point along x, y, z of the workpiece frame. Axes that are left out stand at
-    the middle of their travel.
-
-    \b
-    Example:
-      axiscal data predict mill.axiscal poses.csv --json
-    """
-
+def predict(record: Path, poses: Path, json: bool = False) -> None:
+    """Say how far off the tool is at poses."""
     wanted = read_poses(poses)
     with Campaign.open(record, write=False) as campaign:
         found = predict_poses(campaign.estimate(ended=True), wanted, poses)
@@ -58,49 +43,31 @@ def predict(
 
 
 def estimate(
-    campaign: CampaignFile,
-    out: Out,
-    readings: Annotated[
-        Path | None, typer.Argument(metavar="READINGS", help="Readings that exist, in any format that is known.")
-    ] = None,
-    unit: Unit = None,
-    axis: Annotated[
-        str, typer.Option(metavar="NAME", help="Along which a test was read whose file does not say it.")
-    ] = "",
-    zero: Zero = None,
-    log: Log = None,
-    programs: Programs = Path("programs"),
-    details: Details = False,
-    json: Json = False,
+    campaign: Path,
+    out: Path,
+    readings: Path | None = None,
+    unit: str | None = None,
+    axis: str = "",
+    zero: str | None = None,
+    log: Path | None = None,
+    programs: Path = Path("programs"),
+    details: bool = False,
+    json: bool = False,
 ) -> None:
-    """Evaluate readings that exist already; nothing is planned.
-
-    The first lines say what a file is: a table (setup, X_mm, ... approach, value_um), the test of an axis, the map of
-    a bed, or points X Y Z. Tests and maps find their set-up by what it reads.
-
-    \b
-    Examples:
-      axiscal data estimate campaign.toml readings.csv --out results
-      axiscal data estimate campaign.toml printer.cfg#hot --out results
-      axiscal data estimate campaign.toml heightmap.csv --zero "150 mm, 150 mm" --out results
-      axiscal data estimate campaign.toml laser.rtl --axis Y --out results
-      axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
-    """
-
+    """Evaluate readings that exist already; nothing is planned."""
     description = read_campaign(campaign, target_needed=False, asking=False)
     if readings is None and log is None:
         raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
-    placed, extras, told = tuple[Reading, ...](), Extras(), ""
+    placed, told = tuple[Reading, ...](), ""
     if readings is not None:
-        description, placed, extras, told = read_in(description, readings, length_unit(unit), axis, zero)
+        description, placed, told = read_in(description, readings, length_unit(unit), axis, zero)
     if log is not None:
         placed = (*placed, *placed_log(log, programs, description))
-    mend(out)
     if (out / RECORD).exists():
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
     if told:
         tell(told)
-    extras = replace(extras, warnings=of_readings(placed, description.setups, description.machine.axes))
+    extras = Extras(warnings=of_readings(placed, description.setups, description.machine.axes))
     with evaluated(description, placed) as opened:
         kept, again = out / RECORD, "give the command again"
         result = write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
@@ -108,22 +75,8 @@ def estimate(
     tell_minds(unasked(description), *seen, *open_questions(description))
 
 
-def iso230(
-    readings: Annotated[Path, typer.Argument(metavar="READINGS", help="The test; its first lines say which one.")],
-    unit: Unit = None,
-    json: Json = False,
-) -> None:
-    """Print the figures of ISO 230-2 or ISO 230-4.
-
-    The columns say what was tested. An axis: target_mm or target_deg, direction (+ or -), run, deviation_um or
-    deviation_arcsec; or a column a run; or .rtl, .rta, .rts (less its best-fit line). A circle: angle_deg, direction
-    (+ counter-clockwise), deviation_um. Behind ± stands how far each figure scatters in another test (k = 2).
-
-    \b
-    Example:
-      axiscal data iso230 readings.csv
-    """
-
+def iso230(readings: Path, unit: str | None = None, json: bool = False) -> None:
+    """Print the figures of ISO 230-2 or ISO 230-4."""
     read = recognised(readings, unit=length_unit(unit))
     found = figures_of(read)
     tell(read.sentence())

@@ -6,17 +6,13 @@ import re
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
-from typing import Annotated
-
-import typer
 
 from axiscal.answers.answer_words import wrapped
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
-from axiscal.cli.arguments import Anyway, Json, RecordFile, Template, Zero
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.rewriting import PROGRAM, Rewriting
+from axiscal.cli.rewriting import PROGRAM, write_program
 from axiscal.document.ports import part
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
@@ -36,78 +32,26 @@ from axiscal.units import parse_quantity, to_unit
 
 
 def export(
-    record: RecordFile,
-    to: Annotated[str, typer.Option(metavar="CONTROLLER", help="Which control; `--to list` names them.")],
-    out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for the files and their README.txt.")
-    ] = Path("tables"),
-    template: Template = None,
-    spacing: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="LENGTH",
-            help='Distance of the points, such as "10 mm", or of those of one axis, "X=25 mm"; repeatable.',
-        ),
-    ] = None,
-    number: Annotated[
-        list[str] | None,
-        typer.Option(metavar="AXIS=N", help="Number of an axis in the control, or of each of its joints; repeatable."),
-    ] = None,
-    unit: Annotated[
-        str | None, typer.Option(metavar="mm|in", help="Unit of the control; default: that of travels in machine.toml.")
-    ] = None,
-    mesh: Annotated[
-        int | None, typer.Option(metavar="N", help="Points of a height map along each side; default: as the map read.")
-    ] = None,
-    zero: Zero = None,
-    probe_sign: Annotated[
-        bool, typer.Option("--probe-sign", help="Only a bump of 10 um, which tells the sign of the tables.")
-    ] = False,
-    measuring_system: Annotated[int, typer.Option(metavar="1|2", help="sinumerik: of encoder compensation.")] = 1,
-    on_top_of: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="OLD",
-            help="linuxcnc, sinumerik: what was active: a table, AXIS=FILE, a folder, an INI file; repeatable.",
-        ),
-    ] = None,
-    ini: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.ini",
-            help="linuxcnc-volumetric: your INI file; it and its HAL files are written with the component in them.",
-        ),
-    ] = None,
-    program: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="program: a part program to rewrite."),
-    ] = None,
-    origin: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PLACE", help="program: where X, Y and Z of the machine stand at its zero, with the tool in."
-        ),
-    ] = None,
-    chord: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help='program: how exactly its ways are held; default "0.2 um".')
-    ] = None,
-    anyway: Anyway = False,
-    json: Json = False,
+    record: Path,
+    to: str,
+    out: Path = Path("tables"),
+    template: Path | None = None,
+    spacing: list[str] | None = None,
+    number: list[str] | None = None,
+    unit: str | None = None,
+    mesh: int | None = None,
+    zero: str | None = None,
+    probe_sign: bool = False,
+    measuring_system: int = 1,
+    on_top_of: list[str] | None = None,
+    ini: Path | None = None,
+    program: Path | None = None,
+    origin: str | None = None,
+    chord: str | None = None,
+    anyway: bool = False,
+    json: bool = False,
 ) -> None:
-    """Write compensation files for a control.
-
-    They are read back and tried in a simulated control first. README.txt says what they hold and what they leave.
-
-    \b
-    Examples:
-      axiscal export mill.axiscal --to linuxcnc --out tables
-      axiscal export router.axiscal --to linuxcnc --number Y=1 --number Y=2 --out tables
-      axiscal export mill.axiscal --to linuxcnc-volumetric --ini ~/linuxcnc/configs/mill/mill.ini --out tables
-      axiscal export mill.axiscal --to sinumerik --number X=1 --number Y=2 --spacing "25 mm" --out tables
-      axiscal export mill.axiscal --to linuxcnc --on-top-of machine.ini --out tables
-      axiscal export router.axiscal --to program --program part.ngc --origin "120 mm, 80 mm, -60 mm" --out corrected
-    """
-
+    """Write compensation files for a control."""
     if to == "list":
         say("\n".join([*registry.controllers(), PROGRAM]))
         return
@@ -126,7 +70,9 @@ def export(
     given = [*([] if ini is None else ["--ini"]), *options.given]
     wanted = {"--program": program, "--origin": origin, "--chord": chord}
     if to == PROGRAM:
-        Rewriting.asked(program, origin, chord, unit or "mm", given).write(record, out, anyway, json)
+        if other := next((option for option in given if option != "--unit"), ""):
+            raise TableError("{controller} does not take {option}", "leave it out", controller=to, option=other)
+        write_program(record, out, program, origin, chord, unit, anyway, json)
         return
     given += [name for name, value in wanted.items() if value is not None]
     registry.refuse_untaken(to, given)
@@ -153,20 +99,15 @@ def export(
     if json:
         say_document(_document(offered, out))
     else:
-        last = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"]}
-        then = said("load {folder} (README.txt there), then", folder=out)
         made_from = "" if template is None else f" --template {quote(str(template))}"
-        last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
+        then = said("load {folder} (README.txt there), then", folder=out)
+        coming = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
         if not offered.worth:
-            last[said("Next")] = [said("do not load these files: they leave no less error than there is")]
-        found = (
-            wrapped(bump, 4)
-            if bump
-            else wrapped(effect_sentence(said("All files together"), offered.effect, offered.known), 4)
-        )
-        if offered.idle:
-            found += wrapped(said("The files do not move {axes}.", axes=joined(offered.idle)), 4)
-        say("\n".join([*found, *ending(last)]))
+            coming = [said("do not load these files: they leave no less error than there is")]
+        last = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"], said("Next"): coming}
+        effect = effect_sentence(said("All files together"), offered.effect, offered.known)
+        idle = said("The files do not move {axes}.", axes=joined(offered.idle)) if offered.idle else ""
+        say("\n".join([*wrapped(bump or effect, 4), *(wrapped(idle, 4) if idle else ()), *ending(last)]))
 
 
 def _spacing(texts: list[str]) -> float | dict[str, float] | None:
@@ -199,15 +140,13 @@ def _numbers(texts: list[str]) -> dict[str, tuple[int, ...]]:
 
 
 def _document(offered: Export, out: Path) -> dict[str, object]:
-    before, after = (to_unit(value, "um") for value in offered.effect)
+    sizes = dict(zip(("before", "after", "expected"), (*offered.effect, offered.expected), strict=True))
     return {
         "schema": "axiscal-export/1",
         "controller": offered.controller,
         "files": [str(out / name) for name in offered.files],
         "readme": offered.readme,
-        "rms_um_before": before,
-        "rms_um_after": after,
-        "rms_um_expected": to_unit(offered.expected, "um"),
+        **{f"rms_um_{name}": to_unit(size, "um") for name, size in sizes.items()},
         "tables": [
             {
                 "axis": table.axis,

@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import TypeVar
 
 import typer
 
@@ -18,27 +18,23 @@ from axiscal.answers.answer_words import WIDTH, wrapped
 from axiscal.answers.row_words import row_name
 from axiscal.cli.printing import ask, complain, say
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.first_campaign import Purpose
+from axiscal.description.first_campaign import Beginning, Purpose
 from axiscal.description.first_files import (
-    Beginning,
     first_described,
     instruments_of,
     linear_travels,
     of_builtin,
     of_ini,
-    of_printer,
     offered_names,
     with_travels,
     write_files,
 )
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
-from axiscal.description.printer_file import is_printer_file
-from axiscal.document import shown
+from axiscal.description.printer_file import is_printer_file, of_printer
 from axiscal.exceptions import DescriptionError, InputError
-from axiscal.language.spoken import counted, ending, joined, listed, said
+from axiscal.language.spoken import counted, ending, listed, said
 from axiscal.machine import builtin_names
-from axiscal.measurement.readers.probe_offset import pair_of
 
 _Answer = TypeVar("_Answer")
 _MACHINE = "three-axis-mill"
@@ -46,40 +42,15 @@ _MACHINE = "three-axis-mill"
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; it may exist.")] = Path(),
-    machine: Annotated[str | None, typer.Option(metavar="NAME", help="A built-in machine to begin with.")] = None,
-    ini: Annotated[
-        Path | None,
-        typer.Option("--from", metavar="FILE", help="Begin with the INI file of a LinuxCNC or with a printer.cfg."),
-    ] = None,
-    chain: Annotated[
-        str | None, typer.Option(metavar="CHAIN", help='With --from: how it is built, such as "w-Y\'-b-X-Z-t".')
-    ] = None,
-    limits: Annotated[
-        list[str] | None,
-        typer.Option(metavar="LIMITS", help='With --from: of an axis that the file leaves open, such as "Z -300 0".'),
-    ] = None,
-    instrument: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_names().values())}, or grid.py:Grid; several times."),
-    ] = None,
-    target: Annotated[
-        str | None, typer.Option(metavar="U", help='The uncertainty wanted, such as "10 um"; "" for none.')
-    ] = None,
+    folder: Path = Path(),
+    machine: str | None = None,
+    ini: Path | None = None,
+    chain: str | None = None,
+    limits: list[str] | None = None,
+    instrument: list[str] | None = None,
+    target: str | None = None,
 ) -> None:
-    """Write a first machine.toml and campaign.toml.
-
-    Every line has a word of explanation; the command asks for what is not given. It begins with a built-in machine,
-    the INI file of a LinuxCNC or a printer.cfg, and marks with CHECK what such a file cannot say. Nothing is
-    written over.
-
-    \b
-    Examples:
-      axiscal init mill
-      axiscal init mill --machine three-axis-mill --instrument laser --instrument "ball bar" --target "20 um"
-      axiscal init mill --from ~/linuxcnc/configs/mill/mill.ini --instrument ballbar --target "30 um"
-      axiscal init bed --from printer.cfg --instrument probe --target "30 um"
-    """
+    """Write a first machine.toml and campaign.toml."""
     if ini is not None and machine is not None:
         raise typer.BadParameter(said("give either --machine or --from, not both"))
     if ini is None and (chain is not None or limits):
@@ -87,21 +58,13 @@ def init(
     try:
         begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
         begun = replace(begun, folder=folder)
-        given = instrument and instruments_of(", ".join(instrument), folder)
-        names = given or _instruments(begun)
-        if "probe" in names and not given and begun.beside is None:
-            begun = _with_probe(begun)
+        names = (instrument and instruments_of(", ".join(instrument), folder)) or _instruments(begun)
         wanted = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
         made = partial(first_described, begun, names)
         described = _answered(wanted, (), lambda text: made(Purpose(text))) if target is None else made(Purpose(target))
     except EOFError:
-        asked = {
-            said("--machine or --from"): machine is None and ini is None,
-            "--instrument": not instrument,
-            "--target": target is None,
-        }
-        lacking = joined([option for option, lacks in asked.items() if lacks])
-        raise DescriptionError("Nobody answered", "Give {options}", options=lacking) from None
+        remedy = "Give --machine or --from, --instrument and --target"
+        raise DescriptionError("Nobody answered", remedy) from None
     write_files(folder, described)
     written, campaign = folder / "machine.toml", folder / "campaign.toml"
     say(said("{file}: change it to what your machine is", file=written))
@@ -180,20 +143,6 @@ def _lengths(axes: Collection[str], text: str) -> dict[str, float]:
         remedy, example = "Write a number for each of {axes}, such as {example}", " ".join(["400"] * count)
         raise DescriptionError(what, remedy, text=text, count=count, axes=" ".join(axes), example=example)
     return dict(zip(axes, lengths, strict=True))
-
-
-def _with_probe(begun: Beginning) -> Beginning:
-    """Return a machine with the place of its probe, which is asked for."""
-    question = said("How far does the probe stand beside the tool point along X and Y, in mm? Enter for 0 0")
-
-    def standing(text: str) -> Beginning:
-        beside = pair_of((text or "0 0").replace(",", " ").split())
-        if beside is None:
-            what, remedy = "{text} are not two lengths in mm", 'Write those along X and along Y, such as "-33 -46"'
-            raise DescriptionError(what, remedy, text=shown(text))
-        return replace(begun, beside=beside)
-
-    return _answered(question, (), standing)
 
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:

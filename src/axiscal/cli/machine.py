@@ -3,70 +3,33 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_either
 from axiscal.errors.gauge import machine_check, undescribed
 from axiscal.language.spoken import said
 from axiscal.machine import builtin_names, load_machine
 from axiscal.machine.axis import travel_text
-from axiscal.machine.questions import questions, which_way
-
-app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
+from axiscal.machine.questions import which_way
 
 
-@app.callback()
-def machine() -> None:
-    """List the built-in machines; check your own description."""
-
-
-@app.command("list")
-def list_machines(json: Json = False) -> None:
-    """List the built-in machines.
-
-    \b
-    Example:
-      axiscal machine list
-    """
-
+def list_machines(json: bool = False) -> None:
+    """List the built-in machines."""
     machines = {name: load_machine(name) for name in builtin_names()}
     rows = [{"name": key, "title": machine.name, "chain": machine.chain} for key, machine in machines.items()]
     lines = (f"{key:20} {machine.chain:24} {machine.name}" for key, machine in machines.items())
     say_either(json, "axiscal-machines/1", {"machines": rows}, lines)
 
 
-@app.command("show")
-def show(name: Annotated[str, typer.Argument(metavar="NAME", help="A built-in machine.")]) -> None:
-    """Print a built-in description, to be copied and changed.
-
-    \b
-    Example:
-      axiscal machine show three-axis-mill > machine.toml
-    """
-
+def show(name: str) -> None:
+    """Print a built-in description, to be copied and changed."""
     say(load_machine(name).text.rstrip("\n"))
 
 
-@app.command("check")
-def check(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A machine description, or a built-in name.")],
-    json: Json = False,
-) -> None:
-    """Check a description of a machine.
-
-    It says which combinations of its errors no reading of the tool point can tell apart.
-
-    \b
-    Example:
-      axiscal machine check machine.toml
-    """
-
+def check(file: Path, json: bool = False) -> None:
+    """Check a description of a machine."""
     machine = load_machine(str(file))
     hidden, absent = machine_check(machine), undescribed(machine)
-    open_ones = (*questions(machine), *which_way(machine))
+    open_ones = which_way(machine)
     document = {
         "name": machine.name,
         "axes": [axis.name for axis in machine.axes],

@@ -7,20 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
-from axiscal.answers.answer_words import answer_text, columns, minutes_text
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside
+from axiscal.answers.answer_words import minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
-from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
-from axiscal.cli.outputs import write_outputs
+from axiscal.cli.outputs import standing_screen, write_outputs
 from axiscal.cli.printing import ask, mind_lines, say
-from axiscal.cli.progress import tell_out_of_reach
-from axiscal.cli.texts import help_text, opened_to_write
+from axiscal.cli.texts import opened_to_write, tell_out_of_reach
 from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.language.spoken import counted, decimals, listed, put, said, speaking, spoken_now
+from axiscal.language.spoken import WORDS, decimals, listed, put, said, speaking, spoken_now
 from axiscal.numerics import Array
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import (
@@ -28,7 +27,6 @@ from axiscal.present.guide.question import (
     Word,
     action,
     answer,
-    coordinates_text,
     degrees,
     question_text,
     stands,
@@ -45,62 +43,46 @@ _Then = Literal["same", "anew", "stands", "finish", "pause"]
 """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(eq=False, slots=True)
 class Prompt:
-    """The dialogue about one campaign.  out : folder for the results"""
+    """The dialogue about one campaign.  out : folder for the results; mounted : the set-up that stands"""
 
     campaign: Campaign
     out: Path
+    mounted: str = ""
 
     def held(self) -> bool:
         """Hold the dialogue; return False where the person pauses, True where the campaign is to be finished."""
         tell_out_of_reach(self.campaign)
-        readings = self.campaign.state.readings
-        then, mounted = "anew", readings[-1].setup if readings else ""
+        self.mounted, then = next((each.setup for each in self.campaign.state.readings[-1:]), ""), "anew"
         while then == "anew":
-            then, mounted = self._answered(self.campaign.next(), mounted)
+            asked = self.campaign.next()
+            then = self._ended(asked) if isinstance(asked, Ended) else self._asked(asked)
         return then == "finish"
 
-    def _answered(self, asked: Asked | Ended, mounted: str) -> tuple[_Then, str]:
-        """Ask, and return what comes then and which set-up stands.  mounted : the one that stands"""
-        if isinstance(asked, Ended):
-            return self._ended(asked), mounted
+    def _asked(self, asked: Asked) -> _Then:
         question = Question.from_campaign(self.campaign, asked)
-        if question.setup != mounted:
+        if question.setup != self.mounted:
             steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
             named = said('Set-up "{setup}"', setup=question.setup)
             say("\n".join([f"\n{named}: {question.mount_sentence}.", *steps]))
-            then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
+            then = self._until_done(said("Enter when it stands, or ? > "), partial(self._heed_at_mounting, question))
             if then == "stands" and progress.open_temperature(self.campaign):
-                then = self._until_done(self._warmed)
+                prompt = said("Temperature of the machine's scale [degC], Enter: not measured > ")
+                then = self._until_done(prompt, self._heed_temperature)
             if then != "stands":
-                return then, mounted
+                return then
+            self.mounted = question.setup
         say(headline(self.campaign, question))
         say(question_lines(question))
-        return self._asked(said("reading [{unit}] > ", unit=question.asks), question, standing=True), question.setup
+        return self._until_done(said("reading [{unit}] > ", unit=question.asks), partial(self._heed, question))
 
-    def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
-        setup = self.campaign.description.setup(question.setup)
-        return self._until_done(
-            lambda: self._heed(answer(ask(prompt), setup, stands(self.campaign)), question, standing)
-        )
-
-    def _warmed(self) -> _Then:
-        """Ask how warm the scale is; Enter is that nobody has measured it."""
-        typed = ask(said("Temperature of the machine's scale [degC], Enter: not measured > "))
-        word, _, text = typed.strip().partition(" ")
-        if wanted := action(word):
-            return self._heed_anywhere(wanted, text)
-        if word:
-            say(f"  {progress.take_note(self.campaign, degrees(typed))}")
-        return "stands"
-
-    def _until_done(self, heed: Callable[[], _Then]) -> _Then:
+    def _until_done(self, prompt: str, heed: Callable[[str], _Then]) -> _Then:
         """Ask until something has been done; a refusal is said, and the same is asked again."""
         then: _Then = "same"
         while then == "same":
             try:
-                then = heed()
+                then = heed(ask(prompt).strip())
             except OvertakenError:
                 self.campaign.looked_at_again()
                 say("  " + said("Nothing was done: the record has moved on, on a page or by another command."))
@@ -109,17 +91,31 @@ class Prompt:
                 say(f"  {failure}")
         return then
 
-    def _heed(self, typed: Array | Word, question: Question, standing: bool) -> _Then:
-        if not isinstance(typed, Word):
-            if standing:
-                return self._keep(typed, question)
+    def _heed_at_mounting(self, question: Question, typed: str) -> _Then:
+        if not typed:
+            return "stands"
+        if action(typed.partition(" ")[0]) is None:
+            answer(typed, self.campaign.description.setup(question.setup), stands(self.campaign))
             say("  " + said("This is a reading: press Enter when the set-up stands, then type it."))
             return "same"
+        return self._heed(question, typed)
+
+    def _heed_temperature(self, typed: str) -> _Then:
+        """Keep how warm the scale is; Enter is that nobody has measured it."""
+        word, _, text = typed.partition(" ")
+        if wanted := action(word):
+            return self._heed_anywhere(wanted, text)
+        if word:
+            say(f"  {progress.take_note(self.campaign, degrees(typed))}")
+        return "stands"
+
+    def _heed(self, question: Question, text: str) -> _Then:
+        typed = answer(text, self.campaign.description.setup(question.setup), stands(self.campaign))
+        if not isinstance(typed, Word):
+            return self._keep(typed, question)
         match typed.action:
-            case "show" if not standing:
-                return "stands"
             case "skip":
-                self._costs(rest=False)
+                say(f"  {cost_sentence(cost_words(self.campaign, rest=False))}")
                 self.campaign.skip(typed.text or ask("  " + said("why can it not be taken?") + " "))
                 say("  " + said("skipped; the plan is made anew around it"))
                 return "anew"
@@ -128,7 +124,7 @@ class Prompt:
             case "stop":
                 return self._stop()
             case "help":
-                say(help_text())
+                say("\n".join(f"  {said(typed):<18} {said(does)}" for typed, does in WORDS["prompt"]["rows"]))
             case "show" | "more":
                 say(question_lines(question))
             case _:
@@ -152,8 +148,7 @@ class Prompt:
         kept, told = slips.keep_as(self.campaign, question, typed, cause)
         if told:
             say(f"  {told}")
-        at = coordinates_text(question.places, moves=True) or said('set-up "{setup}"', setup=question.setup)
-        say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
+        say("  " + said("kept reading {number}; it is on the disk", number=kept.number))
         minds, named = progress.others_doubted(self.campaign, before), progress.named_now(self.campaign)
         if named is not None and named != asked:
             say(f"  {named.question}")
@@ -164,46 +159,31 @@ class Prompt:
             say(f"  {line}")
         return "anew"
 
-    def _costs(self, *, rest: bool) -> bool:
-        """Say what it costs to skip the reading, or to leave the set-up, and return whether that is anything."""
-        words = cost_words(self.campaign, rest=rest)
-        say(f"  {cost_sentence(words)}")
-        return bool(words)
-
     def _leave(self, reason: str, question: Question) -> _Then:
-        setup = question.setup
-        if self._costs(rest=True):
-            choice = said("Type yes to leave it, Enter to go on:")
-            if not _is_yes(choice):
-                return "same"
+        costs = cost_words(self.campaign, rest=True)
+        say(f"  {cost_sentence(costs)}")
+        if costs and not _is_yes(said("Type yes to leave it, Enter to go on:")):
+            return "same"
         self.campaign.skip(reason or said("the set-up was left"), rest=True)
-        say("  " + said('left "{setup}": the plan is made anew without it; undo goes back to it', setup=setup))
+        text = 'left "{setup}": the plan is made anew without it; undo goes back to it'
+        say("  " + said(text, setup=question.setup))
         return "anew"
 
     def _stop(self) -> _Then:
         """Say what there would be if the campaign ended here, and end it where the person wants that."""
-        now = progress.Progress.of(self.campaign)
-        stands = "Now {figure} = {now}; with the {coming} to come, in about {minutes} min, {promised}."
-        coming = counted("{count} reading", "{count} readings", now.coming)
-        minutes, promised = minutes_text(now.left_minutes), um_text(now.promised_um)
-        figures = {"figure": said(now.figure), "now": um_text(now.now_um), "promised": promised}
-        say("  " + said(stands, coming=coming, minutes=minutes, **figures))
-        rows = answer_text(standing_answer(self.campaign), "").rows
-        say("\n".join(columns(rows)) if rows else "")
+        say(standing_screen(self.campaign))
         choice = said("Type yes to end it here and write the results, Enter to go on:")
         return "finish" if _is_yes(choice) else "same"
 
     def _ended(self, ended: Ended) -> _Then:
         """Say that nothing more is to be measured, and ask whether to write the results, go on or back."""
-        known = progress.Progress.of(self.campaign)
-        taken = counted("{count} reading", "{count} readings", known.taken)
-        done = "Done: {because}. {figure} = {now}, {taken} in {minutes} min."
-        figures = {"figure": said(known.figure), "now": um_text(known.now_um), "minutes": minutes_text(known.minutes)}
-        say("\n" + said(done, because=because_text(ended.because), taken=taken, **figures))
+        say("\n" + said("Done: {because}.", because=because_text(ended.because)))
+        say(standing_screen(self.campaign))
         prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
-        return self._until_done(lambda: self._heed_at_end(*ask(prompt).strip().partition(" ")[::2]))
+        return self._until_done(prompt, self._heed_at_end)
 
-    def _heed_at_end(self, word: str, text: str) -> _Then:
+    def _heed_at_end(self, typed: str) -> _Then:
+        word, _, text = typed.partition(" ")
         wanted = action(word)
         if wanted == "":
             return "finish"
@@ -267,30 +247,14 @@ def question_lines(question: Question) -> str:
 
 def expected_text(question: Question) -> str:
     """Return what each number of the reading is expected to be, with two standard deviations."""
-    shown = [f"{_plain(each.mean)} ± {_plain(each.half)}" for each in question.expected]
+    shown = [f"{decimals(f'{each.mean:.1f}')} ± {decimals(f'{each.half:.1f}')}" for each in question.expected]
     if len({*question.units}) > 1:
-        shown = [f"{each} {unit}" for each, unit in zip(shown, question.units, strict=True)]
-        return ", ".join(shown)
+        return ", ".join(f"{each} {unit}" for each, unit in zip(shown, question.units, strict=True))
     return f"{', '.join(shown)} {question.unit}"
 
 
-def _plain(shown: float) -> str:
-    """Return a number with one decimal, none from a hundred on, and no minus before zero."""
-    digits = 1 if abs(shown) < 100 else 0
-    return decimals(f"{round(shown, digits) + 0.0:.{digits}f}")
-
-
-def measure(record: OwnRecord, out: ResultsFolder = None, language: Language = None) -> None:
-    """Take the readings of a campaign at one prompt.
-
-    It says where to go and what to expect; you type what you read. Type ? for help, pause to stop for now. At the end
-    it writes the results.
-
-    \b
-    Examples:
-      axiscal measure mill.axiscal
-      axiscal measure mill.axiscal -o results --language de
-    """
+def measure(record: Path, out: Path | None = None, language: str | None = None) -> None:
+    """Take the readings of a campaign at one prompt."""
     folder = out or results_beside(record)
     with speaking(chosen(language)):
         with opened_to_write(record, "measure") as campaign:

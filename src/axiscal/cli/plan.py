@@ -5,14 +5,11 @@ from __future__ import annotations
 import shlex
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import CampaignFile, Json, above_zero
+from axiscal.cli.arguments import above_zero
 from axiscal.cli.printing import say, say_document, say_either, tell_minds
-from axiscal.cli.progress import tell_out_of_reach
+from axiscal.cli.texts import tell_out_of_reach
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.document.durable import write_whole
@@ -41,38 +38,19 @@ from axiscal.tables.exporter import unasked
 
 
 def plan(
-    campaign: CampaignFile,
-    readings: Annotated[int | None, typer.Option(metavar="M", help="So many readings.", min=1)] = None,
-    target: Annotated[str | None, typer.Option(metavar="RMS", help='An accuracy to reach, such as "2 um".')] = None,
-    budget: Annotated[str | None, typer.Option(metavar="TIME", help='Machine time, such as "2 h".')] = None,
-    candidates: Annotated[int, typer.Option(metavar="N", help="Places to choose from.", min=10)] = CANDIDATES,
-    gcode: Annotated[
-        str | None, typer.Option(metavar="CONTROLLER", help="Write the plan as programs for this control, into --out.")
-    ] = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the programs.")] = Path("programs"),
-    log: Annotated[bool, typer.Option("--log", help="Programs touch spheres by themselves and log it.")] = False,
-    picture: Annotated[
-        Path | None, typer.Option(metavar="FILE.svg", help="Draw each set-up on the machine, and where it is read.")
-    ] = None,
-    details: Annotated[
-        bool, typer.Option("--details", help="List the readings first, and how far they are from the best plan.")
-    ] = False,
-    json: Json = False,
+    campaign: Path,
+    readings: int | None = None,
+    target: str | None = None,
+    budget: str | None = None,
+    candidates: int | None = None,
+    gcode: str | None = None,
+    out: Path = Path("programs"),
+    log: bool = False,
+    picture: Path | None = None,
+    details: bool = False,
+    json: bool = False,
 ) -> None:
-    """Plan which readings to take, and say how good they make it.
-
-    It says how well each row is then known, the minutes, and what to mount in turn. Nothing is recorded. Without
-    options the campaign's own target counts. --target alone plans within the campaign's own readings and budget.
-
-    \b
-    Examples:
-      axiscal plan campaign.toml --readings 40
-      axiscal plan campaign.toml --target "2 um" --json
-      axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
-      axiscal plan campaign.toml --readings 40 --gcode linuxcnc --log
-      axiscal plan campaign.toml --readings 40 --picture where.svg
-    """
-
+    """Plan which readings to take, and say how good they make it."""
     if log and gcode is None:
         raise PlanError("--log is of programs, and none are asked for", "Add --gcode CONTROLLER, or leave --log out")
     if picture is not None and picture.suffix.lower() != ".svg":
@@ -84,13 +62,13 @@ def plan(
     tell_minds(unused_artefacts(described.text))
     ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
     limits = _limits(case, readings, target, budget)
-    refuse_endless(case, limits, candidates)
+    refuse_endless(case, limits, tried := candidates or CANDIDATES)
     if target is not None:
         refuse_out_of_reach(case, limits)
     if (unread := reached_unread(case, limits)) is not None:
         limits = few_more(limits)
     tell_minds(unread, beyond_budget(case, limits))
-    plan = proposed(case, limits, candidates)
+    plan = proposed(case, limits, tried)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
         write_whole(picture, plan_picture(title, case.description, placed(case, plan)).encode())
@@ -100,7 +78,7 @@ def plan(
         machine, setups = case.description.machine, case.description.setups
         count = len(write_programs(machine, setups, placed(case, plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    buys = bought(case, plan.places, plan.seconds, candidates) if details or json else ()
+    buys = bought(case, plan.places, plan.seconds, tried) if details or json else ()
     answer = plan_answer(case, plan, limits, buys, ends=ends)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
@@ -134,23 +112,8 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
     return Limits.of(own)
 
 
-def start(
-    campaign: CampaignFile,
-    record: Annotated[
-        Path | None,
-        typer.Argument(metavar="RECORD", help="The record to make; default: the campaign's name with .axiscal, here."),
-    ] = None,
-    json: Json = False,
-) -> None:
-    """Begin a campaign: make its record.
-
-    The record carries both descriptions; later changes of the files do not touch it.
-
-    \b
-    Example:
-      axiscal step start campaign.toml mill.axiscal
-    """
-
+def start(campaign: Path, record: Path | None = None, json: bool = False) -> None:
+    """Begin a campaign: make its record."""
     description = read_campaign(campaign)
     path = record or Path(f"{campaign.stem}.axiscal")
 

@@ -6,21 +6,19 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
-from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.printing import mind_lines, say_either, tell
-from axiscal.cli.texts import next_text, opened_to_write, question_document
+from axiscal.cli.texts import opened_to_write, question_of
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import counted, joined, later, listed, quoted, said
-from axiscal.measurement.readers.csv_table import approach_of
+from axiscal.measurement.readers.columns import approach_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import contradictions, doubted, last_doubt, open_question, others_doubted
@@ -32,36 +30,19 @@ _ASK = later("Ask for the next one: axiscal step next {record}")
 
 
 def record(
-    record: RecordFile,
-    value: Annotated[
-        list[str] | None, typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".')
-    ] = None,
-    std: Annotated[str | None, typer.Option(metavar="STD", help="Standard deviation; default: the set-up's.")] = None,
-    at: Annotated[str | None, typer.Option(metavar="PLACE", help="Where it was taken, if not where asked.")] = None,
-    setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
-    approach: Annotated[str | None, typer.Option(metavar="SIDES", help='Last motion, such as "X+ Y-".')] = None,
-    accept: Annotated[bool, typer.Option("--accept", help="Believe it, however much it surprises.")] = False,
-    log: Log = None,
-    programs: Programs = Path("programs"),
-    then_next: Annotated[bool, typer.Option("--next", help="Then say which reading comes next.")] = False,
-    json: Json = False,
+    record: Path,
+    value: list[str] | None = None,
+    std: str | None = None,
+    at: str | None = None,
+    setup: str | None = None,
+    approach: str | None = None,
+    accept: bool = False,
+    log: Path | None = None,
+    programs: Path = Path("programs"),
+    then_next: bool = False,
+    json: bool = False,
 ) -> None:
-    """Keep a reading: actual minus commanded.
-
-    A value is positive along (about) the set-up's direction. It is on the disk when the command ends. A reading that
-    the others contradict is kept but not used, and the answer says so. Take it back with undo and read again, or
-    record it with --accept if it is right.
-
-    \b
-    Examples:
-      axiscal step record mill.axiscal "-1.7 um"
-      axiscal step record mill.axiscal 2.1um --std 0.2um
-      axiscal step record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
-      axiscal step record mill.axiscal "0.4 um" --next
-      axiscal step record mill.axiscal "1.2 -0.4 0.8 um"      x, y and z of a sphere
-      axiscal step record mill.axiscal --log axiscal_3F2A9C01.txt --programs programs
-    """
-
+    """Keep a reading: actual minus commanded."""
     text = " ".join(value or [])
     if log is not None:
         if text or at or setup or approach or std or accept or then_next:
@@ -101,12 +82,12 @@ def _answered(
     campaign: Campaign, document: dict[str, object], lines: Sequence[str], *, then_next: bool, as_json: bool
 ) -> None:
     """Say what was done with the question, and ask the next one where that is wanted."""
-    question = campaign.next() if then_next else None
-    if question is not None:
-        document |= {"next": question_document(campaign, question)}
-    coming = said(_ASK, record=campaign.path) if question is None else next_text(campaign, question)
+    coming = said(_ASK, record=campaign.path)
+    if then_next:
+        question, coming = question_of(campaign, campaign.next())
+        document |= {"next": {"schema": "axiscal-next/1", **question}}
     say_either(as_json, "axiscal-record/1", document, [*lines, coming])
-    if question is None:
+    if not then_next:
         with suppress(RecordError):  # it is kept; what cannot be added to it is found out by `next`
             campaign.go_on()
 
@@ -211,22 +192,8 @@ def _directions(text: str) -> dict[str, int]:
     return directions
 
 
-def skip(
-    record: RecordFile,
-    reason: Annotated[list[str], typer.Argument(metavar="REASON", help="Why it cannot be taken.")],
-    leave: Annotated[bool, typer.Option("--leave", help="Nothing more can be read with this set-up.")] = False,
-    then_next: Annotated[bool, typer.Option("--next", help="Then say which reading comes next.")] = False,
-    json: Json = False,
-) -> None:
-    """Skip the reading that is asked for, with its reason.
-
-    It says what that costs; the plan is made anew around it. Undo takes it back.
-
-    \b
-    Examples:
-      axiscal step skip mill.axiscal "the beam is blocked here"
-      axiscal step skip mill.axiscal "the laser has to go back" --leave
-    """
+def skip(record: Path, reason: list[str], leave: bool = False, then_next: bool = False, json: bool = False) -> None:
+    """Skip the reading that is asked for, with its reason."""
     why = " ".join(reason)
     with opened_to_write(record) as campaign:
         costs = cost_words(campaign, rest=leave)

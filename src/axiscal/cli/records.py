@@ -13,7 +13,6 @@ import typer
 from axiscal.campaign.evidence import signed_text
 from axiscal.campaign.possible import beginning_of, described
 from axiscal.campaign.repairing import Repaired, repaired
-from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.printing import agreed, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.description.campaign import read_campaign
@@ -24,22 +23,8 @@ from axiscal.record.signing import key_file, make_key
 from axiscal.record.store import Record
 
 
-def copy_record(
-    record: RecordFile,
-    to: Annotated[
-        Path | None, typer.Argument(metavar="TO", help="A file or a folder that exists; default: RECORD.copy.")
-    ] = None,
-    json: Json = False,
-) -> None:
-    """Copy a record, checked and whole.
-
-    Another command may be writing to it. The copy replaces an earlier copy of the same record, and nothing else.
-
-    \b
-    Example:
-      axiscal data copy mill.axiscal /media/stick
-    """
-
+def copy_record(record: Path, to: Path | None = None, json: bool = False) -> None:
+    """Copy a record, checked and whole."""
     beside = record.with_name(f"{record.name}.copy")
     target = beside if to is None else to / record.name if to.is_dir() else to
     log = Record.open(record, write=False)
@@ -68,44 +53,20 @@ New = Annotated[Path, typer.Argument(metavar="NEW", help="The record to make.")]
 
 
 def repair(
-    record: RecordFile,
-    new: New,
-    beginning: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Its campaign.toml, where event 1 is lost.")
-    ] = None,
-    take: Take = None,
-    campaign: Named = "",
-    json: Json = False,
+    record: Path,
+    new: Path,
+    beginning: Path | None = None,
+    take: bool | None = None,
+    campaign: str = "",
+    json: bool = False,
 ) -> None:
-    """Make a new record of all that stands whole in a damaged one.
-
-    It prints what is missing and keeps that as a note in the new record. Where two wrote at once it asks whether the
-    readings of both count. The old file stays as it is.
-
-    \b
-    Example:
-      axiscal data repair mill.axiscal mill-repaired.axiscal
-    """
+    """Make a new record of all that stands whole in a damaged one."""
     begun = None if beginning is None else beginning_of(read_campaign(beginning))
     _say(new, repaired([record], new, partial(_asked, take), beginning=begun, campaign=campaign), json)
 
 
-def merge(
-    record: RecordFile,
-    other: Annotated[Path, typer.Argument(metavar="OTHER", help="Another copy of it, which went on by itself.")],
-    new: New,
-    take: Take = None,
-    json: Json = False,
-) -> None:
-    """Make a new record of all that two copies of a record hold.
-
-    Where both went on from one event it asks whether the readings of both count. A damaged record gets back what a copy
-    still has.
-
-    \b
-    Example:
-      axiscal data merge mill.axiscal stick/mill.axiscal both.axiscal
-    """
+def merge(record: Path, other: Path, new: Path, take: bool | None = None, json: bool = False) -> None:
+    """Make a new record of all that two copies of a record hold."""
     _say(new, repaired([record, other], new, partial(_asked, take)), json)
 
 
@@ -129,20 +90,14 @@ def _say(new: Path, found: Repaired, as_json: bool) -> None:
     say_either(as_json, "axiscal-repair/1", document | lists, lines)
 
 
-def sign(record: OwnRecord, json: Json = False) -> None:
-    """Sign a record with your key.
-
-    Your key is made the first time; keep its file to yourself. The signature stands for all that was recorded before.
-
-    \b
-    Example:
-      axiscal data sign mill.axiscal
-    """
+def sign(record: Path, json: bool = False) -> None:
+    """Sign a record with your key."""
     make_key()
     with opened_to_write(record) as campaign:
         campaign.sign()
         found = campaign.log.signed()
         assert found is not None
-        document = {"record": str(record), "event": found.number, **found.by._asdict(), "holds": found.holds}
-        words = f"{record}: {signed_text(campaign.log)}. Public key: {found.by.key}. Keep {key_file()} to yourself."
+        by = {name: getattr(found, name) for name in ("person", "computer", "key", "signature", "holds")}
+        document = {"record": str(record), "event": found.number, **by}
+        words = f"{record}: {signed_text(campaign.log)}. Public key: {found.key}. Keep {key_file()} to yourself."
         say_either(json, "axiscal-signature/1", document, [words])

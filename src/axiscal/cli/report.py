@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Anyway, Details, Json, OwnRecord, ReportLanguage, ResultsFolder
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
 from axiscal.cli.texts import opened_to_write
@@ -21,23 +19,8 @@ from axiscal.present.result_of_campaign import Extras, result_of
 from axiscal.present.result_set import RECORD
 
 
-def report(
-    record: OwnRecord,
-    out: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.pdf", help="Where to write it; default: beside the record."),
-    ] = None,
-    language: ReportLanguage = None,
-) -> None:
-    """Write the report of a campaign, finished or not.
-
-    The report is a PDF to sign, in the language of --language, AXISCAL_LANGUAGE or campaign.toml, else in English.
-
-    \b
-    Example:
-      axiscal report mill.axiscal --out mill.pdf --language de
-    """
-
+def report(record: Path, out: Path | None = None, language: str | None = None) -> None:
+    """Write the report of a campaign, finished or not."""
     target = out or record.with_suffix(".pdf")
     option = f"report --out FILE{target.suffix.lower()}"
     if instead := instead_of("options", option):
@@ -47,25 +30,17 @@ def report(
         raise RecordError(what, "Write it to {name}", target, out=target.name, name=target.with_suffix(".pdf").name)
     with Campaign.open(record, write=False) as campaign:
         known = campaign.estimate(ended=True)
-        result, _ = result_of(campaign, known, Extras(answer=standing_answer(campaign)))
+        result = result_of(campaign, known, Extras(answer=standing_answer(campaign)))
         target.parent.mkdir(parents=True, exist_ok=True)
         write_report(campaign, result, target, language_of_report(campaign.description.particulars, language))
     say(said("The report is in {file}.", file=target))
 
 
 def finish(
-    record: OwnRecord, out: ResultsFolder = None, anyway: Anyway = False, details: Details = False, json: Json = False
+    record: Path, out: Path | None = None, anyway: bool = False, details: bool = False, json: bool = False
 ) -> None:
-    """End a campaign and write its results.
-
-    A finished campaign is written again, into the same folder if you like; `axiscal step undo` takes the end back.
-
-    \b
-    Example:
-      axiscal finish mill.axiscal --out results
-    """
-
-    with opened_to_write(record) as campaign:
+    """End a campaign and write its results."""
+    with opened_to_write(record, "finish") as campaign:
         folder = out or results_of(record)
         campaign.log.refuse_other(folder / RECORD)
         campaign.finish()

@@ -2,63 +2,41 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
-from functools import partial
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, because_text
+from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Milestone, because_text
 from axiscal.campaign.sources import open_source
-from axiscal.cli.arguments import CampaignFile, Details, Json, Out
 from axiscal.cli.outputs import tell_details, write_outputs, written_screen
-from axiscal.cli.printing import say
-from axiscal.cli.progress import shown_progress, tell_out_of_reach
-from axiscal.cli.texts import saying_what_is_kept
+from axiscal.cli.printing import rewrite, say, tell
+from axiscal.cli.texts import kept_text, stoppable, tell_out_of_reach
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.estimation.case import Case
-from axiscal.exceptions import RecordError, TargetError
-from axiscal.language.spoken import capital, counted, said
+from axiscal.exceptions import InputError, RecordError, TargetError
+from axiscal.language.spoken import capital, put, said
+from axiscal.language.stages import listening
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.demo import description, run_demo
-from axiscal.present.result_set import RECORD, mend
+from axiscal.present.result_set import RECORD
 from axiscal.record.events import Asked, Created, Planned
-from axiscal.record.store import Record
-from axiscal.units import parse_quantity
+from axiscal.units import parse_quantity, said_quantity, to_unit
 
 
 def run_loop(
-    campaign: CampaignFile,
-    out: Out,
-    source: Annotated[
-        str,
-        typer.Option(
-            metavar="SOURCE",
-            help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND or linuxcnc-live:HOST.",
-        ),
-    ],
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the record that DIR holds.")] = False,
-    timeout: Annotated[
-        str, typer.Option(metavar="TIME", help="How long an exec: command may take over one reading.")
-    ] = "10 min",
-    details: Details = False,
-    json: Json = False,
+    campaign: Path,
+    out: Path,
+    source: str,
+    resume: bool = False,
+    timeout: str = "10 min",
+    details: bool = False,
+    json: bool = False,
 ) -> None:
-    """Run the whole loop without a person.
-
-    It asks and reads from SOURCE until a target is reached. After Ctrl-C or a source that dies, --resume goes on.
-
-    \b
-    Examples:
-      axiscal step run campaign.toml --source sim:7 --out results
-      axiscal step run campaign.toml --source "exec:./laser.py --port 3" --out results
-    """
-
+    """Run the whole loop without a person."""
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
     again = f'axiscal step run {campaign} --source "{source}" --out {out} --resume'
-    mend(out)
     with ExitStack() as stack:
         opened = _kept_campaign(out / RECORD, description, resume)
         active = bool(description.compensation_active)
@@ -70,9 +48,12 @@ def run_loop(
                 out.mkdir(parents=True, exist_ok=True)
                 opened = stack.enter_context(Campaign.create(out / RECORD, description))
             tell_out_of_reach(opened)
-            kept = partial(_kept, opened, again)
-            with saying_what_is_kept(kept), shown_progress(description.target) as watch:
-                opened.run(readings, watch)
+            with stoppable(opened, again), shown_progress() as watch:
+                try:
+                    opened.run(readings, watch)
+                except InputError as failure:
+                    remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=kept_text(opened, again))
+                    raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
         write_outputs(opened, out, as_json=json, details=details)
         because, file = opened.state.finished or "", opened.description.source
     why, written = because_text(because), said("the results so far are written")
@@ -95,8 +76,7 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
     if same and resume:
         return opened
     opened.close()
-    events = Record.open(path, write=False).events()
-    if all(isinstance(stored.event, Created | Planned | Asked) for stored in events):
+    if all(isinstance(stored.event, Created | Planned | Asked) for stored in opened.log.events()):
         path.unlink()
         return None
     if not resume:
@@ -106,31 +86,36 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
     raise RecordError("The campaign or its machine has been changed since this record was begun", remedy, path)
 
 
-def _kept(campaign: Campaign, again: str) -> str:
-    count = len(campaign.state.readings)
-    one, many = "{count} reading is kept in {record}", "{count} readings are kept in {record}"
-    return said("{kept}; go on with: {again}", kept=counted(one, many, count, record=campaign.path), again=again)
+@contextmanager
+def shown_progress() -> Iterator[Callable[[Milestone], None]]:
+    """Yield what is to be told of every reading: a line that changes on a terminal, elsewhere nothing.
 
-
-def demo(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path("axiscal-demo"),
-    details: Details = False,
-) -> None:
-    """Calibrate a built-in five-axis machine, from plan to report.
-
-    Its hidden errors come from measured curves. It says what was promised and what was reached.
-
-    \b
-    Example:
-      axiscal demo --out demo-out
+    Nothing is written between two readings: what a source asks whoever stands at the machine stands alone.
     """
+    with listening(None):
+        if not sys.stderr.isatty():
+            yield lambda milestone: None
+            return
+        try:
+            yield lambda milestone: rewrite(progress_line(milestone))
+        finally:
+            tell("")
 
+
+def progress_line(milestone: Milestone) -> str:
+    """Return one line: reading, accuracy, minutes."""
+    rms, passed = said_quantity(milestone.accuracy.rms, "um"), to_unit(milestone.seconds, "min")
+    return said("reading {number}: RMS {rms}, {minutes:.1f} min", number=milestone.number, rms=rms, minutes=passed)
+
+
+def demo(out: Path = Path("axiscal-demo"), details: bool = False) -> None:
+    """Calibrate a built-in five-axis machine, from plan to report."""
     case, folder, number = Case(description()), out, 1
     while (folder / RECORD).exists():  # the first of out, out-2, out-3, ... that holds no campaign yet
         number += 1
         folder = out.with_name(f"{out.name}-{number}")
     folder.mkdir(parents=True, exist_ok=True)
-    with shown_progress(case.description.target) as watch:
+    with shown_progress() as watch:
         result = run_demo(case, folder, watch)
     if details:
         tell_details(result)

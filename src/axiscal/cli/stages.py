@@ -20,49 +20,33 @@ _LOOK = 0.25
 """Seconds between two looks; a matter of taste."""
 
 
-class StageLine:
-    """Shows on stderr where the work is, in the language of whoever began it.
-
-    stages : that last; over : whether nothing more is to be shown
-    """
-
-    def __init__(self) -> None:
-        self.stages, self.start, self.over = list[Stage](), time.monotonic(), threading.Event()
-        self._lock, self._language = threading.Lock(), chosen(None)
-
-    def show(self, now: float) -> None:
-        """Show the stage that lasts, once the command has taken long enough.  now : s, as of its start"""
-        with self._lock:
-            if self.stages and now - self.start >= _QUIET:
-                with speaking(self._language):  # of the thread that began
-                    stage = stage_text(self.stages[-1], now - self.stages[-1].since)
-                    passed = put("{seconds:.0f}", seconds=now - self.start)
-                    rewrite(said("{stage}, {seconds} s so far", stage=stage, seconds=passed))
-
-    def wipe(self) -> None:
-        """Let nothing stand on the screen that could have been shown."""
-        with self._lock:
-            if time.monotonic() - self.start >= _QUIET:
-                rewrite("")
-
-    def watch(self) -> None:
-        """Look again and again, in a separate thread, until the end."""
-        while not self.over.wait(_LOOK):
-            self.show(time.monotonic())
-
-
 @contextmanager
 def shown_stages() -> Iterator[None]:
-    """Show what is done in this block on a terminal, unless AXISCAL_PROGRESS is "off"."""
+    """Show on a terminal where the work in this block is, unless AXISCAL_PROGRESS is "off"."""
     if os.environ.get("AXISCAL_PROGRESS") == "off" or not sys.stderr.isatty():
         yield
         return
-    line = StageLine()
-    watcher = threading.Thread(target=line.watch, daemon=True)
+    stages, start, language = list[Stage](), time.monotonic(), chosen(None)
+    over, writing = threading.Event(), threading.Lock()
+
+    def wipe() -> None:
+        with writing:
+            if time.monotonic() - start >= _QUIET:
+                rewrite("")
+
+    def watch() -> None:
+        while not over.wait(_LOOK):
+            now = time.monotonic()
+            with writing, speaking(language):  # of the thread that began
+                if stages and now - start >= _QUIET:
+                    stage = stage_text(stages[-1], now - stages[-1].since)
+                    rewrite(said("{stage}, {seconds} s so far", stage=stage, seconds=put("{s:.0f}", s=now - start)))
+
+    watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
     try:
-        with listening(Listener(line.stages, line.wipe)):
+        with listening(Listener(stages, wipe)):
             yield
     finally:
-        line.over.set()
+        over.set()
         watcher.join()

@@ -10,33 +10,23 @@ from axiscal.campaign.agreement_words import agreement_document, agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
 from axiscal.campaign.evidence import evidence_words, signed_text
-from axiscal.campaign.listing import Standing, standings
-from axiscal.cli.arguments import Details, Json, OwnRecord
+from axiscal.campaign.listing import standings
 from axiscal.cli.outputs import standing_screen
 from axiscal.cli.printing import say, say_document, say_either
-from axiscal.cli.texts import accuracy_text, asked_screen
+from axiscal.cli.texts import asked_screen
 from axiscal.document.consent import asking
 from axiscal.exceptions import CodeError, RecordError
-from axiscal.language.spoken import counted, listed, said
+from axiscal.language.spoken import counted, later, said
 from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
 from axiscal.present.plan_answer import coming_answer
+from axiscal.record.events import State
 from axiscal.record.store import Record
 from axiscal.units import said_quantity, to_unit
 
 
-def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
-    """Say where a campaign stands, or each one of a folder.
-
-    Of a record it shows readings, accuracy, minutes, skipped readings, and the open question. Of a folder it shows a
-    line for each record with what it needs next, without estimating. It runs no code that came with a record.
-
-    \b
-    Examples:
-      axiscal status mill.axiscal
-      axiscal status records
-    """
-
+def status(record: Path, details: bool = False, json: bool = False) -> None:
+    """Say where a campaign stands, or each one of a folder."""
     if record.is_dir():
         _say_folder(record, json)
         return
@@ -54,9 +44,6 @@ def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
     if details:
         say("\n".join(_lines(campaign)))
     say(standing_screen(campaign))
-    for person, numbers in _by_others(campaign).items():
-        readings = listed(", ", [str(number) for number in numbers])
-        say(said("By {person}: readings {readings}.", person=person, readings=readings))
 
 
 def _say_unrun(log: Record, unrun: CodeError, as_json: bool) -> None:
@@ -69,19 +56,11 @@ def _say_unrun(log: Record, unrun: CodeError, as_json: bool) -> None:
     say_either(as_json, "axiscal-status/1", {**document, "unrun": str(unrun)}, filter(None, lines))
 
 
-def _by_others(campaign: Campaign) -> dict[str, list[int]]:
-    """Return the numbers of the readings that others took than who began the campaign, by person."""
-    found: dict[str, list[int]] = {}
-    for index, reading in enumerate(campaign.state.readings):
-        if reading.by:
-            found.setdefault(reading.by, []).append(reading.numbered(index))
-    return found
-
-
 def _lines(campaign: Campaign) -> list[str]:
     state = campaign.state
-    accuracy = accuracy_text(campaign.so_far().accuracy, campaign.description.target)
-    lines = [said("standard uncertainty {accuracy}", accuracy=accuracy)]
+    known = campaign.so_far().accuracy
+    rms, worst = said_quantity(known.rms, "um"), said_quantity(known.worst, "um")
+    lines = [said("standard uncertainty RMS {rms}, worst {worst}", rms=rms, worst=worst)]
     if state.readings:
         lines.append(agreement_words(campaign.estimate(), campaign.path))
     for gap in state.skipped:
@@ -104,7 +83,6 @@ def _document(campaign: Campaign) -> dict[str, object]:
     planned : what is known after the plan, before the first reading
     skipped : readings that could not be taken
     signed : who answers for how much of the record, and whether it was changed since
-    by : readings that others took than who began the campaign, by person
     """
     known, planned, answer = campaign.so_far(), coming_answer(campaign), standing_answer(campaign)
     state, target = campaign.state, campaign.description.target
@@ -126,7 +104,6 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "mind": contradictions(campaign),
         "question": campaign.request(state.pending).message() if state.pending else None,
         "accepted": [change_words(each) for each in state.accepted],
-        "by": _by_others(campaign),
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "signed": signed_text(campaign.log) or None,
         "skipped": [
@@ -141,47 +118,55 @@ def _say_folder(folder: Path, json: bool) -> None:
     found, faults = standings(sorted(folder.glob("*.axiscal")))
     if not found and not faults:
         raise RecordError("There is no campaign record in this folder", "Name a folder of records, *.axiscal", folder)
-    records = [
-        {
-            "record": each.file.name,
-            "machine": each.machine,
-            "last": each.at,
-            "readings": each.taken,
-            "coming": each.coming,
-            "finished": each.finished,
-            "rms_um": None if each.result.rms is None else to_unit(each.result.rms, "um"),
-            "U_um": None if each.result.expanded is None else to_unit(each.result.expanded, "um"),
-            "agreement": each.result.agreement or None,
-            "next": _next_of(each) or None,
-        }
-        for each in found
-    ]
-    heads = said("record"), said("machine"), said("last"), said("state"), said("next")
-    rows = [
-        heads,
-        *((each.file.name, each.machine, each.at[:10], _state_of(each), _next_of(each) or "-") for each in found),
-    ]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(heads))]
+    records, rows = list[dict[str, object]](), [[said(head) for head in _HEADS]]
+    for file, machine, at, state in found:
+        rms, expanded = (
+            None if size is None else to_unit(size, "um") for size in (state.result.rms, state.result.expanded)
+        )
+        then = _next_of(file, state)
+        records.append(
+            {
+                "record": file.name,
+                "machine": machine,
+                "last": at,
+                "readings": len(state.readings),
+                "coming": len(state.coming),
+                "finished": state.finished,
+                "rms_um": rms,
+                "U_um": expanded,
+                "agreement": state.result.agreement or None,
+                "next": then or None,
+            }
+        )
+        rows.append([file.name, machine, at[:10], _standing_text(state), then or "-"])
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     lines += [said("Left out: {why}", why=str(fault)) for fault in faults]
     document = {"records": records, "left_out": [str(fault) for fault in faults]}
     say_either(json, "axiscal-folder/1", document, lines)
 
 
-def _state_of(each: Standing) -> str:
-    count = counted("{count} reading", "{count} readings", each.taken)
-    if each.finished is None:
-        return said("{readings}, {coming} to come", readings=count, coming=each.coming) if each.coming else count
-    if each.result.agreement == "contradict":
+_HEADS = later("record"), later("machine"), later("last"), later("state"), later("next")
+
+
+def _standing_text(state: State) -> str:
+    count, coming, result = (
+        counted("{count} reading", "{count} readings", len(state.readings)),
+        len(state.coming),
+        state.result,
+    )
+    if state.finished is None:
+        return said("{readings}, {coming} to come", readings=count, coming=coming) if coming else count
+    if result.agreement == "contradict":
         return said("{readings}, finished: they contradict each other", readings=count)
-    if each.result.rms is None:
+    if result.rms is None:
         return said("{readings}, finished", readings=count)
-    return said("{readings}, finished: RMS {rms}", readings=count, rms=said_quantity(each.result.rms, "um"))
+    return said("{readings}, finished: RMS {rms}", readings=count, rms=said_quantity(result.rms, "um"))
 
 
-def _next_of(each: Standing) -> str:
+def _next_of(file: Path, state: State) -> str:
     """Return the command that goes on with a campaign, "" where none has to."""
-    if each.finished is None:
-        command = "measure" if each.coming or not each.taken else "finish"
-        return f"axiscal {command} {quote(str(each.file))}"
-    return f"axiscal step undo {quote(str(each.file))}" if each.result.agreement == "contradict" else ""
+    if state.finished is None:
+        command = "measure" if state.coming or not state.readings else "finish"
+        return f"axiscal {command} {quote(str(file))}"
+    return f"axiscal step undo {quote(str(file))}" if state.result.agreement == "contradict" else ""

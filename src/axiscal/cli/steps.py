@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
 
 import typer
 
@@ -15,39 +15,16 @@ from axiscal.campaign.agreement_words import (
     odds_text,
 )
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, OwnRecord, RecordFile
-from axiscal.cli.printing import say, say_document, say_either
-from axiscal.cli.texts import next_text, opened_to_write, question_document
+from axiscal.cli.printing import say_either
+from axiscal.cli.texts import opened_to_write, question_of
 from axiscal.language.spoken import put, said
 from axiscal.present.guide.progress import take_back, take_note
 
 
 def accept(
-    record: RecordFile,
-    cause: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="CAUSE",
-            help="jump, backlash, sign, unit, sides, mirrored, earlier, swapped, shifted, stuck, still or frame; "
-            "without it: what is named.",
-        ),
-    ] = None,
-    setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,
-    before: Annotated[
-        int | None, typer.Option(metavar="N", help="The zero was set anew before reading N, or the next one.")
-    ] = None,
-    json: Json = False,
+    record: Path, cause: str | None = None, setup: str | None = None, before: int | None = None, json: bool = False
 ) -> None:
-    """Accept a mistake, or tell that a zero was set anew.
-
-    The estimate sees the readings without it; undo takes it back. Later readings count as they are read.
-
-    \b
-    Examples:
-      axiscal step accept mill.axiscal
-      axiscal step accept mill.axiscal jump
-      axiscal step accept mill.axiscal jump --setup "dial along X" --before 9
-    """
+    """Accept a mistake, or tell that a zero was set anew."""
     if before is not None and cause != "jump":
         raise typer.BadParameter(said("--before N belongs to jump"))
     if cause is None:
@@ -97,57 +74,22 @@ def _accepted(
     return {"accepted": cause, "change": change, **agreements}, lines
 
 
-def next_reading(
-    record: OwnRecord,
-    beyond: Annotated[bool, typer.Option("--beyond", help="Ask for one more although a target is reached.")] = False,
-    json: Json = False,
-) -> None:
-    """Say which reading to take next.
-
-    The same question comes until it is answered by `record` or skipped.
-
-    \b
-    Example:
-      axiscal step next mill.axiscal
-    """
-
+def next_reading(record: Path, beyond: bool = False, json: bool = False) -> None:
+    """Say which reading to take next."""
     with opened_to_write(record) as campaign:
-        asked = campaign.next(beyond=beyond)
-        if json:
-            say_document(question_document(campaign, asked))
-        else:
-            say(next_text(campaign, asked))
+        document, text = question_of(campaign, campaign.next(beyond=beyond))
+        say_either(json, "axiscal-next/1", document, [text])
 
 
-def undo(record: OwnRecord, json: Json = False) -> None:
-    """Take back the last reading, skip, accepted mistake or end.
-
-    Its question is open again. The record still shows that it happened.
-
-    \b
-    Example:
-      axiscal step undo mill.axiscal
-    """
-
+def undo(record: Path, json: bool = False) -> None:
+    """Take back the last reading, skip, accepted mistake or end."""
     with opened_to_write(record) as campaign:
         document, sentence = take_back(campaign)
     say_either(json, "axiscal-undo/1", document, [sentence])
 
 
-def note(
-    record: RecordFile,
-    text: Annotated[list[str], typer.Argument(metavar="TEXT", help="What is to be kept.")],
-    json: Json = False,
-) -> None:
-    """Keep a sentence in the record.
-
-    Such as who measured, or what was repaired, also after the end. It changes no figure; but a temperature alone,
-    "21.4 degC", counts as that of the scale which the set-up reads.
-
-    \b
-    Example:
-      axiscal step note mill.axiscal "new ball screw X"
-    """
+def note(record: Path, text: list[str], json: bool = False) -> None:
+    """Keep a sentence in the record."""
     with opened_to_write(record) as campaign:
         sentence = take_note(campaign, " ".join(text))
         kept = campaign.state.notes

@@ -6,7 +6,6 @@ import shlex
 import textwrap
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -14,16 +13,14 @@ from axiscal.answers.answer_of_campaign import advised_control
 from axiscal.answers.answer_words import WIDTH, template_of, wrapped
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
-from axiscal.cli.arguments import Details, Json, PlacesFile, RecordFile, Template
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.check import Check
-from axiscal.evaluation.verification import USUAL
 from axiscal.language.spoken import ending, listed, said
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.measurement.reading import Places
-from axiscal.present.check_answer import check_answer, check_details, check_plan, check_screen
+from axiscal.present.check_answer import CheckAnswer, check_details, check_plan, check_screen
 from axiscal.tables import registry
 from axiscal.tables.bump import other_way
 from axiscal.tables.exporter import ExportOptions
@@ -31,69 +28,21 @@ from axiscal.units import parse_quantity
 
 
 def verify(
-    record: RecordFile,
-    found: Annotated[
-        Path | None, typer.Option(metavar="FOUND.csv", help="Readings without the tables (as found).")
-    ] = None,
-    left: Annotated[
-        Path | None, typer.Option(metavar="LEFT.csv", help="The same readings with the tables (as left).")
-    ] = None,
-    tolerance: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help="Largest deviation allowed; default: `worst` of the target."),
-    ] = None,
-    to: Annotated[
-        str | None,
-        typer.Option(
-            metavar="CONTROLLER",
-            help="The control whose tables are loaded; default: whose tables leave the least.",
-        ),
-    ] = None,
-    template: Template = None,
-    bump: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LENGTH",
-            help="What the bump of `export --probe-sign` moved; the record keeps the sign.",
-        ),
-    ] = None,
-    points: Annotated[
-        int | None,
-        typer.Option(
-            min=2,
-            max=200,
-            help=f"Places to check; default: what the tables need, {USUAL} or more.",
-        ),
-    ] = None,
-    plan: PlacesFile = None,
-    source: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SOURCE",
-            help="Read without a person: sim:SEED, truth:FILE; linuxcnc-live:HOST into FOUND and LEFT.",
-        ),
-    ] = None,
-    loaded: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="With linuxcnc-live: the exported folder that is to be in force."),
-    ] = None,
-    details: Details = False,
-    json: Json = False,
+    record: Path,
+    found: Path | None = None,
+    left: Path | None = None,
+    tolerance: str | None = None,
+    to: str | None = None,
+    template: Path | None = None,
+    bump: str | None = None,
+    points: int | None = None,
+    plan: Path | None = None,
+    source: str | None = None,
+    loaded: Path | None = None,
+    details: bool = False,
+    json: bool = False,
 ) -> None:
-    """Check a compensated machine at places not read before.
-
-    First it plans. Read these places without the tables and with them; then give both files. It says whether the
-    tables work, whether the machine is as promised, and whether it keeps a tolerance (ISO 14253-1). One of twenty
-    machines that are as promised is called worse.
-
-    \b
-    Examples:
-      axiscal verify mill.axiscal --points 12 --plan check.csv
-      axiscal verify mill.axiscal --found found.csv --left left.csv --tolerance "5 um"
-      axiscal verify mill.axiscal --source sim:7 --to linuxcnc
-      axiscal verify mill.axiscal --to linuxcnc-volumetric --source linuxcnc-live --found found.csv --left left.csv
-    """
-
+    """Check a compensated machine at places not read before."""
     if bump is not None:
         _keep_sign(record, to, bump, json)
         return
@@ -143,15 +92,15 @@ def verify(
         say_either(json, "axiscal-verify/1", document, lines)
         return
     judged = check.judged(readings, tolerance)
-    answer = check_answer(judged, check.positions(readings[1]), check.tables.certain)
+    answer = CheckAnswer(judged, check.positions(readings[1]), check.tables.certain)
     if json:
-        say_document(answer.model_dump(mode="json", by_alias=True))
+        say_document(answer.document())
     elif details:
         say(_wrapped(check_details(answer)))
     else:
-        loading = [said("load the exported files again, then")] if answer.faulty else []
+        loading = [said("load the exported files again, then")] if judged.faulty else []
         folder = f"axiscal status {shlex.quote(str(record.parent))}"
-        coming = [folder] if answer.verdict == "promised" else [*loading, f"{again} --plan check.csv"]
+        coming = [folder] if judged.verdict == "promised" else [*loading, f"{again} --plan check.csv"]
         say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
 
 

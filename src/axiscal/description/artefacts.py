@@ -12,8 +12,9 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from axiscal.description.fields import Cone, Direction, Ends, Name, Placed, Printable, Scale, Span, Spot, Table, Turned
+from axiscal.description.fields import Cone, Direction, Ends, Name, Placed, Printable, Scale, Span, Spot, Turned
 from axiscal.document import Document, Length, shown
+from axiscal.document.toml_table import Table
 from axiscal.document.validation import Beside, EachAs, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import joined, said

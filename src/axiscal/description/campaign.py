@@ -21,7 +21,7 @@ from axiscal.description.screws import BedScrews
 from axiscal.description.setups import each_alone, read_setups
 from axiscal.description.sights import refuse_idle_artefacts
 from axiscal.description.sites import Surroundings
-from axiscal.description.stated_type_b import REFERENCE, Unsourced, refers_to_20, unsourced
+from axiscal.description.stated_type_b import REFERENCE, refers_to_20
 from axiscal.description.target import Target, read_target
 from axiscal.description.usual import usual_machine
 from axiscal.document import Document, meant, read_model, shown
@@ -98,7 +98,6 @@ class CampaignDescription:
     usual_doubts : what nothing is stated of is doubted as is usual: zeros wander, the tool is not quite as stated
     whole_lengths : as of `Surroundings`
     controls : those whose files a finished campaign gets, the first one first
-    unsourced : what is stated of the tool without a source, and does not count
     screws : under the bed of a printer; None where nobody states them
     zero_at : X and Y where a printer has the zero of Z, m; None where nobody states it
     bumps : what the record says of the signs of controls
@@ -120,7 +119,6 @@ class CampaignDescription:
     usual_doubts: bool = True
     whole_lengths: bool = True
     controls: tuple[str, ...] = ("linuxcnc",)
-    unsourced: tuple[Unsourced, ...] = ()
     screws: BedScrews | None = None
     zero_at: tuple[float, float] | None = None
     bumps: tuple[Bumped, ...] = ()
@@ -276,7 +274,6 @@ def _described(
         refuse_idle_artefacts(table.artefacts, document)
     driving = Driving(**dict(table.programs))
     setups = tuple(replace(setup, driving=driving) for setup in setups)
-    setups, tools = unsourced(setups) if usual_doubts and not table.tool_certificate else (setups, ())
     only = machine.only
     if only is not None and target.part is None and machine.axes[only].name not in table.target.volume:
         target = _along_the_line(target, machine, only, setups)
@@ -304,7 +301,6 @@ def _described(
         usual_doubts=usual_doubts,
         whole_lengths=whole_lengths,
         controls=tuple(dict.fromkeys(table.controls)),
-        unsourced=tools,
         screws=None if table.screws is None else table.screws.screws(),
         zero_at=table.zero_at,
     )

@@ -25,7 +25,6 @@ from axiscal.description.fields import (
     Span,
     Spans,
     Spot,
-    Table,
     Turn,
     Warm,
     Warmth,
@@ -39,24 +38,21 @@ from axiscal.description.fields import (
 from axiscal.description.screws import Ground, ScrewsTable
 from axiscal.description.target import TargetTable
 from axiscal.document import Length, QuantityText, meant, shown
+from axiscal.document.gone import instead_of
+from axiscal.document.toml_table import Table
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.artefact import reads_as
-from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.setup import FINEST, Nodes, Reads, Setup, Vector
+from axiscal.measurement.setup import FINEST, MOST, Nodes, Reads, Setup, Vector
 from axiscal.measurement.type_b import type_b_names
 from axiscal.units import dimension_of, format_quantity, within
 from axiscal_core.theta import Sure
 
-_WIDEST = 1e-2
-"""m or rad: what is off by more is no instrument."""
-_CHIP = 20e-6
-"""m: a fine chip or burr, where nobody says how large they are (an assumption)."""
 _FASTEST = 1e-3 / 60
 """A zero that wanders by more than 1 mm (1 mrad) a minute is loose."""
 
 
-def _by_instrument(read: Callable[[str, type[Setup]], float], form: object = QuantityText) -> ReadAs:
+def _by_instrument(read: Callable[[str, type[Setup]], float]) -> ReadAs:
     """Return what reads a key by the instrument of its set-up; where that is wrong itself, it is not read."""
 
     def made(text: str, known: Beside) -> float:
@@ -67,23 +63,11 @@ def _by_instrument(read: Callable[[str, type[Setup]], float], form: object = Qua
             )
         return 0.0 if kind is None else read(text, kind)
 
-    return ReadAs(form, made, by=True)
+    return ReadAs(QuantityText, made, by=True)
 
 
-def _shown(most: float = math.inf) -> ReadAs:
-    """Return what reads a size of what an instrument reads, m or rad."""
-    return _by_instrument(lambda text, kind: within(text, kind.reads, FINEST, most))
-
-
-def _chips(text: str, kind: type[Setup]) -> float:
-    """Return by how much chips shift a reading, m, with their side."""
-    sign, size = text.strip()[:1], text.strip()[1:].strip()
-    if sign not in ("+", "-"):
-        remedy = 'Write "+" or "-", with their usual size behind it if it is known, such as "+ 20 um"'
-        raise DescriptionError("{text} does not say to which side", remedy, text=shown(text))
-    if kind.reads == "angle":
-        raise DescriptionError("chips shift what touches a surface, and this instrument reads an angle", "Take it out")
-    return (1 if sign == "+" else -1) * (within(size, "length", FINEST, _WIDEST) if size else _CHIP)
+_SHOWN = _by_instrument(lambda text, kind: within(text, kind.reads, FINEST))
+"""Reads a size of what an instrument reads, m or rad."""
 
 
 def stated_drift(text: str, kind: type[Setup]) -> float:
@@ -107,6 +91,8 @@ def _type_b(name: str, text: str, known: Beside) -> float:
 
 def _unknown(name: str, text: str, known: Beside) -> float:
     """Return the std of an unknown, m or rad; which there are depends on where it is read."""
+    if instead := instead_of("keys", f"setups.unknowns.{name}"):
+        raise DescriptionError("{name} is gone", instead, name=name)
     kind = known.data.get("instrument")
     own: Mapping[str, Reads] = {"slope": "angle"} if kind is None else {"slope": "angle", **kind.unknown_reads}
     return within(text, own.get(name, reads_as(name)), FINEST)
@@ -190,14 +176,11 @@ class SetupTable(Table):
     choose_from: list[Spot] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])
     moves: Annotated[tuple[int, ...], ReadAs(list[str], _moves, by=True)] | None = Field(None, examples=['["X"]'])
     park: Coordinates = Field(default={}, examples=['{ Y = "250 mm" }'])
-    noise: Annotated[float, _shown()] | None = Field(None, examples=['"0.3 um"'])
+    noise: Annotated[float, _SHOWN] | None = Field(None, examples=['"0.3 um"'])
     unknowns: Annotated[dict[str, float], EachAs(dict[str, QuantityText], _unknown)] | None = Field(
         None, examples=['{ zero = "100 um" }']
     )
-    resolution: Annotated[float, _shown()] = Field(0.0, examples=['"1 um"'])
-    bound: Annotated[float, _shown(_WIDEST)] = Field(0.0, examples=['"2 um"'])
-    dead_band: Annotated[float, _shown(_WIDEST)] = Field(0.0, examples=['"2 um"'])
-    one_sided: Annotated[float, _by_instrument(_chips, str)] = Field(0.0, examples=['"+"', '"- 30 um"'])
+    resolution: Annotated[float, _SHOWN] = Field(0.0, examples=['"1 um"'])
     setup_time: Duration | None = Field(None, examples=['"30 min"'])
     settle: Duration | None = Field(None, examples=['"1 s"'])
     reading_time: Duration | None = Field(None, examples=['"3 s"'])
@@ -232,8 +215,6 @@ class SetupTable(Table):
         default={}, examples=["{ C = 1.0 }"]
     )
     retract: Length | None = Field(None, examples=['"50 mm"'])
-    sides: Literal["mean", "touched"] | None = Field(None, examples=['"mean"'])
-    touches: Literal[3] | None = Field(None, examples=["3"])
     range: Annotated[Ends, ReadAs(Span, _distances)] = Field((0.0, math.inf), examples=['["1 m", "8 m"]'])
     sight: Annotated[float, QuantityOf("angle", FINEST, math.pi)] | None = Field(None, examples=['"60 deg"'])
     faces: Direction | None = Field(None, examples=['"z"'])
@@ -286,7 +267,6 @@ class CampaignTable(Table):
     kept: float = Field(0.9, ge=0, le=1, examples=["0.9"])
     tool_length: Doubt | None = Field(None, examples=['"5 um"'])
     tool_eccentricity: Doubt | None = Field(None, examples=['"5 um"'])
-    tool_certificate: Printable = Field("", examples=['"presetter, 2026-03-02"'])
     artefacts: list[ArtefactTable] = Field(default=[], examples=["[…]"])
     target: TargetTable = Field(default_factory=lambda: TargetTable.model_validate({}))
     programs: ProgramsTable = Field(default_factory=lambda: ProgramsTable.model_validate({}))

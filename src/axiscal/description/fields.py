@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
 from axiscal.document import Document, QuantityText, meant, shown
 from axiscal.document.ports import names
@@ -19,7 +18,7 @@ from axiscal.machine.axis import travel_text
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.written import PORTS, named
 from axiscal.measurement.setup import FINEST, Nodes, Setup, Vector
-from axiscal.units import parse_quantity
+from axiscal.units import format_quantity, parse_quantity
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
@@ -33,12 +32,6 @@ WARM = 253.15, 333.15
 """-20 and 60 degC, K: no scale is read outside."""
 _LETTER = re.compile(r"([+-]?)([xyzXYZ])")
 WAYS = later('Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame')
-
-
-class Table(BaseModel):
-    """A table in which every key is known and no value is bent to fit; it is read by a `TableContext`."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class TableContext(NamedTuple):
@@ -74,12 +67,18 @@ def spot(given: Sequence[str]) -> Vector:
     return x, y, z
 
 
-def span(given: Sequence[str]) -> tuple[float, float]:
-    """Return two lengths that increase, m; raises DescriptionError or UnitError."""
-    ends = [parse_quantity(text, "length") for text in given]
+def two_ends(given: Sequence[str], read: Callable[[str], float]) -> Ends:
+    """Return two ends that increase; raises DescriptionError, and what reading one does."""
+    ends = [read(text) for text in given]
     if len(ends) != 2 or not ends[0] < ends[1]:
-        raise DescriptionError("{text} does not increase", "Give the lower end first", text=shown(list(given)))
+        remedy = "Give two ends, the lower one first"
+        raise DescriptionError("{text} does not increase", remedy, text=shown(list(given)))
     return ends[0], ends[1]
+
+
+def span(given: Sequence[str]) -> Ends:
+    """Return two lengths that increase, m; raises DescriptionError or UnitError."""
+    return two_ends(given, lambda text: parse_quantity(text, "length"))
 
 
 def line_ends(ends: Sequence[Vector]) -> tuple[Vector, Vector]:
@@ -94,11 +93,9 @@ def line_ends(ends: Sequence[Vector]) -> tuple[Vector, Vector]:
 
 def arc_ends(given: Sequence[str]) -> Ends:
     """Return from where to where an arc goes, rad; raises DescriptionError or UnitError."""
-    if len(given) != 2:
-        raise DescriptionError("{text} has not two ends", 'Write ["0 deg", "360 deg"]', text=shown(given))
-    low, high = (parse_quantity(text, "angle") for text in given)
-    if not 0 < high - low <= 4 * math.tau:
-        raise DescriptionError("{text} is no arc", "Give the lower end first", text=shown(given))
+    low, high = two_ends(given, lambda text: parse_quantity(text, "angle"))
+    if high - low > 4 * math.tau:
+        raise DescriptionError("{text} is no arc", "Give four turns at most", text=shown(given))
     return low, high
 
 
@@ -123,24 +120,22 @@ Direction = Annotated[Vector, ReadAs(str | list[float | int], unit_vector)]
 
 def coordinate(text: str, axis: Axis) -> float:
     """Return a position on an axis, m or rad; raises UnitError, or DescriptionError outside the travel."""
-    value = parse_quantity(text, axis.dimension)
+    return within_travel(parse_quantity(text, axis.dimension), axis, text)
+
+
+def within_travel(value: float, axis: Axis, text: str = "") -> float:
+    """Return a position on an axis, m or rad; raises DescriptionError outside the travel.  text : as it is stated"""
     low, high = axis.travel
     slack = 1e-9 * axis.length
     if not low - slack <= value <= high + slack:
-        what = '"{text}" is outside the travel of {axis}'
-        raise DescriptionError(what, "It goes from {travel}", text=text, axis=axis.name, travel=travel_text(axis))
+        what, at = '"{text}" is outside the travel of {axis}', text or format_quantity(value, axis.unit)
+        raise DescriptionError(what, "It goes from {travel}", text=at, axis=axis.name, travel=travel_text(axis))
     return min(max(value, low), high)
 
 
-def ends_on(texts: Sequence[str], axis: Axis) -> tuple[float, float]:
+def ends_on(texts: Sequence[str], axis: Axis) -> Ends:
     """Return two increasing coordinates within the travel, m or rad; raises DescriptionError or UnitError."""
-    if len(texts) != 2:
-        remedy = "The axis goes from {travel}"
-        raise DescriptionError("{text} has not two ends", remedy, text=shown(texts), travel=travel_text(axis))
-    low, high = (coordinate(text, axis) for text in texts)
-    if not low < high:
-        raise DescriptionError("{text} does not increase", "Give the lower end first", text=shown(texts))
-    return low, high
+    return two_ends(texts, lambda text: coordinate(text, axis))
 
 
 def _coordinate(name: str, text: str, known: Beside) -> float:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache, partial
 from itertools import combinations, product, starmap
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,6 +16,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later
 from axiscal.machine.axis import letter_direction
 from axiscal.measurement.bodies import CLEAR, parts
+from axiscal.measurement.readers.probe_offset import Beside
 from axiscal.measurement.touched import Cycle
 from axiscal.numerics import Array
 from axiscal.units import format_quantity
@@ -62,6 +65,10 @@ UNSAID_OFFSET = '# offset = ["-33 mm", "-46 mm", "0 mm"]'
 """The same, where nobody knows where the probe stands."""
 
 
+_Setups = Callable[[Machine, Any], Iterable[str]]
+"""Texts of set-ups on a machine, by the functions of their template."""
+
+
 class Purpose(NamedTuple):
     """What a first campaign is for.
 
@@ -75,6 +82,28 @@ class Purpose(NamedTuple):
     budget: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Beginning:
+    """A machine to begin with.
+
+    text : of machine.toml; active : the line of campaign.toml on compensation; look : what could not be read
+    beside : how far a probe stands beside the tool point along x and y, m; None where nobody said
+    screws : the lines of campaign.toml on those under the bed, "" where there are none
+    mesh : from where to where along X and Y a probe is sent, mm; none where nobody said
+    instrument : of `OFFERED`, that it is measured by where nobody says another
+    folder : where campaign.toml will stand, and files of instruments beside it
+    """
+
+    text: str
+    active: str = UNSAID
+    look: tuple[str, ...] = ()
+    beside: Beside | None = None
+    screws: str = ""
+    mesh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    instrument: str = "square"
+    folder: Path = Path()
+
+
 def first_campaign(machine: Machine, instruments: Sequence[str], purpose: Purpose, active: str = UNSAID) -> str:
     """Return the text of the campaign file of a machine.toml.
 
@@ -85,7 +114,7 @@ def first_campaign(machine: Machine, instruments: Sequence[str], purpose: Purpos
     values = {"machine": machine, "instruments": list(instruments), "printer": _prints(machine)}
     head = _campaign_templates().get_template("campaign.jinja").render(values, **purpose._asdict(), active=active)
     offered = [name for name in instruments if name != "dial" or "square" not in instruments]
-    made = {name: [*(OFFERED[name].setups(machine) if name in OFFERED else _own(machine, name))] for name in offered}
+    made = {name: setups_of(machine, name) for name in offered}
     if none := [name for name, setups in made.items() if not setups]:
         what = "Nothing of {instruments} can be offered for {machine}"
         if "sphere" in none:
@@ -97,6 +126,14 @@ def first_campaign(machine: Machine, instruments: Sequence[str], purpose: Purpos
         raise DescriptionError(what, remedy, instruments=", ".join(none), machine=machine.name)
     setups = [text for each in made.values() for text in each]
     return "".join([head, *setups])
+
+
+def setups_of(machine: Machine, name: str) -> list[str]:
+    """Return the texts of the set-ups of an instrument of `OFFERED`, or of one that somebody wrote."""
+    template = _setups(machine)
+    if name not in OFFERED:
+        return [template.own(name, name.rpartition(":")[2], _linear(machine))]
+    return [*OFFERED[name].setups(machine, template)]
 
 
 def _linear(machine: Machine) -> list[Axis]:
@@ -143,35 +180,21 @@ def _prints(machine: Machine) -> bool:
     return machine.name.startswith("3D printer")
 
 
-def _lasers(machine: Machine) -> Iterator[str]:
-    yield from map(_setups(machine).laser, _linear(machine))
-
-
-def _dials(machine: Machine) -> Iterator[str]:
+def _dials(machine: Machine, setups: Any) -> Iterator[str]:
     """Yield set-ups that read across each linear axis along something straight."""
-    ways, setups = {_way(axis) for axis in _linear(machine)}, _setups(machine)
+    ways = {_way(axis) for axis in _linear(machine)}
     for axis in _linear(machine):
         yield from (setups.dial(axis, way) for way in sorted(ways - {_way(axis)}))
 
 
-def _tilts(machine: Machine, what: str, ways: str) -> Iterator[str]:
-    """Yield set-ups that read angles as one axis moves.  ways : about which `what` reads; a mirror sees no roll"""
-    setups = _setups(machine)
-    for axis, way in product(_linear(machine), ways):
-        if what == "level" or way != _way(axis):
-            yield setups.tilt(what, axis, way)
+def _tilts(what: str, ways: str) -> _Setups:
+    """Return set-ups that read angles as one axis moves.  ways : about which `what` reads; a mirror sees no roll"""
 
+    def made(machine: Machine, setups: Any) -> Iterator[str]:
+        every = product(_linear(machine), ways)
+        return (setups.tilt(what, axis, way) for axis, way in every if what == "level" or way != _way(axis))
 
-_levels = partial(_tilts, what="level", ways="xy")
-_autocollimators = partial(_tilts, what="autocollimator", ways="xyz")
-
-
-def _indexers(machine: Machine) -> Iterator[str]:
-    """Yield set-ups that read the angle of each rotary axis that turns about a direction of the workpiece."""
-    rotary = (axis for axis in machine.axes if axis.rotary)
-    yield from (
-        _setups(machine).indexer(axis) for axis in rotary if abs(axis.direction[letter_direction(axis.letter)]) == 1
-    )
+    return made
 
 
 def _middle(machine: Machine, **places: float) -> Array:
@@ -181,28 +204,17 @@ def _middle(machine: Machine, **places: float) -> Array:
     return middle
 
 
-def _trackers(machine: Machine) -> Iterator[str]:
-    """Yield a tracker that stands aside of what the tool reaches, at half its height."""
-    far = sum(axis.length for axis in _linear(machine))
-    yield _setups(machine).tracker(_middle(machine) - [0.0, far, 0.0])
-
-
-def _squares(machine: Machine) -> Iterator[str]:
-    """Yield a square for each two linear axes, with a dial on both of its legs."""
-    yield from starmap(_setups(machine).square, combinations(_linear(machine), 2))
-
-
-def _ball_bars(machine: Machine) -> Iterator[str]:
-    station, setups = [round(float(each), 9) + 0.0 for each in _middle(machine)], _setups(machine)
+def _ball_bars(machine: Machine, setups: Any) -> Iterator[str]:
+    station = [round(float(each), 9) + 0.0 for each in _middle(machine)]
     for one, other in combinations(sorted({_way(axis) for axis in _linear(machine)}), 2):
         yield setups.ball_bar({"xz": "zx"}.get(one + other, one + other), station)
 
 
-def _spheres(machine: Machine) -> Iterator[str]:
+def _spheres(machine: Machine, setups: Any) -> Iterator[str]:
     """Yield three spheres about the middle of what the tool reaches, at different radii and heights."""
     rotary, linear = [axis for axis in machine.axes if axis.rotary], _linear(machine)
     if not rotary:
-        yield from _board(machine)
+        yield from _board(machine, setups)
     if not rotary or {_way(axis) for axis in linear} != {*"xyz"}:  # a probe comes to a ball from all sides
         return
     reach = min(axis.length for axis in linear) / 6
@@ -213,7 +225,7 @@ def _spheres(machine: Machine) -> Iterator[str]:
         centre[:2] = about[:2]
     balls = _lowered(machine, {name: reach * np.array(each) for name, each in shares.items()})
     balls = balls or {"one": reach * np.array(shares["low"])}  # no tool gets between three: one of them tells much
-    yield _setups(machine).spheres({name: centre + each for name, each in balls.items()}, rotary)
+    yield setups.spheres({name: centre + each for name, each in balls.items()}, rotary)
 
 
 def _lowered(machine: Machine, balls: Mapping[str, Array]) -> dict[str, Array]:
@@ -236,7 +248,7 @@ def _lowered(machine: Machine, balls: Mapping[str, Array]) -> dict[str, Array]:
     return {name: at * [1, 1, 0] + [0, 0, low + share * (at[2] - low)] for name, at in balls.items()}
 
 
-def _board(machine: Machine) -> Iterator[str]:
+def _board(machine: Machine, setups: Any) -> Iterator[str]:
     """Yield balls on a cross, and placements that turn it and take it over the travels.
 
     Eight balls tell more in the same time than four that are touched twice; a short axis has room for four only.
@@ -248,7 +260,7 @@ def _board(machine: Machine) -> Iterator[str]:
     arm = _ARM * (min(x, y) / 2 - _ROOM)
     if arm < _FEWEST:
         return
-    setups, free = _setups(machine), max(z - _DEPTH, 0.0)
+    free = max(z - _DEPTH, 0.0)
     lift = min(2 * arm, free)
     every = _CROSS if arm >= _FULL else _CROSS[:4]
     crosses = ({name: np.array(at) * [arm, arm, lift] for name, *at in some} for some in (every, _CROSS[:4]))
@@ -265,34 +277,45 @@ def _board(machine: Machine) -> Iterator[str]:
         yield setups.placement(number, centre + aside * [*way, 0] + [0.0, 0.0, risers * riser], turn, risers * riser)
 
 
-def _probes(machine: Machine) -> Iterator[str]:
-    """Yield a probe that reads the height of the bed where Z is lowest, at places of X and Y."""
-    axes = {axis.name: axis for axis in _linear(machine)}
-    if {"X", "Y", "Z"} <= set(axes):
-        yield _setups(machine).probe(axes["X"], axes["Y"], axes["Z"])
-
-
-def _own(machine: Machine, name: str) -> Iterator[str]:
-    """Yield a set-up of an instrument that somebody wrote, which all linear axes move."""
-    yield _setups(machine).own(name, name.rpartition(":")[2], _linear(machine))
-
-
 class Offer(NamedTuple):
     """words : what people call an instrument, in all of the languages; setups : their texts for a machine"""
 
     words: str
-    setups: Callable[[Machine], Iterator[str]]
+    setups: _Setups
+
+
+def _probes(machine: Machine, setups: Any) -> Iterable[str]:
+    """Return a probe that reads the height of the bed where Z is lowest, at places of X and Y."""
+    axes = {axis.name: axis for axis in _linear(machine)}
+    return [setups.probe(*map(axes.get, "XYZ"))] if {*"XYZ"} <= set(axes) else []
+
+
+def _indexers(machine: Machine, setups: Any) -> Iterable[str]:
+    """Return set-ups that read the angle of each rotary axis that turns about a direction of the workpiece."""
+    rotary = (axis for axis in machine.axes if axis.rotary)
+    return [setups.indexer(axis) for axis in rotary if abs(axis.direction[letter_direction(axis.letter)]) == 1]
+
+
+def _trackers(machine: Machine, setups: Any) -> Iterable[str]:
+    """Return a tracker that stands aside of what the tool reaches, at half its height."""
+    return [setups.tracker(_middle(machine) - [0.0, sum(axis.length for axis in _linear(machine)), 0.0])]
 
 
 OFFERED = {
     "dial": Offer(later("dial, dial gauge, dial indicator, indicator, straightedge, ruler"), _dials),
-    "square": Offer(later("square, granite square, master square, dial on a square"), _squares),
-    "interferometer": Offer(later("laser, interferometer, laser interferometer"), _lasers),
+    "square": Offer(
+        later("square, granite square, master square, dial on a square"),
+        lambda machine, setups: starmap(setups.square, combinations(_linear(machine), 2)),
+    ),
+    "interferometer": Offer(
+        later("laser, interferometer, laser interferometer"),
+        lambda machine, setups: map(setups.laser, _linear(machine)),
+    ),
     "ballbar": Offer(later("ball bar, double ball bar"), _ball_bars),
     "sphere": Offer(later("touch probe, sphere, spheres, ball, balls, ball plate"), _spheres),
     "probe": Offer(later("bed probe, probe, Z probe"), _probes),
-    "level": Offer(later("level, electronic level, spirit level, inclinometer"), _levels),
-    "autocollimator": Offer(later("autocollimator, collimator"), _autocollimators),
+    "level": Offer(later("level, electronic level, spirit level, inclinometer"), _tilts("level", "xy")),
+    "autocollimator": Offer(later("autocollimator, collimator"), _tilts("autocollimator", "xyz")),
     "indexer": Offer(later("rotary indexer, indexer, rotary calibrator, polygon, reference encoder"), _indexers),
     "tracker": Offer(later("tracker, laser tracker"), _trackers),
 }

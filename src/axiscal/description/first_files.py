@@ -7,50 +7,30 @@ import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.first_campaign import OFFERED, UNSAID, UNSAID_OFFSET, Purpose, first_campaign
+from axiscal.description.first_campaign import OFFERED, UNSAID_OFFSET, Beginning, Purpose, first_campaign
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
-from axiscal.description.printer_file import is_printer_file, read_printer
-from axiscal.description.screws import screws_text
+from axiscal.description.printer_file import is_printer_file, of_printer, stating
 from axiscal.document import ports
 from axiscal.document.durable import write_whole
 from axiscal.document.quoting import shown, toml_value
 from axiscal.exceptions import DescriptionError, InputError, RecordError
-from axiscal.language.spoken import LANGUAGES, later, said, speaking
+from axiscal.language.spoken import LANGUAGES, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
 from axiscal.measurement.instruments.written import PORTS
 from axiscal.measurement.readers.files import title_of
-from axiscal.measurement.readers.probe_offset import Beside
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import format_quantity, from_unit, parse_quantity, to_unit
 
-
-@dataclass(frozen=True, slots=True)
-class Beginning:
-    """A machine to begin with.
-
-    text : of machine.toml; active : the line of campaign.toml on compensation; look : what could not be read
-    beside : how far a probe stands beside the tool point along x and y, m; None where nobody said
-    screws : the lines of campaign.toml on those under the bed, "" where there are none
-    mesh : from where to where along X and Y a probe is sent, mm; none where nobody said
-    instrument : of `OFFERED`, that it is measured by where nobody says another
-    folder : where campaign.toml will stand, and files of instruments beside it
-    """
-
-    text: str
-    active: str = UNSAID
-    look: tuple[str, ...] = ()
-    beside: Beside | None = None
-    screws: str = ""
-    mesh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    instrument: str = "square"
-    folder: Path = Path()
+_OF_LINUXCNC = re.compile(r"\s*\[(EMC|TRAJ|KINS|(AXIS|JOINT)_\w)\]")
+"""A section that others do not have."""
+_AND = re.compile(r",|\s(?:and|und)\s")
 
 
 def offered_names(folder: Path | None = None) -> dict[str, str]:
@@ -81,19 +61,15 @@ def instruments_of(text: str, folder: Path = Path()) -> list[str]:
     folder : of the campaign, in which a file is sought that is not where the person is
     """
     names, found, brought = _by_word(), list[str](), ports.names(PORTS)
-    for part in map(str.strip, text.split(",")):
+    for part in filter(None, map(str.strip, _AND.split(text))):
         own = part in brought or ".py:" in part
-        found += [_named_from(folder, part)] * own
-        words = [] if own else part.casefold().split()
-        while words:
-            count = next((n for n in (3, 2, 1) if _unspaced(words[:n]) in names), 0)
-            if not count:
-                what = "{name} is no instrument whose set-ups can be offered"
-                remedy = "docs/campaign.md shows how others are written. Offered are {known}"
-                raise DescriptionError(what, remedy, name=shown(words[0]), known=", ".join(offered_names().values()))
-            found.append(names[_unspaced(words[:count])])
-            del words[:count]
-    return [name for name in dict.fromkeys(found) if name]
+        name = _named_from(folder, part) if own else names.get(_unspaced(part))
+        if name is None:
+            what = "{name} is no instrument whose set-ups can be offered"
+            remedy = "docs/campaign.md shows how others are written. Offered are {known}"
+            raise DescriptionError(what, remedy, name=shown(part), known=", ".join(offered_names().values()))
+        found.append(name)
+    return list(dict.fromkeys(found))
 
 
 def _named_from(folder: Path, instrument: str) -> str:
@@ -105,19 +81,16 @@ def _named_from(folder: Path, instrument: str) -> str:
 
 
 def _by_word() -> dict[str, str]:
-    """Return the instrument of each word for it, in all of the languages, without blanks and hyphens; "" of "and"."""
-    found = {_unspaced([name]): name for name in OFFERED}
+    """Return the instrument of each word for it, in all of the languages, without blanks and hyphens."""
+    found = {_unspaced(name): name for name in OFFERED}
     for language in LANGUAGES:
         with speaking(language):
-            found |= {
-                _unspaced([word]): name for name, offer in OFFERED.items() for word in said(offer.words).split(",")
-            }
-            found[_unspaced([said(" and ")])] = ""
+            found |= {_unspaced(word): name for name, each in OFFERED.items() for word in said(each.words).split(",")}
     return found
 
 
-def _unspaced(words: Sequence[str]) -> str:
-    return "".join(words).casefold().replace(" ", "").replace("-", "")
+def _unspaced(words: str) -> str:
+    return words.casefold().replace(" ", "").replace("-", "")
 
 
 def of_builtin(name: str) -> Beginning:
@@ -142,36 +115,6 @@ def of_ini(found: IniMachine, file: Path, folder: Path, chain: str | None = None
     return Beginning(text, _active(found, file, folder), tuple(unread(found)))
 
 
-def of_printer(file: Path, chain: str | None = None) -> Beginning:
-    """Return the machine of a printer.cfg of Klipper: the built-in printer with its kinematics, travels and speeds.
-
-    chain : how it is built, where the usual one of its kinematics is not that
-    Raises DescriptionError with the line of what cannot be.
-    """
-    found, usual = read_printer(file), load_machine("printer-gantry")
-    text = usual.text.replace(f'name = "{usual.name}"', f'name = "3D printer ({found.kinematics})"')
-    text = re.sub(r'chain = "[^"]*"', lambda _: f'chain = "{chain or found.chain}"', text, count=1)
-    text = "name = " + text.partition("\nname = ")[2]  # what stands above are the figures of another printer
-    for axis, (low, high) in found.travels.items():
-        text = _stating(text, axis, "travel", f'["{low:g} mm", "{high:g} mm"]')
-    for axis, speed in found.speeds.items():
-        text = _stating(text, axis, "speed", f'"{speed:g} mm/s"')
-    for axis, acceleration in found.accelerations.items():
-        text = _stating(text, axis, "acceleration", f'"{acceleration:g} mm/s^2"')
-    machine_from_text(text, file)
-    look = [said("the length of the tool")]
-    if chain is None:
-        look.append(said("which axes carry the workpiece (chain = {chain} is supposed)", chain=f'"{found.chain}"'))
-    return Beginning(
-        f"# From {file.name} of Klipper; errors as printers usually have them.\n\n{text}",
-        look=tuple(look),
-        beside=found.beside,
-        screws=screws_text(found.thread, found.screws) if found.screws else "",
-        mesh=found.mesh,
-        instrument="probe",
-    )
-
-
 def of_file(file: Path, folder: Path) -> Beginning:
     """Return the machine of a file of a control: the INI of a LinuxCNC, or a printer.cfg.
 
@@ -180,14 +123,12 @@ def of_file(file: Path, folder: Path) -> Beginning:
     """
     if is_printer_file(file):
         return of_printer(file)
-    text = "\n".join(read_text(file).lines).lstrip()
-    if not _OF_LINUXCNC.search(text):
-        what, remedy = "This looks like {kind}", "Give the INI file of a LinuxCNC, or the printer.cfg of a Klipper"
+    if not any(map(_OF_LINUXCNC.match, read_text(file).lines)):
         if kind := title_of(file):
-            what = "These are readings: {kind}"
             remedy = "Begin a campaign here; axiscal data estimate takes it with this file"
-        kind = kind or next((kind for kind, sign in _KINDS.items() if sign.search(text)), _UNKNOWN)
-        raise DescriptionError(what, remedy, file, kind=said(kind))
+            raise DescriptionError("These are readings: {kind}", remedy, file, kind=said(kind))
+        remedy = "Give the INI file of a LinuxCNC, or the printer.cfg of a Klipper"
+        raise DescriptionError("This is no file of a control", remedy, file)
     return of_ini(machine_of(read_ini(file)), file, folder)
 
 
@@ -203,7 +144,7 @@ def of_text(text: str, name: str) -> Beginning:
 def readings_in(text: str, name: str) -> str:
     """Return what readings in the text of a file are called, "" where it is one of a control, or holds none."""
     with _as_file(text, name) as file, suppress(InputError):
-        return "" if is_printer_file(file) or _OF_LINUXCNC.search(text) else title_of(file)
+        return "" if is_printer_file(file) or any(map(_OF_LINUXCNC.match, text.splitlines())) else title_of(file)
     return ""
 
 
@@ -215,19 +156,6 @@ def _as_file(text: str, name: str) -> Iterator[Path]:
         yield file
 
 
-_OF_LINUXCNC = re.compile(r"^\s*\[(EMC|TRAJ|KINS|(AXIS|JOINT)_\w)\]", re.MULTILINE)
-_KINDS = {
-    later("a picture or a workbook, no text"): re.compile(r"[\x01-\x08]"),
-    later("an empty file"): re.compile(r"^\Z"),
-    later("a record of axiscal: put it into the folder of this page, and the start shows it"): re.compile(r"^axiscal"),
-    later("a JSON document"): re.compile(r"^[{[]\s*[\"{\[\]}]"),
-    later("a program in G-code"): re.compile(r"^(N\d+\s*)?G\d", re.MULTILINE),
-    later("a table of numbers"): re.compile(r"\d[^\n,;\t]*[,;\t]\s*[-+\d]"),
-    later("sections of keys that neither of them has"): re.compile(r"^\s*\[[^\]]+\]", re.MULTILINE),
-}
-_UNKNOWN = later("text in lines")
-
-
 def with_travels(begun: Beginning, lengths: Mapping[str, float]) -> Beginning:
     """Return a machine whose linear axes travel so far, mm: up to zero where they end there, else from below."""
     text = begun.text
@@ -235,7 +163,7 @@ def with_travels(begun: Beginning, lengths: Mapping[str, float]) -> Beginning:
         if axis.name in lengths:
             low, high = (to_unit(end, "mm") for end in axis.travel)
             low, high = (-lengths[axis.name], 0.0) if high == 0 else (low, low + lengths[axis.name])
-            text = _stating(text, axis.name, "travel", f'["{low:g} mm", "{high:g} mm"]')
+            text = stating(text, axis.name, "travel", f'["{low:g} mm", "{high:g} mm"]')
             if lengths[axis.name] < to_unit(axis.length, "mm"):  # the lengths of its errors are the usual ones then
                 text = re.sub(rf'^(E[XYZABC]{axis.name} = .*), length = "[^"]*"', r"\1", text, flags=re.MULTILINE)
     return replace(begun, text=text)
@@ -264,12 +192,6 @@ def with_carriers(begun: Beginning, switched: Collection[str]) -> Beginning:
     )
     chain = "-".join(["w", *(f"{name}'" for name in work), "b", *tool, "t"])
     return replace(begun, text=re.sub(r'chain = "[^"]*"', lambda _: f'chain = "{chain}"', begun.text, count=1))
-
-
-def _stating(text: str, axis: str, key: str, value: str) -> str:
-    """Return the text of a machine with another value of a key of an axis."""
-    section = re.compile(rf"(\[axes\.{re.escape(axis)}\]\n(?:(?!\[axes).)*?{key} = )(\[[^\]]*\]|\"[^\"]*\")", re.DOTALL)
-    return section.sub(lambda found: found[1] + value, text, count=1)
 
 
 def linear_travels(begun: Beginning) -> dict[str, float]:

@@ -7,7 +7,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
 
 from axiscal.description.ini_file import IniFile, IniValue
 from axiscal.document.file import number_or_none
@@ -33,7 +32,7 @@ _INCH = 1 / 25.4
 _MOST = 6
 """Axes that a chain here may have."""
 _EVERY = "XYZABCUVW"
-_NUMBERED = {"xyzac-trt-kins": "XYZAC", "xyzbc-trt-kins": "XYZBC", "5axiskins": "XYZBCW"}
+_NUMBERED = {"xyzac-trt-kins": "XYZAC", "xyzbc-trt-kins": "XYZBC"}
 """The axes of joint 0, 1, 2 ... where nobody says them, of these kinematics and of all others (LinuxCNC, kins(9))."""
 
 
@@ -93,9 +92,10 @@ def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = N
     given : the limits of the axes that it leaves open, in its unit
     Raises DescriptionError with the line of what cannot be.
     """
-    joints, given = _joints(ini), given or {}
-    if given:
-        _refuse_unasked(ini, given)
+    joints, given, lacking = _joints(ini), given or {}, lacking_limits(ini)
+    for letter in (each for each in given if each not in lacking):
+        what, remedy = "The INI file does not leave the limits of {letter} open", "Those that it leaves: {lacking}"
+        raise DescriptionError(what, remedy, ini.path, letter=letter, lacking=", ".join(lacking) or "-")
     linear, angular = (unit_in(ini, key) for key in _UNITS)
     build = build_of(ini, tuple(joints), tuple(name for name in joints if len(joints[name]) > 1), linear)
     built = [name for name in joints if name in re.findall(r"[A-Z]", build.chain)]
@@ -108,18 +108,6 @@ def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = N
         compensated=tuple(n for n in sorted(sum(joints.values(), ())) if _compensated(ini, n)),
         servo_period=None if period is None else period.number("SERVO_PERIOD") * 1e-9,
     )
-
-
-def _refuse_unasked(ini: IniFile, given: Mapping[str, tuple[float, float]]) -> None:
-    lacking = lacking_limits(ini)
-    for letter, (low, high) in given.items():
-        if letter not in lacking:
-            open_ = "those of {lacking} are open" if lacking else "it says those of every axis"
-            what = "The INI file does not leave the limits of {letter} open"
-            raise DescriptionError(what, open_, ini.path, letter=letter, lacking=", ".join(lacking))
-        if not low < high:
-            what = "{letter} cannot move from {low:g} to {high:g}"
-            raise DescriptionError(what, "The lower limit comes first", letter=letter, low=low, high=high)
 
 
 def _joints(ini: IniFile) -> dict[str, tuple[int, ...]]:
@@ -165,8 +153,11 @@ def unit_in(ini: IniFile, key: str) -> str:
 def _axis(
     ini: IniFile, letter: str, joints: tuple[int, ...], unit: str, given: Mapping[str, tuple[float, float]]
 ) -> IniAxis:
-    places = axis_sections(ini, letter, joints[0])
-    least, most = given[letter] if letter in given else limits(ini, letter, joints[0], unit)
+    places = _sections(ini, letter, joints[0])
+    least, most = given[letter] if letter in given else _limits(ini, letter, joints[0], unit)
+    if not least < most:
+        what, place = "{letter} cannot move from {low:g} to {high:g}", ini.place(*places)
+        raise DescriptionError(what, "The lower limit comes first", *place, letter=letter, low=least, high=most)
     kind = "ANGULAR" if letter in "ABC" else "LINEAR"
     fallback = {key: ini.get("TRAJ", f"MAX_{kind}_{key}") for key in ("VELOCITY", "ACCELERATION")}
     speed, hardest = (ini.first(places, f"MAX_{key}") or fallback[key] for key in ("VELOCITY", "ACCELERATION"))
@@ -185,13 +176,10 @@ def _axis(
 
 
 def _positive(found: IniValue | None, key: str) -> float | None:
-    if found is None:
-        return None
-    value = found.number(key)
-    if value <= 0:
+    if found is not None and found.number(key) <= 0:
         remedy = "Write the fastest that the axis goes"
         raise found.fail("{key} = {text} is not above zero", remedy, key=key, text=found.text)
-    return value
+    return None if found is None else found.number(key)
 
 
 def _compensated(ini: IniFile, joint: int) -> bool:
@@ -206,7 +194,7 @@ _ENDLESS = 1e9
 """LinuxCNC's limits where nobody set any are larger; no machine's are."""
 
 
-def axis_sections(ini: IniFile, letter: str, joint: int) -> tuple[str, ...]:
+def _sections(ini: IniFile, letter: str, joint: int) -> tuple[str, ...]:
     """Return the sections of an axis: its own, and its first joint's, as now and in LinuxCNC 2.7; none of a belt."""
     stated = ini.get("KINS", "KINEMATICS")
     if stated is not None and stated.text.startswith(BELTS) and letter in "XY":
@@ -214,32 +202,28 @@ def axis_sections(ini: IniFile, letter: str, joint: int) -> tuple[str, ...]:
     return f"AXIS_{letter}", f"JOINT_{joint}", f"AXIS_{joint}"
 
 
-def limits(ini: IniFile, letter: str, joint: int, unit: str) -> tuple[float, float]:
+def _limits(ini: IniFile, letter: str, joint: int, unit: str) -> tuple[float, float]:
     """Return the limits of an axis in its unit; a rotary axis without any has a turn to either side.
 
-    Raises DescriptionError for a linear axis without, and where the lower one is not below the upper one.
+    Raises DescriptionError for a linear axis without.
     """
     stated = _stated(ini, letter, joint)
     for key, found in stated.items():
         if letter not in "ABC" and _left_open(found, key):
             what = "The INI file says no {key} of {letter}"
             remedy = 'Write it under [AXIS_{letter}], as in {key} = {example}, or add --limits "{letter} 0 500"'
-            place = ini.place(*axis_sections(ini, letter, joint)) if found is None else (found.file, found.line)
+            place = ini.place(*_sections(ini, letter, joint)) if found is None else (found.file, found.line)
             example = "0" if key == "MIN_LIMIT" else "500"
             raise DescriptionError(what, remedy, *place, key=key, letter=letter, example=example)
     low, high = (
         sense * TURN.get(unit, 0.0) if found is None or _left_open(found, key) else found.number(key)
         for sense, (key, found) in zip((-1, 1), stated.items(), strict=True)
     )
-    upper = stated["MAX_LIMIT"]
-    if upper is not None and low >= high:
-        what = "MAX_LIMIT of {letter} is {high:g}, and MIN_LIMIT is {low:g}"
-        raise upper.fail(what, "The larger one is MAX_LIMIT", letter=letter, high=high, low=low)
     return low, high
 
 
 def _stated(ini: IniFile, letter: str, joint: int) -> dict[str, IniValue | None]:
-    return {key: ini.first(axis_sections(ini, letter, joint), key) for key in ("MIN_LIMIT", "MAX_LIMIT")}
+    return {key: ini.first(_sections(ini, letter, joint), key) for key in ("MIN_LIMIT", "MAX_LIMIT")}
 
 
 def _left_open(found: IniValue | None, key: str) -> bool:
@@ -283,15 +267,8 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
         return IniBuild("w-Z'-b-Y-X-t" if "Z" in letters else "w-b-Y-X-t", False, name, unit)
     if found := _TRT.fullmatch(name):
         return _swivelling(ini, name, found[1].upper(), letters, unit)
-    if name in ("maxkins", "5axiskins") and set("BC") <= set(letters):
-        pins, table = _pins(ini, name), name == "maxkins"  # whether C turns the workpiece, and not the head
-        pivot, known = pins.values.get("pivot-length", 0.0), "pivot-length" in pins.values
-        against = () if table and pins.values.get("conventional-directions", 0.0) else ("B",)
-        places = {"B": (0.0, 0.0, pivot), "C": (0.0, 0.0, 0.0 if table else pivot)}
-        chain = "w-C'-X'-Y'-b-Z-B-t" if table else "w-b-X-Y-Z-C-B-t"
-        return IniBuild(chain, known and pins.clear, name, unit, against, places)
     what = "{name} is no chain of axes that can be read here"
-    remedy = "Write machine.toml by hand; trivkins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
+    remedy = "Write machine.toml by hand; trivkins, corexykins, xyzac-trt-kins and xyzbc-trt-kins are read"
     if name in _PARALLEL:
         remedy = "docs/scope.md says what to use instead"
     elif name in _ROBOTS:
@@ -317,24 +294,19 @@ def _swivelling(ini: IniFile, name: str, swivel: str, letters: Sequence[str], un
     if not {"X", "Y", "Z", "C", swivel} <= set(letters):
         remedy = "Name them in [TRAJ] COORDINATES"
         raise stated.fail("{name} has axes X, Y, Z, {swivel} and C", remedy, name=name, swivel=swivel)
-    read = _pins(ini, name)
-    pins = read.values
+    pins, clear = _pins(ini, name)
     x, y, z = (pins.get(f"{way}-rot-point", 0.0) for way in "xyz")
     z += pins.get("z-offset", 0.0)
     line = (x, y + pins.get("y-offset", 0.0), z) if swivel == "A" else (x + pins.get("x-offset", 0.0), y, z)
     against = () if pins.get("conventional-directions", 0.0) else (swivel, "C")
-    return IniBuild(f"w-C'-{swivel}'-X'-Y'-b-Z-t", read.clear, name, unit, against, {swivel: line, "C": (x, y, z)})
+    return IniBuild(f"w-C'-{swivel}'-X'-Y'-b-Z-t", clear, name, unit, against, {swivel: line, "C": (x, y, z)})
 
 
-class _Pins(NamedTuple):
-    """values : by pin; clear : whether every pin that says where axes turn, or which way, was understood"""
+def _pins(ini: IniFile, module: str) -> tuple[Mapping[str, float], bool]:
+    """Return the numbers that HAL sets at pins of a module, straight or by a signal: HALCMD lines and files at hand.
 
-    values: Mapping[str, float]
-    clear: bool
-
-
-def _pins(ini: IniFile, module: str) -> _Pins:
-    """Return the numbers that HAL sets at pins of a module, straight or by a signal: HALCMD lines and files at hand."""
+    With them whether every pin that says where axes turn, or which way, was understood.
+    """
     signals, joined, found = dict[str, float | None](), dict[str, str](), dict[str, float | None]()
     for line in _hal(ini):
         if (given := _SETS.fullmatch(line)) is not None:
@@ -346,13 +318,13 @@ def _pins(ini: IniFile, module: str) -> _Pins:
             found[pin[2]] = _value(ini, pin[3])
     said = {pin: signals.get(signal) for pin, signal in joined.items()} | found
     values = {pin: value for pin, value in said.items() if value is not None}
-    return _Pins(values, not any(_PLACES.fullmatch(pin) for pin in said.keys() - values.keys()))
+    return values, not any(_PLACES.fullmatch(pin) for pin in said.keys() - values.keys())
 
 
 _PARALLEL = ("genhexkins", "lineardeltakins", "rotarydeltakins", "tripodkins", "pentakins")
 _ROBOTS = ("scarakins", "pumakins", "genserkins")
 """Kinematics modules of LinuxCNC 2.9 (kins(9))."""
-_PLACES = re.compile(r"[xyz]-rot-point|[xyz]-offset|pivot-length|conventional-directions")
+_PLACES = re.compile(r"[xyz]-rot-point|[xyz]-offset|conventional-directions")
 """Pins that say where axes turn, or which way."""
 
 

@@ -22,7 +22,7 @@ from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingErro
 from axiscal.language.spoken import joined, said
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.candidates import arrivals_of
-from axiscal.measurement.charts.kinds import Circle, Held
+from axiscal.measurement.charts.kinds import Balls, Circle
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.readers.csv_readings import RawReading, raw_pose
 from axiscal.measurement.readers.csv_table import table_of
@@ -194,7 +194,7 @@ def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: _ByAxis, r
     Raises ReadingError for a place that is further from the chart than what touches can follow.
     """
     rotary = {axis.name: position[axis.name] for axis in machine.axes if axis.rotary and axis.name in position}
-    if isinstance(chart, Held) and all(machine.axes[k].name in rotary for k in chart.turning):
+    if isinstance(chart, Balls) and not chart.numbered and all(machine.axes[k].name in rotary for k in chart.turning):
         places = np.array([[position[machine.axes[k].name] for k in chart.turning]])
         following = dict(zip((axis.name for axis in machine.axes), chart.poses(places)[0].tolist(), strict=True))
         position = {**following, **position}

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from glob import glob
 from pathlib import Path
 
+from axiscal.description.first_campaign import Beginning
 from axiscal.description.ini_file import IniFile, IniValue
+from axiscal.description.screws import screws_text
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
+from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.readers.probe_offset import Beside, offset_in, offset_of, sections_in
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.units import from_unit
 
+Place = tuple[float, float]
 _SECTION = re.compile(r"\[\s*+([^\]\s]++(?:\s++[^\]\s]++)*+)\s*+\].*")
 _INCLUDED = re.compile(r"\[include\s++([^\]\s]++(?:\s++[^\]\s]++)*+)\s*+\].*")
 _KEY = re.compile(r"(\w+)\s*[:=]\s*(.*)")
@@ -30,38 +34,20 @@ _MOST_SCREWS = 8
 """More than any bed has."""
 
 
-@dataclass(frozen=True, slots=True)
-class PrinterFile:
-    """What a printer.cfg says.
-
-    travels : lower and upper end of X, Y and Z, mm; that of Z begins at the bed
-    speeds, accelerations : mm/s and mm/s² of the axes of which it says any
-    beside : how far the probe stands beside the nozzle, m; None where no section says it
-    thread, screws : under the bed, as Klipper names it, and where they are, m; "" and none where no section says it
-    mesh : from where to where along X and Y the probe is sent, mm; none where no section says it, as of a round bed
-    """
-
-    kinematics: str
-    chain: str
-    travels: dict[str, tuple[float, float]]
-    speeds: dict[str, float]
-    accelerations: dict[str, float]
-    beside: Beside | None
-    thread: str = ""
-    screws: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    mesh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-
-
 def is_printer_file(path: Path) -> bool:
     """Return whether a file has sections of Klipper; raises ReadingError for no file."""
     sections = (_SECTION.fullmatch(line.strip()) for line in read_text(path).lines)
     return any(found[1].startswith(("stepper_", "include ")) or found[1] == "printer" for found in sections if found)
 
 
-def read_printer(path: Path) -> PrinterFile:
-    """Return what a printer.cfg says; raises ReadingError for no file, DescriptionError with the line."""
+def of_printer(path: Path, chain: str | None = None) -> Beginning:
+    """Return the machine of a printer.cfg of Klipper: the built-in printer with its kinematics, travels and speeds.
+
+    chain : how it is built, where the usual one of its kinematics is not that
+    Raises ReadingError for no file, DescriptionError with the line of what cannot be.
+    """
     lines = list(_lines(path, path.resolve().parent))
-    read = _sections(path, lines)
+    read, whole = _sections(path, lines), "\n".join(text for _, _, text in lines)
     if read.place("printer")[1] is None:
         for number, line in enumerate(read_text(path).lines, start=1):
             if (included := _INCLUDED.fullmatch(line.strip())) and not _files(path, included[1]):
@@ -72,25 +58,38 @@ def read_printer(path: Path) -> PrinterFile:
         what = "kinematics: {name} has no axes X, Y and Z that move by themselves"
         remedy = "Known are {known}; docs/scope.md says what to use instead"
         raise stated.fail(what, remedy, name=stated.text, known=", ".join(_CHAINS))
+    usual, supposed = load_machine("printer-gantry"), _CHAINS[stated.text]
+    text = usual.text.replace(f'name = "{usual.name}"', f'name = "3D printer ({stated.text})"')
+    text = re.sub(r'chain = "[^"]*"', lambda _: f'chain = "{chain or supposed}"', text, count=1)
+    text = "name = " + text.partition("\nname = ")[2]  # what stands above are the figures of another printer
     travels = {axis: _travel(read, f"stepper_{axis.lower()}") for axis in "XYZ"}
     travels["Z"] = (max(travels["Z"][0], 0.0), travels["Z"][1])  # below the bed a probe only looks for it
-    slower = {"X": "max_{}", "Y": "max_{}", "Z": "max_z_{}"}
-    speeds, accelerations = (
-        {
-            axis: found.number(key)
-            for axis, name in slower.items()
-            if (found := read.get("printer", key := name.format(of)))
-        }
-        for of in ("velocity", "accel")
+    for axis, (low, high) in travels.items():
+        text = stating(text, axis, "travel", f'["{low:g} mm", "{high:g} mm"]')
+        for key, of, unit in (("speed", "velocity", "mm/s"), ("acceleration", "accel", "mm/s^2")):
+            if found := read.get("printer", name := f"max_{'z_' * (axis == 'Z')}{of}"):
+                text = stating(text, axis, key, f'"{found.number(name):g} {unit}"')
+    machine_from_text(text, path)
+    look = [said("the length of the tool")]
+    if chain is None:
+        look.append(said("which axes carry the workpiece (chain = {chain} is supposed)", chain=f'"{supposed}"'))
+    return Beginning(
+        f"# From {path.name} of Klipper; errors as printers usually have them.\n\n{text}",
+        look=tuple(look),
+        beside=offset_in(whole),
+        screws=_screws(read, offset_of(sections_in(whole) or {})),
+        mesh=_mesh(read, travels),
+        instrument="probe",
     )
-    whole = "\n".join(text for _, _, text in lines)
-    beside = offset_in(whole)
-    thread, screws = _screws(read, offset_of(sections_in(whole) or {}))
-    build = stated.text, _CHAINS[stated.text]
-    return PrinterFile(*build, travels, speeds, accelerations, beside, thread, screws, _mesh(read, travels))
 
 
-def _mesh(read: IniFile, travels: Mapping[str, tuple[float, float]]) -> Mapping[str, tuple[float, float]]:
+def stating(text: str, axis: str, key: str, value: str) -> str:
+    """Return the text of a machine with another value of a key of an axis."""
+    section = re.compile(rf"(\[axes\.{re.escape(axis)}\]\n(?:(?!\[axes).)*?{key} = )(\[[^\]]*\]|\"[^\"]*\")", re.DOTALL)
+    return section.sub(lambda found: found[1] + value, text, count=1)
+
+
+def _mesh(read: IniFile, travels: Mapping[str, Place]) -> Mapping[str, Place]:
     """Return what a mesh and the travels share, mm; raises DescriptionError where that is nothing."""
     stated = read.get("bed_mesh", "mesh_min"), read.get("bed_mesh", "mesh_max")
     if stated[0] is None or stated[1] is None:
@@ -103,7 +102,7 @@ def _mesh(read: IniFile, travels: Mapping[str, tuple[float, float]]) -> Mapping[
     return found
 
 
-def _place(stated: IniValue, key: str) -> tuple[float, float]:
+def _place(stated: IniValue, key: str) -> Place:
     """Return X and Y, mm; raises DescriptionError."""
     parts = [IniValue(part.strip(), stated.file, stated.line) for part in stated.text.split(",")]
     if len(parts) != 2:
@@ -111,16 +110,15 @@ def _place(stated: IniValue, key: str) -> tuple[float, float]:
     return parts[0].number(key), parts[1].number(key)
 
 
-def _screws(read: IniFile, beside: Beside | None) -> tuple[str, Mapping[str, tuple[float, float]]]:
-    """Return thread and places of the screws under the bed: below the probe in screws_tilt_adjust, else the nozzle.
+def _screws(read: IniFile, beside: Beside | None) -> str:
+    """Return the screws under the bed for campaign.toml: below the probe in screws_tilt_adjust, else the nozzle.
 
-    Raises DescriptionError with the line of what is no place.
+    "" for less than three. Raises DescriptionError with the line of what is no place.
     """
     section = next((each for each in ("screws_tilt_adjust", "bed_screws") if read.get(each, "screw1")), "")
-    numbered = range(1, _MOST_SCREWS + 1) if section else range(0)
     aside = beside if beside and section == "screws_tilt_adjust" else (0.0, 0.0)
-    places = dict[str, tuple[float, float]]()
-    for number in numbered:
+    places = dict[str, Place]()
+    for number in range(1, _MOST_SCREWS + 1):
         stated, named = read.get(section, f"screw{number}"), read.get(section, f"screw{number}_name")
         if stated is None:
             break
@@ -128,7 +126,7 @@ def _screws(read: IniFile, beside: Beside | None) -> tuple[str, Mapping[str, tup
         name = f"screw {number}" if named is None else named.text.replace('"', "")
         places[name] = from_unit(at[0], "mm") + aside[0], from_unit(at[1], "mm") + aside[1]
     thread = read.get(section, "screw_thread")
-    return "CW-M3" if thread is None else thread.text, places if len(places) > 2 else {}
+    return screws_text("CW-M3" if thread is None else thread.text, places) if len(places) > 2 else ""
 
 
 def _lines(path: Path, folder: Path, above: Sequence[Path] = ()) -> Iterator[tuple[Path, int, str]]:
@@ -164,7 +162,7 @@ def _sections(path: Path, lines: Iterable[tuple[Path, int, str]]) -> IniFile:
     return read
 
 
-def _travel(read: IniFile, section: str) -> tuple[float, float]:
+def _travel(read: IniFile, section: str) -> Place:
     """Return the lower and the upper end, mm; raises DescriptionError where the latter is not above."""
     low, high = read.get(section, "position_min"), read.needed(section, "position_max", "235")
     ends = 0.0 if low is None else low.number("position_min"), high.number("position_max")

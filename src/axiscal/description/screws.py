@@ -9,8 +9,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from axiscal.description.fields import Table
 from axiscal.document import QuantityText, shown
+from axiscal.document.toml_table import Table
 from axiscal.document.validation import ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.units import format_quantity, parse_quantity

@@ -17,8 +17,8 @@ from axiscal.description.sights import (
     refuse_unreachable,
     seen,
 )
-from axiscal.description.sites import RETRACT, STROKE, SiteReader, Surroundings, evened
-from axiscal.description.stated_type_b import dense, with_drift, with_material
+from axiscal.description.sites import RETRACT, STROKE, SiteReader, Surroundings
+from axiscal.description.stated_type_b import with_drift, with_material
 from axiscal.document import Document, meant, shown
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError, Faults
@@ -149,7 +149,6 @@ class _Reader(SiteReader):
             setup.check()
             if isinstance(setup, Foreign):
                 setup = replace(setup, curved=setup.curved_by())
-        setup = dense(self, setup)
         lack = lack_of(setup, machine, table.reach, table.moves is not None)
         if lack is not None and self.around.asking:
             raise self.misstated("instrument", *lack)
@@ -159,8 +158,7 @@ class _Reader(SiteReader):
         """Return a set-up that has a chart with how its places are taken."""
         table = self.table
         stroke = STROKE if table.stroke is None else table.stroke
-        setup = replace(setup, retract=table.retract or RETRACT, mean_sides=evened(table))
-        setup = replace(setup, three_touches=table.touches is not None)
+        setup = replace(setup, retract=table.retract or RETRACT, mean_sides=self.kind.all_round)
         with self.at_key("artefact" if setup.artefact else "length" if setup.length else "along"):
             refuse_unreachable(self.around.machine, setup)
         if setup.contact != "held":

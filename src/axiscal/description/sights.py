@@ -21,7 +21,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
-from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Held, Sight
+from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Sight
 from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instruments.displacement import Displacement, Straightedge
 from axiscal.measurement.instruments.distance import Tracer
@@ -29,7 +29,6 @@ from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array, even_subset
 from axiscal.units import format_quantity
-from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
@@ -45,53 +44,52 @@ _FEWER = 2
 def refuse_unreachable(machine: Machine, setup: Setup) -> None:
     """Raise DescriptionError for a chart, or a ball of it, that no pose reaches from an allowed side."""
     chart = setup.chart
-    each = chart.each if isinstance(chart, Balls) else () if chart is None else (chart,)
+    each = chart.each() if isinstance(chart, Balls) else [] if chart is None else [chart]
     for number, part in enumerate(each):
         places, _ = chart_places(machine, setup, part, _LOOKED_AT)
         finite = all(each.step > 0 for each in part.coordinates)
         if len(places) >= (1 if finite else FEWEST):
             continue
-        if isinstance(part, Sight):
-            what = 'the {instrument} of "{setup}" sees the tool in no pose, or hardly any'
-            remedy = "Look at range, sight, faces and the station, which are of the workpiece frame"
-            raise DescriptionError(what, remedy, instrument=setup.instrument, setup=setup.name)
-        if isinstance(part, Held) and setup.artefact is not None:
+        named = {"instrument": setup.instrument, "setup": setup.name}
+        what = 'the {instrument} of "{setup}" sees the tool in no pose, or hardly any'
+        remedy = "Look at range, sight, faces and the station, which are of the workpiece frame"
+        if not isinstance(part, Sight):
+            what = 'no pose reaches where "{setup}" is to be read within the travels and clear of stems'
+            remedy = _nearest(machine, part)
+        if isinstance(part, Balls) and setup.artefact is not None:
             what = "no pose reaches ball {ball} of {artefact} within the travels and clear of stems"
-            at = {"ball": setup.artefact.balls[setup.balls[number]].name, "artefact": setup.artefact.name}
-            raise DescriptionError(what, _nearest(machine, part), None, None, **at)
-        what = 'no pose reaches where "{setup}" is to be read within the travels and clear of stems'
-        raise DescriptionError(what, _nearest(machine, part), setup=setup.name)
+            named = {"ball": setup.artefact.balls[setup.balls[number]].name, "artefact": setup.artefact.name}
+        raise DescriptionError(what, remedy, None, None, **named)
 
 
 def _nearest(machine: Machine, part: Chart) -> str:
     """Say what is lacking at the place that leaves the travels least."""
-    ends = part.coordinates
-    unit = even_points(_LOOKED_AT, len(ends))
-    poses = part.poses(
-        np.column_stack([unit[:, :0], *(e.low + (e.high - e.low) * s for e, s in zip(ends, unit.T, strict=True))])
-    )
+    low, high = np.array([each[:2] for each in part.coordinates]).reshape(-1, 2).T
+    poses = part.poses(low + (high - low) * even_points(_LOOKED_AT, len(low)))
     if np.isnan(poses).any(axis=1).all():
         slides = listed(said(" and "), [machine.axes[k].name for k in linear_axes(machine)])
         return said("{axes} alone never carry the tool point so far aside: place it where they do", axes=slides)
     low, high = np.array([axis.travel for axis in machine.axes]).T
-    touching = part.touching if isinstance(part, Held) else None
+    touching = part.touching if isinstance(part, Balls) else None
     gone = poses[None] if touching is None else np.concatenate([poses[None], touching(poses)])
     short = (np.maximum(low - gone, gone - high) / (high - low)).max(axis=0)
     best = int(np.nan_to_num(short.max(axis=1), nan=np.inf).argmin())
-    axis = int(short[best].argmax())
-    if short[best, axis] <= 0:
+    lacks = float(short[best].max())
+    if lacks <= 0:
         what = (
             "In every pose tool, holder or spindle nose meet a stem, the post of another ball or what is to be kept "
             "out, or there is no room to draw back: look at free, cone, keep_out, retract, [tool] and the travels"
         )
         return said(what)
-    lack = format_quantity(float(short[best, axis] * (high - low)[axis]), machine.axes[axis].unit, 3)
-    at = [k for k, each in enumerate(machine.axes) if each.rotary]
-    turned = [(machine.axes[k].name, math.degrees(poses[best, k])) for k in at]
+    axis = machine.axes[int(short[best].argmax())]
+    turned = [(each.name, math.degrees(at)) for each, at in zip(machine.axes, poses[best], strict=True) if each.rotary]
     where = listed(said(" and "), [said("{axis} at {angle:.0f} deg", axis=name, angle=a) for name, a in turned])
-    what = "At the nearest, with {where}, it lacks {lack} of {axis}"
-    what = what if where else "At the nearest it lacks {lack} of {axis}"
-    return said(what, where=where, lack=lack, axis=machine.axes[axis].name)
+    what = (
+        "At the nearest, with {where}, it lacks {lack} of {axis}"
+        if where
+        else "At the nearest it lacks {lack} of {axis}"
+    )
+    return said(what, where=where, lack=format_quantity(lacks * axis.length, axis.unit, 3), axis=axis.name)
 
 
 def refuse_short_stroke(machine: Machine, setup: Setup, stroke: float) -> None:
@@ -132,7 +130,7 @@ def reached_arc(circle: Circle, name: str) -> tuple[float, float]:
         if any(axis.rotary for axis in circle.room.machine.axes):
             remedy = "Give another plane, station or length, or park the rotary axes elsewhere"
         raise DescriptionError(what, remedy, name=name)
-    behind = low >= math.pi and not np.any(circle.turning)  # what turns with it stands elsewhere a turn before
+    behind = low >= math.pi and not np.any(circle.rates)  # what turns with it stands elsewhere a turn before
     return (low - math.tau, high - math.tau) if behind else (low, high)
 
 
@@ -140,20 +138,18 @@ def refuse_gap(circle: Circle, name: str) -> None:
     """Raise DescriptionError where an arc that was asked for cannot be gone round."""
     low, high, *_ = circle.coordinates[0]
     angles = np.linspace(low, high, 2 + int((high - low) / _FINE))
-    taken, low, high = _reached(circle, angles)
+    taken, *ends = _reached(circle, angles)
     if np.all(taken):
         return
-    bad = float(angles[~taken][0])
-    pose = circle.poses(np.array([[bad]]))[0]
-    pairs = zip(circle.room.machine.axes, pose, strict=True)
+    bad = angles[~taken][:1]
+    pairs = zip(circle.room.machine.axes, circle.poses(bad[:, None])[0], strict=True)
     axes = [axis.name for axis, at in pairs if not axis.travel[0] <= at <= axis.travel[1]]
-    if high - low < _SHORTEST:
-        low, high = reached_arc(circle, name)
     what = 'the bar of "{name}" meets a stem, or what is to be kept out, at {angle:.0f} deg'
-    if axes:
-        what = 'the bar of "{name}" leaves the travel of {axes} at {angle:.0f} deg'
-    remedy, bad, low, high = 'Give arc = ["{low:.0f} deg", "{high:.0f} deg"]', *map(math.degrees, (bad, low, high))
-    raise DescriptionError(what, remedy, name=name, axes=", ".join(axes), angle=bad, low=low, high=high)
+    what = 'the bar of "{name}" leaves the travel of {axes} at {angle:.0f} deg' if axes else what
+    ends = [*reached_arc(circle, name)] if ends[1] - ends[0] < _SHORTEST else ends
+    angle, low, high = np.degrees([*bad, *ends]).tolist()
+    remedy = 'Give arc = ["{low:.0f} deg", "{high:.0f} deg"]'
+    raise DescriptionError(what, remedy, name=name, axes=", ".join(axes), angle=angle, low=low, high=high)
 
 
 def _reached(circle: Circle, angles: Array) -> tuple[NDArray[np.bool_], float, float]:
@@ -175,8 +171,12 @@ _CONE = math.radians(60.0)
 def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
     """Raise DescriptionError for keys that belong to what the set-up has not: nothing would come of them."""
     table, kind = stated.table, stated.table.instrument
-    bar, lies = kind.site == "bar" and table.length is not None, kind is Straightedge
-    balls = table.artefact is not None and kind.usual.contact != "free"
+    bar, lies, touches = (
+        kind.site == "bar" and table.length is not None,
+        kind is Straightedge,
+        kind.usual.contact != "free",
+    )
+    balls = table.artefact is not None and touches
     warm = table.temperature is not None or kind.against_length or balls
     owners = (
         ("temperature_std expansion expansion_std", warm, later("a temperature, or a length that is compared with")),
@@ -192,16 +192,10 @@ def refuse_stray_keys(stated: Stated[SetupTable]) -> None:
         ("arc turning", bar and table.plane is not None, later("a ball bar with its length and plane")),
         ("stroke", bar or (balls and kind.usual.contact == "held"), later("a ball bar with its length, or an R-test")),
         ("reach map", not (bar or balls), later("an instrument that no ball or bar holds")),
-        (
-            "artefact",
-            kind.usual.contact != "free" or kind.site == "bar" or lies,
-            later("what reads balls, or a square"),
-        ),
+        ("artefact", touches or kind.site == "bar" or lies, later("what reads balls, or a square")),
         ("ball at turn", table.artefact is not None and not lies, later("an artefact with balls")),
         ("mounted", table.artefact is not None, later("an artefact")),
         ("retract", bar or balls, later("what touches balls, or a ball bar with its length")),
-        ("sides", bar or balls or table.along is not None, later("balls, a ball bar or a line")),
-        ("touches", kind.all_round and table.sides != "mean", later("a sphere that is not read as the mean of sides")),
     )
     _refuse_idle(stated, owners)
 
@@ -262,34 +256,18 @@ def seen(stated: Stated[SetupTable], machine: Machine, setup: Setup) -> Setup:
     said = [key for key in _KEYS if key in table.model_fields_set]
     if not said or not setup.standing:
         return setup
-    chart = Sight(
-        Room.empty(machine),
-        setup.moves,
-        np.array(setup.park),
-        np.array(setup.standing),
-        table.range,
-        _faces(stated),
-        _CONE if table.sight is None else table.sight,
-        tuple(_seen_along(setup, machine.axes[k], k) for k in setup.moves),
-    )
-    setup = replace(setup, chart=chart)
+    if table.faces is None and table.sight is not None:
+        what = "it is not said where the reflector looks that is seen within this angle"
+        raise stated.misstated("sight", what, 'Write faces = "z", or leave sight out where it turns to the station')
+    spans = [Coordinate(*setup.span(machine.axes[k], k), setup.raster[k], machine.axes[k].overrun) for k in setup.moves]
+    pairs = zip(spans, setup.moves, strict=True)
+    coordinates = tuple(c if machine.axes[k].rotary else c._replace(finest=FINEST_PLACE) for c, k in pairs)
+    where = Room.empty(machine), np.array(setup.park), coordinates, setup.moves, np.array(setup.standing), table.range
+    faces = None if table.faces is None else np.array(table.faces)
+    setup = replace(setup, chart=Sight(*where, faces, _CONE if table.sight is None else table.sight))
     with stated.at_key(said[0]):
         refuse_unreachable(machine, setup)
     return setup
-
-
-def _seen_along(setup: Setup, axis: Axis, index: int) -> Coordinate:
-    along = Coordinate(*setup.span(axis, index), setup.raster[index], axis.overrun)
-    return along if axis.rotary else along._replace(finest=FINEST_PLACE)
-
-
-def _faces(stated: Stated[SetupTable]) -> Array | None:
-    if stated.table.faces is None:
-        if stated.table.sight is not None:
-            what = "it is not said where the reflector looks that is seen within this angle"
-            raise stated.misstated("sight", what, 'Write faces = "z", or leave sight out where it turns to the station')
-        return None
-    return np.array(stated.table.faces)
 
 
 _AT_BALL = later('write artefact = "..." and [[artefacts]] with its place')

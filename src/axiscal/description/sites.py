@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from axiscal.description.campaign_schema import SetupTable
+from axiscal.description.fields import within_travel
 from axiscal.description.sights import reached_arc, refuse_gap
 from axiscal.document import Document, shown
 from axiscal.document.quoting import meant
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
-from axiscal.machine.axis import travel_text
 from axiscal.machine.kinematics import linear_axes
-from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Held, Line
-from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
+from axiscal.measurement.artefact import CONE, Artefact
+from axiscal.measurement.charts.kinds import Balls, Bar, Circle, Line
+from axiscal.measurement.charts.room import Coordinate, Room
 from axiscal.measurement.instruments.displacement import Length
-from axiscal.measurement.instruments.distance import RADIUS
-from axiscal.measurement.observation import unknowns_at
 from axiscal.measurement.setup import Setup, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array
@@ -31,15 +30,14 @@ from axiscal.units import format_quantity
 from axiscal_core.machine import Machine
 
 OPEN_LENGTH = 1e-3
-OPEN_RADIUS = 1e-4
-"""m, std of the radius at which a stylus meets a sphere, where nobody measured it: that of a tool, see Setup."""
 STROKE = 1e-3
 RETRACT = 0.05
 CUP = 1e-4
 """m, how far the centre of a bar may be from its station: it is set to within a tenth of a millimetre."""
-_FREE_CONE = math.radians(100.0)
-_DIAGONAL = 1 / math.sqrt(3)
+_DIAGONAL = (1 / math.sqrt(3),) * 3
 """Geometry: the space diagonal, along which readings are planned of an instrument that has no direction."""
+_USUAL = "noise", "setup_time", "settle", "reading_time", "approach"
+"""Figures of a set-up that its instrument has where they are not stated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +66,6 @@ class Surroundings:
     whole_lengths: bool = True
 
 
-def evened(table: SetupTable) -> bool:
-    """Return whether readings are the mean of coming from both sides: spheres touched all round are unless said."""
-    all_round = table.instrument.all_round and table.touches is None
-    return table.sides == "mean" or (table.sides is None and all_round)
-
-
 @dataclass(frozen=True)
 class SiteReader(Stated[SetupTable]):
     """Reads the keys of one table that say where; every failure is placed at the key it is about.
@@ -83,6 +75,11 @@ class SiteReader(Stated[SetupTable]):
 
     around: Surroundings
     kind: type[Setup]
+
+    @property
+    def machine(self) -> Machine:
+        """The machine that the set-up stands on."""
+        return self.around.machine
 
     def sited(self) -> Setup:
         """Return the set-up where it is read; without a chart where any pose of the axes that move will do.
@@ -97,116 +94,76 @@ class SiteReader(Stated[SetupTable]):
             return self._held()
         return self._anywhere()
 
-    def _standing(self, moves: Sequence[int], park: Sequence[float] | Array) -> Setup:
-        """Return the set-up as far as neither its place nor its unknowns matter.  moves, park : as of `Setup`"""
+    def _standing(self, moves: Iterable[int], park: Iterable[float], **placed: Any) -> Setup:
+        """Return the set-up but for its own unknowns.  moves, park, placed : fields of `Setup`"""
         table, usual = self.table, self.kind.usual
-        noise = usual.noise if table.noise is None else table.noise
-        return self.kind(
-            name=table.name,
-            machine=self.around.machine,
-            direction=table.direction or (_DIAGONAL, _DIAGONAL, _DIAGONAL),
-            offset=table.offset,
-            moves=tuple(moves),
-            park=tuple(park),
-            noise=math.hypot(noise, table.resolution / math.sqrt(12.0)),
-            unknowns=(),
-            setup_time=usual.setup_time if table.setup_time is None else table.setup_time,
-            settle=usual.settle if table.settle is None else table.settle,
-            reading_time=usual.reading_time if table.reading_time is None else table.reading_time,
-            raster=(0.0,) * len(park),
-            approach=table.approach or usual.approach,
-            station=table.station,
-            at_20=self.around.at_20,
-            base=table.base,
-            resolution=table.resolution,
-        )
+        both = {key: (getattr(table, key), getattr(usual, key)) for key in _USUAL}
+        figures = {key: mine if stated is None else stated for key, (stated, mine) in both.items()}
+        noise = math.hypot(figures.pop("noise"), table.resolution / math.sqrt(12.0))
+        same = {key: getattr(table, key) for key in ("name", "offset", "station", "base", "resolution")}
+        own = {"direction": table.direction or _DIAGONAL, "unknowns": (), "raster": (0.0,) * len(self.machine.axes)}
+        fields = same | figures | own | {"noise": noise, "at_20": self.around.at_20} | placed
+        return self.kind(machine=self.machine, moves=tuple(moves), park=tuple(park), **fields)
 
     def _anywhere(self) -> Setup:
         moves = self.table.moves
         if moves == ():
-            known = ", ".join(f'"{axis.name}"' for axis in self.around.machine.axes)
+            known = ", ".join(f'"{axis.name}"' for axis in self.machine.axes)
             remedy = "Name axes, such as moves = [{known}], or leave it out"
             raise self.misstated("moves", "nothing moves", remedy, known=known)
-        moves = tuple(range(len(self.around.machine.axes))) if moves is None else moves
+        moves = tuple(range(len(self.machine.axes))) if moves is None else moves
         return self._standing(moves, self._parked(moves))
 
     def _line(self, ends: tuple[Vector, Vector]) -> Setup:
-        step, park = self.table.raster.get("along", 0.0), self._park()
-        # nobody says how the ends of a length are met
-        overrun = 0.0 if self.kind.site == "length" else self._overrun()
+        step, park = self._step("along"), self._park()
+        overrun = 0.0 if self.kind.site == "length" else self._overrun()  # nobody says how ends of a length are met
         line = Line.between_ends(self._room(None), np.array(ends), park, step, overrun)
         poses = line.poses(np.array([[0.0], [line.coordinates[0].high]]))
         for end, there in enumerate(line.feasible(poses)):
             if not there:
                 what = "the second end of the line is out of travel"
                 what = what if end else "the first end of the line is out of travel"
-                lacks = lacking(self.around.machine, poses[end])
+                lacks = lacking(self.machine, poses[end])
                 raise self.misstated("along", what, "Let it end within the travels: {lacking}", lacking=lacks)
-        x, y, z = line.direction.tolist()
-        given, start = self.table.direction, None
+        placed = {"chart": line, "direction": self.table.direction or tuple(line.direction.tolist())}
         if issubclass(self.kind, Length):
-            line, start = line.at_its_end(), tuple(poses[0].tolist())
-        return replace(
-            self._standing(linear_axes(self.around.machine), park),
-            chart=line,
-            start=start,
-            direction=given or (x, y, z),
-        )
+            placed |= {"chart": line.at_its_end(), "start": tuple(poses[0].tolist())}
+        return self._standing(linear_axes(self.machine), park, **placed)
 
     def _bar(self, length: float) -> Setup:
         centre, owned, artefact, balls = self._centre()
-        owner = f"bar of {format_quantity(length, 'mm', 6)}"
-        zero = Unknown("zero", OPEN_LENGTH, owner)
-        plane = self.table.plane
-        machine, turning = self.around.machine, self.table.turning.items()
-        chart = self._circle(centre, length, artefact, plane) if plane else self._sphere(centre, length, artefact)
-        turned = [machine.index(name) for name, rate in turning if rate] if plane else self._turned_by_moves()
-        moving = {*linear_axes(machine), *turned}
-        setup = self._standing(sorted(moving), self._park([*moving]))
-        unknowns = (zero, *owned, *self.around.tool)
-        setup = replace(setup, chart=chart, contact="held", unknowns=unknowns, station=centre, length=length)
-        return replace(setup, artefact=artefact, balls=balls)
+        zero, table = Unknown("zero", OPEN_LENGTH, f"bar of {format_quantity(length, 'mm', 6)}"), self.table
+        where = self._room(artefact), self._park()
+        bar, overrun = (np.array(centre), length, *self._cone(artefact)), self._overrun() / length
+        if table.plane:
+            rates = np.array([table.turning.get(axis.name, 0.0) for axis in self.machine.axes])
+            arc, turning = Coordinate(0.0, math.tau, self._step("arc"), overrun), tuple(np.flatnonzero(rates).tolist())
+            chart: Bar = self._on_arc(Circle(*where, (arc,), *bar, plane=np.array(table.plane), rates=rates))
+        else:
+            turning, quarter = self._turned_by_moves(), math.pi / 2
+            azimuth = Coordinate(0.0, math.tau, self._step("azimuth"), overrun, endless=True)
+            elevation = Coordinate(-quarter, quarter, self._step("elevation"), overrun)
+            chart = Bar(*where, (azimuth, elevation, *self._turns(turning)), *bar, turning)
+        moving = sorted({*linear_axes(self.machine), *turning})
+        placed = {"chart": chart, "contact": "held", "unknowns": (zero, *owned, *self.around.tool), "station": centre}
+        return self._standing(moving, self._park(moving), length=length, artefact=artefact, balls=balls, **placed)
 
     def _centre(self) -> tuple[Vector, tuple[Unknown, ...], Artefact | None, tuple[int, ...]]:
-        table = self.table
-        if table.artefact is not None:
+        place = self.table.station
+        if self.table.artefact is not None:
             artefact, balls = self._artefact()
             if len(balls) != 1:
-                what = "a bar turns about one ball, and {artefact} has {count} here"
-                remedy, ball = 'Name one, such as ball = "{ball}"', artefact.balls[0].name
+                what, key = "a bar turns about one ball, and {artefact} has {count} here", "artefact"
+                named = {"artefact": artefact.name, "count": len(balls), "ball": artefact.balls[0].name}
                 raise self.misstated(
-                    "ball" if table.ball else "artefact",
-                    what,
-                    remedy,
-                    artefact=artefact.name,
-                    count=len(balls),
-                    ball=ball,
+                    "ball" if self.table.ball else key, what, 'Name one, such as ball = "{ball}"', **named
                 )
-            return artefact.balls[balls[0]].place, unknowns_at(artefact, balls), artefact, balls
-        if table.station is None:
+            return artefact.balls[balls[0]].place, _unknowns_at(artefact, balls), artefact, balls
+        if place is None:
             remedy = 'Write station = ["0 mm", "0 mm", "100 mm"], in the workpiece frame, or artefact = "cup"'
             raise self.misstated("length", "it is not said about which place the bar turns", remedy)
-        place = table.station
         owner = f"centre at {', '.join(format_quantity(value, 'mm', 6) for value in place)}"
         return place, tuple(Unknown(f"station_{axis}", CUP, owner) for axis in "xyz"), None, ()
-
-    def _circle(self, centre: Vector, length: float, artefact: Artefact | None, plane: tuple[Vector, Vector]) -> Circle:
-        first, second = map(np.array, plane)
-        free, cone = self._cone(artefact)
-        turning = np.array([self.table.turning.get(axis.name, 0.0) for axis in self.around.machine.axes])
-        circle = Circle(
-            self._room(artefact),
-            np.array(centre),
-            first,
-            second,
-            length,
-            free,
-            cone,
-            self._park(),
-            turning,
-            (Coordinate(0.0, math.tau, self._step("arc"), self._overrun() / length, not np.any(turning)),),
-        )
-        return self._on_arc(circle)
 
     def _on_arc(self, circle: Circle) -> Circle:
         if self.table.arc is None:
@@ -217,67 +174,51 @@ class SiteReader(Stated[SetupTable]):
             refuse_gap(circle, self.table.name)
         return circle
 
-    def _sphere(self, centre: Vector, length: float, artefact: Artefact | None) -> Bar:
-        free, cone = self._cone(artefact)
-        turning = self._turned_by_moves()
-        steps = tuple(self._step(self.around.machine.axes[k].name) for k in turning)
-        overrun, quarter = self._overrun() / length, math.pi / 2
-        coordinates = (
-            Coordinate(0.0, math.tau, self._step("azimuth"), overrun, endless=True),
-            Coordinate(-quarter, quarter, self._step("elevation"), overrun),
-            *turns(self.around.machine, turning, steps),
-        )
-        return Bar(self._room(artefact), np.array(centre), length, free, cone, turning, self._park(), coordinates)
-
     def _overrun(self) -> float:
-        return max(axis.overrun for axis in self.around.machine.axes if not axis.rotary)
+        return max(axis.overrun for axis in self.machine.axes if not axis.rotary)
 
     def _cone(self, artefact: Artefact | None) -> tuple[Array, float]:
-        if artefact is None:
-            return np.array([0.0, 0.0, 1.0]), _FREE_CONE
-        return np.array(artefact.free), artefact.cone
+        return (np.array([0.0, 0.0, 1.0]), CONE) if artefact is None else (np.array(artefact.free), artefact.cone)
 
     def _held(self) -> Setup:
         artefact, balls = self._artefact()
         turning = self._turned_by_moves(default_all=True)
-        with self.at_key("artefact"):
-            self._refuse_no_turn(turning, artefact)
-        steps = tuple(self._step(self.around.machine.axes[k].name) for k in turning)
-        self._refuse_one_place(turning, steps)
-        coordinates = turns(self.around.machine, turning, steps)
-        park, free, at = self._park(turning), np.array(artefact.free), artefact.points
-        contact = self.kind.usual.contact
+        if not turning and artefact.calibrated is None:
+            what = "a ball alone is read in many poses of the rotary axes, and here none turns: it is one pose"
+            remedy = 'Put three or more on a board, with how well their places are known: calibrated = "0.3 mm"'
+            raise self.misstated("artefact", what, remedy)
+        turns = self._turns(turning)
+        for k, turn in zip(turning, turns, strict=True):
+            if turn.step > 0 and len(turn.values) < 2:
+                axis, what = self.machine.axes[k], "a raster of {text} has less than two places on {axis}"
+                remedy, text = (
+                    "Give a smaller step, or leave {axis} out of moves",
+                    format_quantity(turn.step, axis.unit),
+                )
+                raise self.misstated(("raster", axis.name), what, remedy, text=text, axis=axis.name)
+        number = (Coordinate(0.0, len(balls) - 1.0, 1.0),) if len(balls) > 1 or not turning else ()
+        park, contact = self._park(turning), self.kind.usual.contact
         back = 0.0 if contact == "held" else self.table.retract or RETRACT
-        even = evened(self.table)  # both sides of approach: none is come from
-        coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.around.machine.axes])
-        touching = back, coming, self._touching(artefact)
-        each = tuple(
-            Held(self._room(artefact, i), at[i], free, artefact.cone, turning, park, coordinates, *touching)
-            for i in balls
-        )
-        chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
-        size = (Unknown(RADIUS, OPEN_RADIUS, artefact.name),) if self.table.touches else ()
-        unknowns = (*unknowns_at(artefact, balls), *size, *self.around.tool)
-        setup = self._standing(sorted({*turning, *linear_axes(self.around.machine)}), park)
-        return replace(setup, chart=chart, contact=contact, unknowns=unknowns, artefact=artefact, balls=balls)
+        even = self.kind.all_round  # both sides of approach: none is come from
+        coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.machine.axes])
+        rooms, spots = tuple(self._room(artefact, ball) for ball in balls), artefact.points[list(balls)]
+        where = rooms[0], park, (*number, *turns), spots, rooms, *self._cone(artefact), turning
+        chart, moves = Balls(*where, back, coming, self._touching(artefact)), {*turning, *linear_axes(self.machine)}
+        unknowns = (*_unknowns_at(artefact, balls), *self.around.tool)
+        placed = {"chart": chart, "contact": contact, "unknowns": unknowns, "artefact": artefact, "balls": balls}
+        return self._standing(sorted(moves), park, **placed)
+
+    def _turns(self, turning: Sequence[int]) -> tuple[Coordinate, ...]:
+        """Return the coordinates of rotary axes, each over its travel."""
+        axes = [self.machine.axes[k] for k in turning]
+        return tuple(Coordinate(*axis.travel, self._step(axis.name), axis.overrun) for axis in axes)
 
     def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
         """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
-        all_round, size = self.kind.all_round and self.table.touches is None, artefact.diameter
-        if not all_round or size is None or self.around.machine.nose.stylus <= 0:
+        size, stylus = artefact.diameter, self.machine.nose.stylus
+        if not self.kind.all_round or size is None or stylus <= 0:
             return None
-        return partial(gone_to, self.around.machine, Cycle((size + self.around.machine.nose.stylus) / 2))
-
-    def _refuse_no_turn(self, turning: tuple[int, ...], artefact: Artefact) -> None:
-        if not turning and artefact.calibrated is None:
-            what = (
-                "a ball that stands alone is read in many poses of the rotary axes, and here none turns: it is one pose"
-            )
-            remedy = (
-                "Put three or more on a board that is turned, with how well their places are known: "
-                'calibrated = "0.3 mm"'
-            )
-            raise DescriptionError(what, remedy)
+        return partial(gone_to, self.machine, Cycle((size + stylus) / 2))
 
     def _named(self) -> Artefact:
         """Return the artefact that the table names; raises DescriptionError where there is none of that name."""
@@ -296,25 +237,21 @@ class SiteReader(Stated[SetupTable]):
         table = self.table
         artefact = named.put(table.at or (0.0, 0.0, 0.0), table.turn or 0.0, table.mounted)
         names = [ball.name for ball in artefact.balls]
-        wanted = self.table.ball if self.table.ball is not None else names
-        wanted = [wanted] if isinstance(wanted, str) else wanted
+        wanted = names if table.ball is None else [table.ball] if isinstance(table.ball, str) else table.ball
         with self.at_key("ball"):
-            for ball in wanted:
-                if ball not in names:
-                    what = "{artefact} has no ball {ball}"
-                    raise DescriptionError(
-                        what, "It has {names}", artefact=artefact.name, ball=shown(ball), names=", ".join(names)
-                    )
+            for ball in (each for each in wanted if each not in names):
+                what, known = "{artefact} has no ball {ball}", ", ".join(names)
+                raise DescriptionError(what, "It has {names}", artefact=artefact.name, ball=shown(ball), names=known)
             if len(set(wanted)) < len(wanted) or not wanted:
                 raise DescriptionError("{text} names no balls, or one twice", "Name each ball once", text=shown(wanted))
         return artefact, tuple(names.index(ball) for ball in wanted)
 
     def _turned_by_moves(self, default_all: bool = False) -> tuple[int, ...]:
-        rotary = tuple(k for k, axis in enumerate(self.around.machine.axes) if axis.rotary)
+        rotary = tuple(k for k, axis in enumerate(self.machine.axes) if axis.rotary)
         if self.table.moves is None:
             return rotary if default_all else ()
         with self.at_key("moves"):
-            linear = [self.around.machine.axes[k].name for k in self.table.moves if k not in rotary]
+            linear = [self.machine.axes[k].name for k in self.table.moves if k not in rotary]
             if linear:
                 what = "{axes} follow where the tool point is held"
                 what = what if len(linear) > 1 else "{axes} follows where the tool point is held"
@@ -324,47 +261,39 @@ class SiteReader(Stated[SetupTable]):
 
     def _park(self, turning: Sequence[int] = ()) -> Array:
         """Return where the axes stand that do not move, where the linear ones follow: rotary ones at 0, if they can."""
-        linear = (k for k, axis in enumerate(self.around.machine.axes) if not axis.rotary)
-        return np.array(self._parked({*turning, *linear}, at_zero=True))
+        return np.array(self._parked({*turning, *linear_axes(self.machine)}, at_zero=True))
 
     def _parked(self, moves: Collection[int], at_zero: bool = False) -> tuple[float, ...]:
         """Return where axes stand, amid their travels unless it is said.  at_zero : rotary ones at 0, if they can"""
-        places = [sum(axis.travel) / 2 for axis in self.around.machine.axes]
-        for k, axis in enumerate(self.around.machine.axes):
-            if at_zero and axis.rotary and axis.travel[0] <= 0.0 <= axis.travel[1]:
-                places[k] = 0.0
-        usual = self.kind.usual.park.items()
-        own = {name: place for name, place in usual if self.around.machine.index(name) not in moves}
+        axes, usual = self.machine.axes, self.kind.usual.park.items()
+        near = [at_zero and axis.rotary and axis.travel[0] <= 0.0 <= axis.travel[1] for axis in axes]
+        places = [0.0 if zero else sum(axis.travel) / 2 for axis, zero in zip(axes, near, strict=True)]
+        own = {name: place for name, place in usual if self.machine.index(name) not in moves}
         for name, place in (own | self.table.park).items():
-            index = self.around.machine.index(name)
+            index, axis = self.machine.index(name), self.machine.axis(name)
             if index in moves:
                 what = "{axis} is parked, but it is one of the axes that move"
                 raise self.misstated(("park", name), what, "Take it out here, or take {axis} out of moves", axis=name)
-            axis = self.around.machine.axes[index]
-            if not axis.travel[0] <= place <= axis.travel[1]:
-                what, at = '"{text}" is outside the travel of {axis}', format_quantity(place, axis.unit)
-                raise self.misstated(
-                    ("park", name), what, "It goes from {travel}", text=at, axis=name, travel=travel_text(axis)
-                )
-            places[index] = place
+            with self.at_key("park", name):
+                places[index] = within_travel(place, axis)
         return tuple(places)
 
     def _step(self, key: str) -> float:
         return self.table.raster.get(key, 0.0)
 
-    def _refuse_one_place(self, turning: tuple[int, ...], steps: tuple[float, ...]) -> None:
-        """Raise DescriptionError for a raster by which an axis that is to turn has one place only, or none."""
-        for axis, step in zip((self.around.machine.axes[k] for k in turning), steps, strict=True):
-            low, high = axis.travel
-            if step > 0 and len(Coordinate(low, high, step).values) < 2:
-                what = "a raster of {text} has less than two places on {axis}"
-                remedy = "Give a smaller step, or leave {axis} out of moves"
-                raise self.misstated(
-                    ("raster", axis.name), what, remedy, text=format_quantity(step, axis.unit), axis=axis.name
-                )
-
     def _room(self, artefact: Artefact | None, *touching: int) -> Room:
-        return Room.among(self.around.machine, artefact, touching)
+        return Room.among(self.machine, artefact, touching)
+
+
+def _unknowns_at(artefact: Artefact, balls: tuple[int, ...]) -> tuple[Unknown, ...]:
+    """Return what set-ups at some balls of an artefact leave open of where these are."""
+    each = [(artefact.balls[i].name, axis) for i in balls for axis in "xyz"]
+    if artefact.calibrated is None:
+        return tuple(Unknown(f"{ball}_{axis}", artefact.placed, artefact.standing) for ball, axis in each)
+    whole = [Unknown(f"place_{axis}", artefact.placed, artefact.standing) for axis in "xyz"]
+    whole += [Unknown(f"turn_{axis}", artefact.turned, artefact.standing) for axis in "xyz"]
+    whole += [Unknown("scale", artefact.scale, artefact.name)] if artefact.scale > 0 else []
+    return (*whole, *(Unknown(f"{ball}_{axis}", artefact.calibrated, artefact.name) for ball, axis in each))
 
 
 def lacking(machine: Machine, pose: Array) -> str:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,54 +12,15 @@ from axiscal.description.campaign_schema import CampaignTable, SetupTable
 from axiscal.document import Document
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import said
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.setup import CARRIED, STEEL, TRUED, Setup, Unknown
+from axiscal.measurement.setup import STEEL, Setup, Unknown
 from axiscal.measurement.type_b import TEMPERATURE
-from axiscal.units import format_quantity
-from axiscal_core.instrument import TOOL
 
 REFERENCE = 293.15
 """20 degC (ISO 1), K."""
 _ALONG = 0.99
 """Cosine; growth along an axis is meant where the direction is within 8 deg of it, and no set-up is between."""
-
-
-_TOLD = 2e-5
-"""m: whoever knows a tool better than a presetter in daily use has measured it."""
-
-
-class Unsourced(NamedTuple):
-    """How well somebody states to know a tool without a source, and what stays instead, m.  key : of campaign.toml"""
-
-    key: str
-    stated: float
-    usual: float
-
-    @property
-    def words(self) -> str:
-        """A sentence for whoever stated it."""
-        what = '{given} has no source, so {usual} stays. Name one: tool_certificate = "presetter, 2026-03".'
-        stated, usual = (format_quantity(size, "um") for size in (self.stated, self.usual))
-        return said(what, given=f'{self.key} = "{stated}"', usual=usual)
-
-
-def unsourced(setups: Sequence[Setup]) -> tuple[tuple[Setup, ...], tuple[Unsourced, ...]]:
-    """Return set-ups whose tool is known as is usual where it is stated better, and what was stated."""
-    kept, found = list[Setup](), dict[str, Unsourced]()
-    for setup in setups:
-        unknowns = list[Unknown]()
-        for unknown in setup.unknowns:
-            shared, along = unknown.owner == "tool", unknown.name == TOOL[2]
-            usual = TRUED if shared and not along else CARRIED
-            if unknown.name in TOOL and 0 < unknown.std < min(usual, _TOLD):
-                key = unknown.name if not shared else "tool_length" if along else "tool_eccentricity"
-                found[key] = Unsourced(key, unknown.std, usual)
-                unknown = replace(unknown, std=usual)
-            unknowns.append(unknown)
-        kept.append(replace(setup, unknowns=tuple(unknowns)))
-    return tuple(kept), tuple(found.values())
 
 
 def refers_to_20(table: CampaignTable, artefacts: Mapping[str, Artefact], document: Document) -> bool:
@@ -127,33 +87,6 @@ def lacks_temperature(setup: Setup) -> bool:
     """Return whether a set-up compares a machine at 20 °C with a length, and nobody says how warm the machine is."""
     stated = "temperature" in dict(setup.stated)
     return TEMPERATURE.met(setup) and not stated and takes_temperature(setup)
-
-
-def dense(stated: Stated[SetupTable], setup: Setup) -> Setup:
-    """Return a set-up whose readings are not all normal, as its table says; raises DescriptionError.
-
-    A dead band along the moving axis is a lag: its sign follows from the side of approach. Across it, or with several
-    moving axes, the sign is unknown: a bound.
-    """
-    table, band = stated.table, stated.table.dead_band
-    if band and "lag" in (unknown.name for unknown in setup.unknowns):
-        raise stated.misstated(
-            "dead_band", "a dead band is a lag, which is among the unknowns already", "Keep one of them"
-        )
-    if band and lags(setup):
-        setup, band = replace(setup, unknowns=(*setup.unknowns, Unknown("lag", band))), 0.0
-    bound = table.bound + band
-    noise = math.hypot(setup.noise, bound / math.sqrt(3.0))
-    return replace(setup, noise=noise, bound=bound, one_sided=table.one_sided)
-
-
-def lags(setup: Setup) -> bool:
-    """Whether the side of approach says on which side of a dead band each reading is."""
-    linear = [k for k in setup.moves if not setup.machine.axes[k].rotary]
-    if "lag" not in setup.unknown_reads or setup.moves != tuple(linear) or len(linear) != 1 or setup.chart:
-        return False
-    parked = setup.places(np.array([setup.park]), np.ones((1, len(setup.park))))
-    return bool(setup.own_slopes(parked, ("lag",)).any())
 
 
 def with_drift(table: SetupTable, setup: Setup, by_default: bool) -> Setup:

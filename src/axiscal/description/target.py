@@ -8,7 +8,7 @@ What a job is about: the rows that a target asks for, such as "positioning X 5 u
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Annotated, Any, Literal, NamedTuple
@@ -16,8 +16,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from axiscal.description.fields import Duration, Ends, Spans, Table, Wanted, ends_on, span
+from axiscal.description.fields import Duration, Ends, Spans, Wanted, ends_on, span
 from axiscal.document import Document, QuantityText, nearest, shown
+from axiscal.document.toml_table import Table
 from axiscal.document.validation import Beside, EachAs, ReadAs
 from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.exceptions import DescriptionError
@@ -28,7 +29,6 @@ from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import FINEST
 from axiscal.numerics import Array
 from axiscal.units import Dimension, format_quantity, within
-from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
@@ -72,7 +72,17 @@ class Want(NamedTuple):
 
 def rows_of(machine: Machine) -> list[RowName]:
     """Return the rows that can be asked of a machine."""
-    return [*_rows_of(machine.axes), RowName("volume")]
+    every, linear = [axis.name for axis in machine.axes], [axis for axis in machine.axes if not axis.rotary]
+    found: list[tuple[Kind, tuple[str, ...]]] = [("positioning", (name,)) for name in every]
+    found += [("backlash", (name,)) for name in every]
+    found += [("scale", (axis.name,)) for axis in linear]
+    for axis in linear:
+        others = (name for name in _LETTERS if letter_direction(name) != letter_direction(axis.letter))
+        found += [("straightness", (axis.name, other)) for other in others]
+    found += [(kind, (axis.name,)) for kind in ANGLES for axis in linear]
+    found += [(kind, (axis.name,)) for kind in ABOUT for axis in machine.axes if axis.rotary]
+    found += [("squareness", pair) for pair in combinations(sorted({*_LETTERS} & {a.name for a in linear}), 2)]
+    return [RowName(*row) for row in (*found, ("volume", ()))]
 
 
 def dimension(row: RowName, machine: Machine) -> Dimension:
@@ -80,23 +90,6 @@ def dimension(row: RowName, machine: Machine) -> Dimension:
     if row.kind in ("positioning", "backlash"):
         return machine.axis(row.axes[0]).dimension
     return "angle" if row.kind in ("scale", "squareness", "tilt", *ANGLES) else "length"
-
-
-def _rows_of(axes: Sequence[Axis]) -> Iterator[RowName]:
-    linear = [axis for axis in axes if not axis.rotary]
-    square = sorted(axis.name for axis in linear if axis.name in _LETTERS)
-    kinds: tuple[Kind, ...] = ("positioning", "backlash")
-    for kind in kinds:
-        yield from (RowName(kind, (axis.name,)) for axis in axes)
-    yield from (RowName("scale", (axis.name,)) for axis in linear)
-    for axis in linear:
-        others = [name for name in _LETTERS if letter_direction(name) != letter_direction(axis.letter)]
-        yield from (RowName("straightness", (axis.name, other)) for other in others)
-    for kind in ANGLES:
-        yield from (RowName(kind, (axis.name,)) for axis in linear)
-    for kind in ABOUT:
-        yield from (RowName(kind, (axis.name,)) for axis in axes if axis.rotary)
-    yield from (RowName("squareness", pair) for pair in combinations(square, 2))
 
 
 def _want(_: int, text: str, given: Beside) -> Want:

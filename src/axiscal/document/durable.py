@@ -24,11 +24,9 @@ _LOOKS = 500
 not for the file. An idle machine makes thousands of them in the usual patience; a tenth or ten times as many would do.
 """
 
-_HERE, _EXCHANGE = -100, 2
-"""AT_FDCWD and RENAME_EXCHANGE of Linux."""
 _PIECE = 1 << 24
 """Bytes read at once, so that no more are asked for than there are; any would do."""
-_DRAFT = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
+_DRAFT = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.new")
 
 
 def written(path: Path, content: bytes) -> None:
@@ -108,20 +106,6 @@ def sync_folder(folder: Path) -> None:
         os.close(handle)
 
 
-def exchanged(one: Path, other: Path) -> bool:
-    """Let two names change places in one step; False where the system or the disk cannot.  Raises OSError."""
-    import ctypes
-
-    change = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if os.name == "posix" else None
-    if change is None:
-        return False
-    if change(_HERE, os.fsencode(one), _HERE, os.fsencode(other), _EXCHANGE) == 0:
-        return True
-    if (code := ctypes.get_errno()) in (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP):
-        return False
-    raise OSError(code, os.strerror(code), str(other))
-
-
 def clear_drafts(folder: Path, name: str) -> None:
     """Remove what writers that are gone have left of a file."""
     with contextlib.suppress(OSError):
@@ -131,7 +115,7 @@ def clear_drafts(folder: Path, name: str) -> None:
 
 
 def drafts_left(folder: Path, name: str) -> list[Path]:
-    """Return what writers that are gone have left of a file or folder: `.new`, or `.old` of before; raises OSError."""
+    """Return what writers that are gone have left of a file or folder; raises OSError."""
     found = ((path, _DRAFT.fullmatch(path.name)) for path in sorted(folder.iterdir()))
     return [path for path, of in found if of and of["name"] == name and not is_running(int(of["process"]))]
 

@@ -179,33 +179,21 @@ def _content(path: Path) -> bytes:
         return bounded_content(path, LARGEST)
     except FileNotFoundError:
         raise DescriptionError("there is no such file", "Give the path of a TOML file", shown_path(path)) from None
-    except IsADirectoryError:
-        raise DescriptionError("this is a folder, not a file", "Give the path of a TOML file", path) from None
     except (OSError, ValueError) as fault:
         if getattr(fault, "errno", None) == errno.EFBIG:
             raise _too_large(path) from None
-        reason = getattr(fault, "strerror", None) or str(fault)
-        remedy = "Give a readable file"
-        raise DescriptionError("the file cannot be read: {reason}", remedy, shown_path(path), reason=reason) from None
+        what, reason = "the file cannot be read: {reason}", getattr(fault, "strerror", None) or str(fault)
+        raise DescriptionError(what, "Give the path of a TOML file", shown_path(path), reason=reason) from None
 
 
 def _decoded(content: bytes, path: Path) -> str:
     """Return the text of a file; raises DescriptionError for anything but plain UTF-8."""
-    remedy = "Save it as plain text in UTF-8"
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise DescriptionError("the file is in UTF-16", remedy, path, 1)
-    if content.startswith(b"\xef\xbb\xbf"):
-        remedy = "Save it as plain text in UTF-8 without a byte order mark"
-        raise DescriptionError("the file begins with a byte order mark", remedy, path, 1)
-    if (place := content.find(b"\0")) >= 0:
-        line = content.count(b"\n", 0, place) + 1
-        raise DescriptionError("the file holds a NUL byte, so it is not a text", remedy, path, line)
     try:
-        return content.decode()
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as fault:
-        line = content.count(b"\n", 0, fault.start) + 1
-        what = "byte 0x{content:02x} is not UTF-8"
-        raise DescriptionError(what, remedy, path, line, content=content[fault.start]) from None
+        line, what = content.count(b"\n", 0, fault.start) + 1, "byte 0x{content:02x} is not UTF-8"
+        remedy, byte = "Save it as plain text in UTF-8", content[fault.start]
+        raise DescriptionError(what, remedy, path, line, content=byte) from None
 
 
 def _syntax_failure(fault: str, text: str, path: Path) -> DescriptionError:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,23 +44,17 @@ class Hidden:
     effect: float = 0.0
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Aspect:
+class Aspect(NamedTuple):
     """What stays open of one error.
 
     kind : "constant", "slope", or "curve" for what is neither
-    share : of the prior variance that is unseen; scale : prior std
+    share : of the prior variance that is unseen; std : unseen, m or rad
     """
 
     function: Term
     kind: str
     share: float
-    scale: float
-
-    @property
-    def std(self) -> float:
-        """Unseen standard deviation, m or rad."""
-        return float(np.sqrt(self.share)) * self.scale
+    std: float
 
 
 def missing_words(model: Machine, found: list[tuple[Aspect, float]]) -> Iterator[Hidden]:
@@ -67,25 +62,22 @@ def missing_words(model: Machine, found: list[tuple[Aspect, float]]) -> Iterator
     groups: dict[str, list[tuple[Aspect, float]]] = {}
     for aspect, effect in sorted(found, key=lambda pair: -pair[1]):
         groups.setdefault(reading_that_shows(model, aspect.function), []).append((aspect, effect))
-    for reading, members in list(groups.items())[:_LISTED]:
-        subject = joined([_phrase(aspect) for aspect, _ in members], _LISTED)
-        effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
+    told = list(groups.items())
+    others = [member for _, members in told[_LISTED:] for member in members]
+    for reading, members in [*told[:_LISTED], *([("", others)] if others else [])]:
         what = (
             "No allowed set-up shows {subject}. It moves the tool point by {effect} (RMS over the volume); {reading} "
             "would show it."
         )
-        text = said(what, subject=subject, effect=said_quantity(effect, "um", 2), reading=reading)
-        yield Hidden(tuple(aspect.function.name for aspect, _ in members), text, effect)
-    yield from _others(list(groups.values())[_LISTED:])
-
-
-def _others(groups: list[list[tuple[Aspect, float]]]) -> Iterator[Hidden]:
-    members = [member for group in groups for member in group]
-    if members:
-        names = tuple(aspect.function.name for aspect, _ in members)
-        effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
-        text = "Nor does any allowed set-up show {names}; together they move it by {effect} (RMS over the volume)."
-        yield Hidden(names, said(text, names=joined(names), effect=said_quantity(effect, "um", 2)), effect)
+        names, subject = (
+            tuple(aspect.function.name for aspect, _ in members),
+            [_phrase(aspect) for aspect, _ in members],
+        )
+        if not reading:
+            what = "Nor does any allowed set-up show {names}; together they move it by {effect} (RMS over the volume)."
+        far = float(np.sqrt(sum(effect**2 for _, effect in members)))
+        values = {"subject": joined(subject, _LISTED), "names": joined(names), "reading": reading}
+        yield Hidden(names, said(what, effect=said_quantity(far, "um", 2), **values), far)
 
 
 def reading_that_shows(model: Machine, function: Term) -> str:
@@ -110,13 +102,9 @@ def _moving(axis: Axis) -> str:
 def _phrase(aspect: Aspect) -> str:
     function = aspect.function
     name = put("{name} ({words})", name=function.name, words=words(function.name))
-    if _is_constant(aspect) or aspect.kind == "curve":
+    if function.spline.size == 1 or aspect.kind == "curve":
         return name
     return said("the constant of {name}" if aspect.kind == "constant" else "the slope of {name}", name=name)
-
-
-def _is_constant(aspect: Aspect) -> bool:
-    return aspect.function.spline.size == 1
 
 
 _ABOUT = {"XY": "C", "XZ": "B", "YZ": "A"}
@@ -203,10 +191,18 @@ def hidden(
     beyond = moments.gram - shift.T @ shift  # without the part that is one shift of the whole volume
     before = float(np.sum(beyond * model.covariance()))
     acting, idle = _split(unseen, beyond, _IDLE**2 * before)
-    effects = [_effect(term, acting, beyond) for term in model.terms]
-    counted = [i for i, effect in enumerate(effects) if effect > _COUNTS * np.sqrt(before)]
-    missing = [(_missing(model.terms[i], acting), effects[i]) for i in counted]
-    return (*missing_words(model, missing), *_told_together(model, idle, said(none)))
+    missing = list[tuple[Aspect, float]]()
+    for term in model.terms:
+        own = acting[term.columns]
+        effect = float(np.sqrt(max(np.sum(own * (beyond[term.columns, term.columns] @ own)), 0.0)))
+        if effect > _COUNTS * np.sqrt(before):
+            missing.append((_missing(term, acting), effect))
+    # The tool point does not depend on which of these it is.
+    curves = (term for term in model.terms if not term.stated_shape)
+    names = tuple(term.name for term in curves if any(_open(each) for each in _candidates(term, idle)))
+    text = "{none} tells {names} from others that act alike; the tool point does not depend on it."
+    alike = said(text, none=capital(said(none)), names=joined(names, _LISTED))
+    return (*missing_words(model, missing), *([Hidden(names, alike)] if names else []))
 
 
 def _split(unseen: Array, beyond: Array, floor: float) -> tuple[Array, Array]:
@@ -219,28 +215,12 @@ def _split(unseen: Array, beyond: Array, floor: float) -> tuple[Array, Array]:
     return turned[:, effects > floor], turned[:, effects <= floor]
 
 
-def _effect(function: Term, acting: Array, beyond: Array) -> float:
-    """RMS over the volume of what one error's own unseen part does to the tool point, m."""
-    own = acting[function.columns]
-    return float(np.sqrt(max(np.sum(own * (beyond[function.columns, function.columns] @ own)), 0.0)))
-
-
 def _missing(function: Term, acting: Array) -> Aspect:
     """Return the aspect of an error that is missed most: all of the curve, or only its slope or constant."""
     if function.stated_shape:
-        prior = float(np.trace(function.covariance))
-        own = acting[function.columns]
-        return Aspect(function, "curve", float(np.sum(own**2)) / prior, float(np.sqrt(prior / len(own))))
+        unseen, whole = float(np.sum(acting[function.columns] ** 2)), float(np.trace(function.covariance))
+        return Aspect(function, "curve", unseen / whole, float(np.sqrt(unseen / len(function.covariance))))
     return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.std))
-
-
-def _told_together(model: Machine, idle: Array, none: str) -> Iterator[Hidden]:
-    """Yield the errors that act as others do, or not at all: the tool point does not depend on which of them it is."""
-    curves = (term for term in model.terms if not term.stated_shape)
-    names = tuple(term.name for term in curves if any(_open(each) for each in _candidates(term, idle)))
-    if names:
-        text = "{none} tells {names} from others that act alike; the tool point does not depend on it."
-        yield Hidden(names, said(text, none=capital(none), names=joined(names, _LISTED)))
 
 
 def _open(aspect: Aspect) -> bool:
@@ -255,14 +235,13 @@ def _candidates(function: Term, unseen: Array) -> Iterator[Aspect]:
     if isinstance(function.spline, NaturalSpline):
         rows.append(("slope", _projection(function, 1)))
     for kind, row in rows:
-        prior = float(row @ function.covariance @ row)
-        yield Aspect(function, kind, float(np.sum((row @ own) ** 2)) / prior, np.sqrt(prior))
+        left = float(np.sum((row @ own) ** 2))
+        yield Aspect(function, kind, left / float(row @ function.covariance @ row), float(np.sqrt(left)))
     if function.spline.size > len(rows):
         straight = np.array([row for _, row in rows])
         shape = np.eye(function.spline.size) - np.linalg.pinv(straight) @ straight
-        prior = float(np.trace(shape @ function.covariance @ shape.T))
-        share = float(np.sum((shape @ own) ** 2)) / prior
-        yield Aspect(function, "curve", share, float(np.sqrt(prior / function.spline.size)))
+        left, prior = float(np.sum((shape @ own) ** 2)), float(np.trace(shape @ function.covariance @ shape.T))
+        yield Aspect(function, "curve", left / prior, float(np.sqrt(left / function.spline.size)))
 
 
 def _projection(function: Term, degree: int) -> Array:

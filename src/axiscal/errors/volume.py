@@ -5,7 +5,7 @@ T(p) = [I, −(p − p̄)×] (3 × 6) leaves H − T E[TᵀT]⁻¹ E[TᵀH] of H
 
     W = E[HᵀH] − E[TᵀH]ᵀ E[TᵀT]⁻¹ E[TᵀH].
 
-The machine as it is and not to first order: deviations by the exact chain, and levers at the actual frames.
+Deviations of the machine as it is, not to first order, follow from the exact chain.
 """
 
 from __future__ import annotations
@@ -16,20 +16,11 @@ from functools import cached_property
 
 import numpy as np
 
-from axiscal.machine.kinematics import (
-    Deviation,
-    actual_deviation,
-    composed,
-    motion_of,
-    small_motions,
-    tool_motion,
-    turn_between,
-)
+from axiscal.machine.kinematics import Deviation, actual_deviation, composed, small_motions
 from axiscal.numerics import Array
 from axiscal_core import rigid
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
-from axiscal_core.rigid import Motion
 
 _POSES, _BLOCK = 8000, 1000
 """At once, of deviations and of rows: of memory, not of the result."""
@@ -55,58 +46,6 @@ def deviations_of(model: Machine, machines: Array, poses: Array, approaches: Arr
         done = actual_deviation(model, np.tile(poses, (len(some), 1)), small)
         straight, turned = (part.reshape(len(some), len(poses), 3) for part in done)
         yield from (Deviation(*each) for each in zip(straight, turned, strict=True))
-
-
-_H = 2.0**-100
-"""A complex step: its square is below rounding, and a power of two rounds nothing itself."""
-
-
-def levers_at(model: Machine, coefficients: Array, poses: Array) -> tuple[Array, Array]:
-    """Return the levers of each term where the errors have moved the frames to; reversals at their middle.
-
-    Of the TCP, m or m/rad, and of the tool's turn, (terms, m, 3) each, by complex steps of the exact chain.
-    coefficients : (size,); poses : (m, q)
-    """
-    small = small_motions(model, coefficients, poses, np.zeros_like(poses))
-    found = dict[tuple[str, int, int], Deviation]()
-    ways = [(motion_of(term), term.axis, term.component % 3) for term in model.terms]
-    for part, axis, along in set(ways):
-        step = np.zeros(small.rotation.shape, dtype=complex)
-        step[axis, :, along] = 1j * _H
-        motion = tool_motion(model, poses, small._replace(**{part: getattr(small, part) + step}))
-        turned = turn_between(motion.rotation.real, motion.rotation.imag / _H)
-        found[part, axis, along] = Deviation(motion.translation.imag / _H, turned)
-    straight, angular = (np.array([found[way][k] for way in ways]).reshape(-1, len(poses), 3) for k in range(2))
-    return straight, angular
-
-
-class MovedErrors(Machine):
-    """The same errors with levers at the frames of a machine that is as believed, for what is known of it.
-
-    machine : as described; point : (size,) where it is believed to be
-    """
-
-    machine: Machine
-    point: Array
-
-    def __init__(self, machine: Machine, point: Array) -> None:
-        super().__init__(machine.axes, machine.errors, machine.tool, machine.held, machine.name, machine.nose)
-        object.__setattr__(self, "machine", machine)
-        object.__setattr__(self, "point", point)
-
-    def __eq__(self, other: object) -> bool:
-        return self is other
-
-    def __hash__(self) -> int:
-        return id(self)
-
-    def levers(self, poses: Array, angular: bool = False) -> Array:
-        """Return the TCP deviation, or the rotation of the tool, per unit of each term, (terms, m, 3)."""
-        return levers_at(self, self.point, poses)[angular]
-
-    def motion(self, poses: Array) -> Motion:
-        """Return orientation and TCP of the tool.  poses : (m, q)"""
-        return tool_motion(self, poses, small_motions(self, self.point, poses, np.zeros_like(poses)))
 
 
 Box = tuple[tuple[float, float], ...]

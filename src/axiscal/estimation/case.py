@@ -10,22 +10,20 @@ from itertools import accumulate
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.target import POSES, Target
+from axiscal.description.target import POSES
 from axiscal.description.usual import rescaled_machine
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
-from axiscal.errors.volume import Alignment, MovedErrors, VolumeMoments, even_poses, volume_moments
+from axiscal.errors.volume import Alignment, VolumeMoments, even_poses, volume_moments
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.intervals import as_shown
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import corners, spread
 from axiscal.measurement.instruments.distance import TURNS
-from axiscal.measurement.observation import About, Observation
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Place, Places, Reading
-from axiscal.measurement.reading_rows import rows_at
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.reading_rows import places_of, rows_at, seen, visited
+from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Itself, Memo
@@ -33,6 +31,7 @@ from axiscal_core.eigen import root_of
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
 from axiscal_core.theta import Kind, Sizes
+from axiscal_core.threads import one_thread
 from axiscal_core.usual import sizes_of
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
@@ -47,13 +46,32 @@ _YARDSTICKS = 4
 Columns = tuple[int, int, int]
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Knowledge:
+    """What is known while a machine is read: the map to readings and the belief over its unknowns, which grow together.
+
+    observation : with columns for the rests of visited cells; belief : over all its columns
+    A reading opens the rest of each cell that it meets: reading there again does not average the rest away.
+    """
+
+    observation: Observation
+    belief: Normal
+
+    @one_thread()
+    def read(self, readings: Sequence[Reading]) -> Knowledge:
+        """Return what is known after readings."""
+        wider = visited(self.observation, places_of(self.observation.setups, readings))
+        belief, numbers = self.belief.wider(np.sqrt(self.observation.rest_variances(wider))), seen(wider, readings)
+        return Knowledge(wider, belief.read(numbers.rows, numbers.values, numbers.variances))
+
+
 @dataclass(frozen=True, eq=False)
 class Case:
     """What does not change while measuring: the error model, the set-ups, and the yardstick of the volume.
 
     inherited : the prior of the errors where an earlier campaign left one
     both : set-ups that were read from both sides, or from sides that nobody stated, whatever their description allows
-    about : where readings are linearised; None for the nominal machine
+    about : (k,) errors and unknowns about which readings are linearised; None for the nominal machine
     yardsticks, volumes : found so far, of all cases that are made from this one: after every few readings there is one
     sized_from : the case before its sizes were learnt, whose yardstick it has but for the rests; None for itself
     """
@@ -61,7 +79,7 @@ class Case:
     description: CampaignDescription
     inherited: Inherited | None = None
     both: frozenset[str] = frozenset()
-    about: About | None = None
+    about: Array | None = None
     yardsticks: Memo = field(default_factory=partial(Memo, _YARDSTICKS), repr=False)
     volumes: Memo = field(default_factory=partial(Memo, _YARDSTICKS), repr=False)
     sized_from: Case | None = field(default=None, repr=False)
@@ -148,13 +166,10 @@ class Case:
         setups = tuple(replace(mine, found=theirs.found) for mine, theirs in pairs)
         return replace(self, description=replace(self.description, setups=setups), about=other.about)
 
-    def linear_about(self, mean: Array, bent: bool = False) -> Case:
-        """Return the case with readings linearised about a mean.  mean : (size,) of all unknowns, cells last
-
-        bent : rows are taken there too, not at the nominal machine
-        """
+    def linear_about(self, mean: Array) -> Case:
+        """Return the case with readings linearised about a mean.  mean : (size,) of all unknowns, cells last"""
         point = mean[: self.errors.size + len(self.observation.unknowns)].copy()
-        return replace(self.located(mean) or self, about=About(point, bent), both=frozenset())
+        return replace(self.located(mean) or self, about=point, both=frozenset())
 
     def station_columns(self, index: int) -> tuple[Columns, ...]:
         """Return the columns of where each of a set-up's stations is found, x, y, z; none where they are not to be."""
@@ -177,13 +192,10 @@ class Case:
         moved = max(abs(new - old) for new, old in zip(found, before, strict=True))
         return setup.found if moved < _STAYS else found
 
-    @cached_property
+    @property
     def errors(self) -> Machine:
-        """The error model of the machine, with levers where it is believed to be if nominal ones mislead."""
-        machine, about = self.description.machine, self.about
-        if about is None or not about.bent:
-            return machine
-        return MovedErrors(machine, about.point[: machine.size])
+        """The error model of the machine."""
+        return self.description.machine
 
     @cached_property
     def observation(self) -> Observation:
@@ -216,15 +228,18 @@ class Case:
     @cached_property
     def yardstick(self) -> Yardstick:
         """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
-        if self.sized_from is not None and not (self.about is not None and self.about.bent):
+        if self.sized_from is not None:
             return replace(self.sized_from, both=self.both).yardstick.with_rests_of(self.errors)
         described = self.description
-        grounds = *self._over_what, described.setups, described.usual, self.both, Itself(self.inherited)
+        grounds = self.errors, described.target, described.setups, described.usual, self.both, Itself(self.inherited)
         return self.yardsticks.answer(grounds, self._found_yardstick)
 
     def _found_yardstick(self) -> Yardstick:
-        machine, *others = self._over_what
-        grounds = replace(machine, errors=tuple(replace(each, rest=0.0) for each in machine.stated)), *others
+        machine = self.errors
+        grounds = (
+            replace(machine, errors=tuple(replace(each, rest=0.0) for each in machine.stated)),
+            self.description.target,
+        )
         moments, sample, alignment = self.volumes.answer(grounds, self._found_volume)
         factor, left = self.prior.factor, self._left
         unseen = left[:, : factor.shape[1]]
@@ -241,12 +256,6 @@ class Case:
     def yardstick_as_sized(self) -> Yardstick:
         """The same with what endless readings leave of errors, and nothing sees, as large as they are here."""
         return self.yardstick if self.sized_from is None else self.yardstick.with_rests_of(self.errors, self._left)
-
-    @property
-    def _over_what(self) -> tuple[Machine, Target, Itself[About | None]]:
-        """All that means over the volume follow from: rows are those of the nominal machine, unless they are bent."""
-        bent = self.about if self.about is not None and self.about.bent else None
-        return self.description.machine, self.description.target, Itself(bent)
 
     def _found_volume(self) -> tuple[VolumeMoments, Array, Alignment | None]:
         """Return means over the target's volume, the poses they are of, and what probing the part takes off.
@@ -268,11 +277,6 @@ class Case:
         rows = self.errors.rows_at(poses, np.ones_like(poses))[:, list(self.description.target.counted)]
         off: Array = (rows - rows.mean(axis=0)).reshape(-1, self.errors.size)
         return off.T @ off
-
-    def unit_of(self, setup: Setup, unknown: Unknown) -> str:
-        """Return the unit in which an unknown of a set-up is shown."""
-        reads = setup.unknown_reads.get(unknown.name) or reads_as(unknown.name)
-        return "um" if reads == "length" else "urad"
 
     def index(self, setup: str) -> int:
         """Return the index of a set-up by name; raises DescriptionError."""

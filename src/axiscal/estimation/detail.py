@@ -22,7 +22,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
-from axiscal.measurement.observation import About
 from axiscal.numerics import Array
 from axiscal_core.draws import sized
 from axiscal_core.machine import Machine
@@ -121,11 +120,10 @@ def _posed(finer: Case, known: Estimation, judged: Problem) -> Problem:
     """Return the readings of a problem by a case with other knots, linear where it has them so."""
     at = finer.shown_by(known.readings).linear_as(known.case)
     if at.about is not None:
-        across, point = carried_over(known.case.errors, finer.errors), at.about.point
-        size = known.case.errors.size
-        carried: Array = np.concatenate([across.matrix @ point[:size], point[size:]])
-        at = replace(at, about=About(carried, at.about.bent))
-    whole = posed(at, known.absorbed.normal)
+        across, size = carried_over(known.case.errors, finer.errors), known.case.errors.size
+        carried: Array = np.concatenate([across.matrix @ at.about[:size], at.about[size:]])
+        at = replace(at, about=carried)
+    whole = posed(at, known.history.normal)
     return whole.only(np.isin(whole.reading, judged.reading))
 
 

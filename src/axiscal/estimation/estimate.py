@@ -5,21 +5,19 @@
     known = in_detail(case, readings)
 
 The first two are the same for readings that are linear enough, as nearly all are. `concluded` also tests whether a
-station may as well stand elsewhere. It uses rows at the machine as found where those of the nominal one mislead. The
-last one also halves knots where the readings show finer detail.
+station may as well stand elsewhere. The last one also halves knots where the readings show finer detail.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from axiscal.estimation.case import Case, timed
 from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
 from axiscal.estimation.learnt import posed, posterior_of, without_bad
-from axiscal.estimation.located import absorbed, bent, linear, located, refuse_mirrors
+from axiscal.estimation.located import history, linear, located, refuse_mirrors
 from axiscal.estimation.stations import progressed
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
@@ -34,17 +32,17 @@ def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
     times = timed(case, readings)
     implausible = judged(case, times.readings)
     if not times.readings:
-        return Estimation(stated, times, implausible, {}, absorbed(case, ()))
+        return Estimation(stated, times, implausible, {}, history(case, ()))
     bends = case.bends
     case = progressed(case, times.readings, implausible) if bends else case
     kept = without_bad(case, times.readings, implausible)
     implausible = {index: each for index, each in implausible.items() if index not in kept.mine.problem.reading}
     bad = {index: Doubt(index, each.z) for index, each in kept.bad.items()}
-    known = absorbed(case.rescaled(kept.sizes), times.readings, [*implausible, *bad], {*kept.problem.cells})
+    known = history(case.rescaled(kept.sizes), times.readings, [*implausible, *bad])
     if bends or not linear(case, times.readings, kept):
         known = located(known)
     at, taken = case.linear_as(known.case), known.normal
-    if taken is known.readings and at.about == case.about and at.description == case.description:
+    if taken is known.readings and at.about is case.about and at.description == case.description:
         at = case
     else:
         kept = kept.where(posed(at, taken))
@@ -59,13 +57,8 @@ def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
     Raises AmbiguityError where a station may as well stand elsewhere.
     """
     known = so_far or estimated(stated, readings)
-    there = bent(known.absorbed)
-    refuse_mirrors(there, known.implausible)
-    if there is known.absorbed:
-        return known
-    at, taken = stated.shown_by(known.readings).linear_as(there.case), there.normal
-    kept = without_bad(at, taken, known.implausible)
-    return replace(known, absorbed=there, posterior=posterior_of(at, taken, kept))
+    refuse_mirrors(known.history, known.implausible)
+    return known
 
 
 def in_detail(stated: Case, readings: Sequence[Reading], so_far: Estimation | None = None) -> Estimation:

@@ -12,19 +12,15 @@ import numpy as np
 
 from axiscal.estimation.accuracy.expanded import Expanded, expanded, reach
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.estimation.case import Case, Timed
+from axiscal.estimation.case import Case, Knowledge, Timed
 from axiscal.estimation.functionals.asked import AskedRow, rows_served
+from axiscal.estimation.history import History
 from axiscal.estimation.judged import Doubt, objection
-from axiscal.estimation.knowledge import Innovations, Knowledge
-from axiscal.estimation.located import Absorbed
 from axiscal.estimation.machine_estimate import Estimate, LeftUnknown, map_grid, rest_means, where_read
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement, CheckReading, Checks
 from axiscal.estimation.promise.posterior import Posterior
 from axiscal.estimation.stations import GAUSSIAN, MOST, indices
-from axiscal.measurement.cells import wandered
 from axiscal.measurement.reading import Reading, drawn, reading_text
-from axiscal.measurement.setup import Setup
-from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal_core.eigen import root_of
 from axiscal_core.normal import Normal
@@ -36,7 +32,7 @@ class Estimation:
     """stated : the case as described; timed : the readings with their times
 
     implausible, bad : readings that cannot be, and those that others contradict, by index
-    absorbed : what is known at the sizes as learnt, of readings as they were shown
+    history : what is known after each reading at the sizes as learnt, of readings as they were shown
     posterior : of errors, set-ups and sizes; None before the first reading
     """
 
@@ -44,13 +40,13 @@ class Estimation:
     timed: Timed
     implausible: Mapping[int, Doubt]
     bad: Mapping[int, Doubt]
-    absorbed: Absorbed
+    history: History
     posterior: Posterior | None = None
 
     @property
     def case(self) -> Case:
         """The case with scales as learnt, and stations and sides as found."""
-        return self.absorbed.case
+        return self.history.case
 
     @property
     def readings(self) -> tuple[Reading, ...]:
@@ -65,7 +61,7 @@ class Estimation:
     @cached_property
     def knowledge(self) -> Knowledge:
         """What is known at the sizes as learnt, with normal readings in the place of those that are far from it."""
-        known = self.absorbed
+        known = self.history
         return known.knowledge if known.normal is known.readings else replace(known, readings=known.normal).knowledge
 
     @cached_property
@@ -104,7 +100,7 @@ class Estimation:
     @property
     def left_out(self) -> frozenset[int]:
         """The indices of the readings that are not used."""
-        return self.absorbed.left_out
+        return self.history.left_out
 
     @property
     def agreement(self) -> Agreement:
@@ -180,11 +176,14 @@ def expanded_uncertainty(known: Estimation) -> Expanded:
 
 
 class Moment(NamedTuple):
-    """The accuracy after a reading, its innovations (None before the first), and its time in seconds."""
+    """The accuracy after a reading and its time in seconds.
+
+    surprise : what its first number showed beyond what was foreseen, and the standard deviation of that; None before it
+    """
 
     accuracy: Accuracy
-    innovations: Innovations | None
     seconds: float
+    surprise: tuple[float, float] | None = None
 
 
 @one_thread()
@@ -193,40 +192,13 @@ def path(final: Estimation) -> list[Moment]:
 
     final : a concluded one. Its last figures are those of the posterior, with the sizes averaged over.
     """
-    before = final.stated.yardstick.measure(final.stated.prior)
-    found: list[tuple[Accuracy, Innovations | None]] = [(before, None)]
-    for part in final.absorbed.blocks:
-        found += zip(part.accuracies(final.case.yardstick), part.innovations, strict=True)
-    if final.readings:
-        found[-1] = final.accuracy, found[-1][1]
-    return [Moment(*each, end) for each, end in zip(found, (0.0, *final.timed.ends), strict=True)]
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Path:
-    """The way of one zero: at times (k,) s its distance from where it stood at the first reading, m or rad.
-
-    mean, std : (k,) after the readings; prior : (k,) the standard deviation before them
-    """
-
-    times: Array
-    mean: Array
-    std: Array
-    prior: Array
-
-
-def paths(estimation: Estimation, setup: Setup) -> list[Path]:
-    """Return the way of each zero of a set-up at the times of its readings; none where no drift is stated."""
-    observation, belief = estimation.knowledge.observation, estimation.knowledge.belief
-    times = np.array(sorted({r.time for r in estimation.readings if r.setup == setup.name and r.time is not None}))
-    found = []
-    for (index, _), course in observation.courses.items():
-        if observation.setups[index].name == setup.name:
-            columns, rows = list(course.columns), course.rows(times)
-            std = np.sqrt(np.sum((rows @ belief.factor[columns]) ** 2, axis=1))
-            prior = np.sqrt(wandered(course.rate, times - times[0]))
-            found.append(Path(times, rows @ belief.mean[columns], std, prior))
-    return found
+    known, before = final.history, Moment(final.stated.yardstick.measure(final.stated.prior), 0.0)
+    if not final.readings:
+        return [before]
+    found = [*known.accuracies(final.case.yardstick)[:-1], final.accuracy]
+    firsts = np.searchsorted(known.problem.reading, np.arange(len(found)))
+    surprises = ((away, std) for away, std in known.surprises[firsts].tolist())
+    return [before, *(Moment(*each) for each in zip(found, final.timed.ends, surprises, strict=True))]
 
 
 _ROUNDING = 1e-9
@@ -251,6 +223,6 @@ def linearity(estimation: Estimation) -> Linearity:
     some = drawn(estimation.readings, MOST)
     if not some:
         return Linearity(0.0, None)
-    found = indices(estimation.absorbed.knowledge, some)
+    found = indices(estimation.history.knowledge, some)
     worst, largest = some[int(np.argmax(found))], float(found.max())
     return Linearity(largest if largest > _ROUNDING else 0.0, worst.numbered(estimation.readings.index(worst)))

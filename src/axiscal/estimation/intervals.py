@@ -1,6 +1,4 @@
-"""Readings that say no more than an interval: those of a coarse display or within a wide bound.
-
-A display of steps q, or a bound ±q/2 on what a reading may be off beside its noise:
+"""Readings that say no more than an interval: those of a coarse display, of steps q.
 
     p(y | s) = Φ((y + q/2 − s)/σ) − Φ((y − q/2 − s)/σ)
 
@@ -59,7 +57,7 @@ def as_shown(setups: Sequence[Setup], readings: Sequence[Reading]) -> tuple[Setu
         alike = [of[each.name] for each in setups if each.instrument == setup.instrument and of[setup.name]]
         step = _step_shown([of[setup.name]], setup.noise) or _step_shown(alike, setup.noise)
         variance = max(setup.noise**2 - setup.rounding**2, 0.0) + step**2 / 12.0
-        coarser = setup.interval + FINEST < step < _MOST * setup.noise
+        coarser = setup.resolution + FINEST < step < _MOST * setup.noise
         found.append(replace(setup, resolution=step, noise=math.sqrt(variance)) if coarser else setup)
     return tuple(found)
 
@@ -97,7 +95,7 @@ def sited(
         return readings
     fitted = Fitted.expected(observation, some, prior)
     which, owners = coarse[fitted.reading], [setups[some[int(i)].setup] for i in fitted.reading]
-    steps = np.where(which, [setup.interval for setup in owners], 0.0)
+    steps = np.where(which, [setup.resolution for setup in owners], 0.0)
     soft = np.where(steps > 0, [setup.scatter for setup in owners], FINEST)
     found = sites(fitted, steps, np.maximum(fitted.noise - steps**2 / 12.0, soft**2))
     each = np.array([*found, fitted.values])[:, which].T

@@ -15,7 +15,6 @@ import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import later, listed, said
-from axiscal.measurement.cells import wandered
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, reading_text, units_of
@@ -24,6 +23,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
 from axiscal_core.axes import Axis
+from axiscal_core.causes import wandered
 from axiscal_core.machine import Machine
 
 _LEARNABLE = 4.0

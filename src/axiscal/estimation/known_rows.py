@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,12 +16,10 @@ from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import RowName, dimension
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
-from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation, printed
+from axiscal.estimation.case import Case, Knowledge
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import NOUGHT, AxisLine
-from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.learnt import posterior_of, without_bad
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
 from axiscal_core.normal import Normal
@@ -80,6 +78,11 @@ class KnownRow:
     def settled(self) -> bool:
         """Whether it is reached (without a limit: measured) or readings took away what they can."""
         return self.known <= attainable(self.goal, self.floor)
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether it is a backlash that was read from one side alone, or from both at no one place."""
+        return self.row.kind == "backlash" and not self.measured and bool(self.lines[0].read and not self.lines[0].both)
 
     @property
     def goal(self) -> float:
@@ -149,28 +152,3 @@ def warmth(known: Estimation, scale: str, strain: float) -> float | None:
     axis, setups = described.machine.index(scale), [each for each in described.setups if each.name in read]
     unsaid = (each for each in setups if axis in each.moves and lacks_temperature(each))
     return next((strain / each.expansion for each in unsaid if each.expansion), None)
-
-
-_SOON = 10.0
-"""s after it: to go past the place and come back."""
-
-
-def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Normal | None:
-    """Return what would be known with one reading more of each line; None of no line."""
-    found = known.posterior
-    if not lines or found is None:
-        return None
-    case = known.stated.linear_as(known.case)
-    readings = [*known.readings, *(_turned(known.readings, line) for line in lines)]
-    kept = without_bad(case, readings, [*known.implausible])
-    more = posterior_of(case, readings, kept)
-    # What it shows is not known, so it teaches no sizes and disagrees with nothing.
-    return printed(known.knowledge, more, known.widening).belief
-
-
-def _turned(readings: Sequence[Reading], line: AxisLine) -> Reading:
-    """Return the last reading of a line as if it came from the other side, with the same value."""
-    last = next(reading for reading in reversed(readings) if reading.setup == line.setup)
-    sides = tuple(-side if k == line.axis else side for k, side in enumerate(last.approach))
-    time = None if last.time is None else last.time + _SOON
-    return replace(last, approach=sides, time=time, accepted=True, check=False)

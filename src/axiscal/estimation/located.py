@@ -3,87 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.intervals import sited
-from axiscal.estimation.knowledge import Block, Knowledge, taken
+from axiscal.estimation.history import History
 from axiscal.estimation.promise.posterior import Sorted
-from axiscal.estimation.promise.problem import problem
-from axiscal.estimation.stations import GAUSSIAN, MOST, BentReadings, Optimum, indices, mirrored, polished
+from axiscal.estimation.stations import MOST, BentReadings, Optimum, mirrored, polished
 from axiscal.exceptions import AmbiguityError
 from axiscal.language.spoken import said
-from axiscal.measurement.cells import Cell
-from axiscal.measurement.observation import About
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn, place_text
-from axiscal.measurement.reading_rows import linear_values, places_of, seen
+from axiscal.measurement.reading_rows import linear_values, places_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
-from axiscal_core.draws import as_stated
-from axiscal_core.left_out import surprises
 from axiscal_core.spaces import variances_of
-from axiscal_core.theta import Sizes
-from axiscal_core.threads import one_thread
-from axiscal_core.unknowns import space_of
 
 
-@dataclass(frozen=True, eq=False)
-class Absorbed:
-    """Readings as a case has them linear; what they make known is found once somebody asks.
-
-    case : with the set-ups that were read from other sides than they say; left_out : readings that do not count
-    among : cells whose rests are unknowns, None for all
-    """
-
-    case: Case
-    readings: Sequence[Reading]
-    left_out: frozenset[int]
-    among: Collection[Cell] | None
-
-    @cached_property
-    @one_thread()
-    def _taken(self) -> tuple[tuple[Block, ...], Knowledge]:
-        return taken(self.case.knowledge, self.readings, self.left_out, self.among)
-
-    @property
-    def blocks(self) -> tuple[Block, ...]:
-        """All readings, those left out as well."""
-        return self._taken[0]
-
-    @property
-    def knowledge(self) -> Knowledge:
-        """What is known after them."""
-        return self._taken[1]
-
-    @cached_property
-    def normal(self) -> Sequence[Reading]:
-        """The readings with normal ones in the place of those that are far from normal; themselves if none is."""
-        return sited(self.case.observation, self.readings, self.case.inherited, self.left_out)
-
-    @one_thread()
-    def surprise(self, reading: int) -> float:
-        """Return how far one that counts is from what all others say, its numbers together, in standard deviations."""
-        kept = [index for index in range(len(self.readings)) if index not in self.left_out]
-        some = [self.readings[index] for index in kept]
-        posed = problem(self.case.observation, some, Sizes(()), self.case.inherited, usual=False)
-        numbers = np.flatnonzero(posed.reading == kept.index(reading))
-        given = as_stated(space_of(posed))
-        return float(surprises(given.told(numbers)[0][None], given.blocks(numbers[None]))[0])
-
-
-def absorbed(
-    case: Case, readings: Sequence[Reading], left_out: Iterable[int] = (), among: Collection[Cell] | None = None
-) -> Absorbed:
-    """Return readings as a case has them linear.
-
-    left_out : indices of those that do not count; among : cells whose rests are unknowns, None for all
-    """
+def history(case: Case, readings: Sequence[Reading], left_out: Iterable[int] = ()) -> History:
+    """Return readings as a case has them linear.  left_out : indices of those that do not count"""
     other = {reading.setup for reading in readings if not case.came_as_allowed(reading)}
     widened = replace(case, both=case.both | other) if other else case  # sides that nobody said they allow
-    return Absorbed(widened, readings, frozenset(left_out), among)
+    return History(widened, readings, frozenset(left_out))
 
 
 _ROUNDS = 12
@@ -97,17 +39,21 @@ def linear(case: Case, readings: Sequence[Reading], kept: Sorted) -> bool:
     It does not where ‖Δe/σ‖/√N, which is never less than what the mean would move by, is less than that.
     case : which does not bend, with the sizes as stated; kept : the readings without the bad ones
     """
-    whole, observation, weighed = kept.problem, case.observation, kept.mine.found
+    whole, weighed = kept.problem, kept.mine.found
     found = weighed.given[int(np.argmax(weighed.weights))]
-    places = places_of(observation.setups, readings)
-    there = replace(observation, about=About(found.without_causes().mean))
-    change = linear_values(observation, places, readings) - linear_values(there, places, readings)
+    change = _changed(case.observation, found.without_causes().mean, readings) / whole.noise
     counts = np.isin(whole.reading, kept.mine.problem.reading)
-    squares = (change / whole.noise) ** 2 / variances_of(whole, found.theta)
+    squares = change**2 / variances_of(whole, found.theta)
     return bool(np.sum(squares[counts]) < _LINEAR**2 * whole.answered)
 
 
-def located(known: Absorbed) -> Absorbed:
+def _changed(observation: Observation, about: Array | None, readings: Sequence[Reading]) -> Array:
+    """Return by how much the values of readings fall when they are linearised elsewhere, (m,) m or rad."""
+    places, there = places_of(observation.setups, readings), replace(observation, about=about)
+    return linear_values(observation, places, readings) - linear_values(there, places, readings)
+
+
+def located(known: History) -> History:
     """Return readings linearised about the machine and the stations that they show until these stay.
 
     A distance is linear about the assumed place of its station, so a better place makes a better estimate. Large errors
@@ -115,59 +61,41 @@ def located(known: Absorbed) -> Absorbed:
     as far, and so do those after it: else the rounds would swing.
     known : with the sizes as learnt
     """
-    return _followed(known, turned=False)
-
-
-def bent(known: Absorbed) -> Absorbed:
-    """Return readings with rows taken at the machine as it is believed, where those of the nominal one mislead."""
-    about = known.case.about
-    if about is None or float(np.max(indices(known.knowledge, known.readings), initial=0.0)) <= GAUSSIAN:
-        return known
-    return _followed(known, turned=True)
-
-
-def _followed(known: Absorbed, *, turned: bool) -> Absorbed:
-    """Return readings once they are linearised about what they show.  turned : rows are taken there, too"""
     share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
-        mean, about = known.knowledge.belief.mean, known.case.about
-        asked = moved_by(known, known.case.linear_about(mean, turned))
+        mean = known.knowledge.belief.mean
+        asked = moved_by(known, known.case.linear_about(mean))
         share, last = (share / 2 if asked > last else share), asked
-        there = about is not None and about.bent == turned
-        if asked < (SETTLED if there else 0.0 if turned else _LINEAR):
-            better = None if turned else known.case.located(mean)
+        if asked < (_LINEAR if known.case.about is None else SETTLED):
+            better = known.case.located(mean)
         else:
-            better = known.case.linear_about(_towards(known.case, mean, share), turned)
+            better = known.case.linear_about(_towards(known.case, mean, share))
         if better is None:
             break
-        known = absorbed(better, known.readings, known.left_out, known.among)
+        known = history(better, known.readings, known.left_out)
     return known
 
 
 def _towards(case: Case, mean: Array, share: float) -> Array:
     """Return a mean that is a share of the way from where readings are linearised now.  mean : (size,)"""
     count = case.errors.size + len(case.observation.unknowns)
-    start = np.zeros(count) if case.about is None else case.about.point
+    start = np.zeros(count) if case.about is None else case.about
     result = mean.copy()
     result[:count] = start + share * (mean[:count] - start)
     return result
 
 
-def moved_by(known: Absorbed, better: Case) -> float:
+def moved_by(known: History, better: Case) -> float:
     """Return by how much the mean moves when readings are linearised elsewhere, in σ, RMS over all directions.
 
     known : after readings as they are linearised now
     With S Sᵀ the covariance it is ‖Sᵀ Hᵀ R⁻¹ Δe‖/√N, and never more than ‖Δe/σ‖/√N.
     """
-    readings = known.readings
-    observation, belief = known.knowledge.observation, known.knowledge.belief
-    numbers, there = seen(observation, readings), replace(observation, about=better.about)
-    change = numbers.values - linear_values(there, places_of(observation.setups, readings), readings)
-    trust = ~np.isin(numbers.reading, [*known.left_out]) / numbers.variances
-    if float(np.sqrt(np.sum(trust * change**2) / belief.size)) < SETTLED:
+    observation, counts = known.case.observation, ~np.isin(known.problem.reading, [*known.left_out])
+    change = counts * _changed(observation, better.about, known.readings) / known.problem.noise
+    if np.linalg.norm(change) < SETTLED * np.sqrt(known.rows.shape[1]):
         return 0.0
-    pulled = belief.factor.T @ (numbers.rows.T @ (trust * change))
-    return float(np.sqrt(np.mean(pulled**2)))
+    return float(np.sqrt(np.mean((known.root.T @ (known.rows.T @ change)) ** 2)))
 
 
 SETTLED = 1e-3
@@ -178,20 +106,20 @@ _NEAR, _APART = 6.0, 5.0
 """Optima within so much of the best one's log posterior, and so many standard deviations apart, are two."""
 
 
-def refuse_mirrors(known: Absorbed, implausible: Collection[int]) -> None:
+def refuse_mirrors(known: History, implausible: Collection[int]) -> None:
     """Raise AmbiguityError where a station's mirror image fits as well, with the reading that decides."""
     case = known.case
     kept = [reading for index, reading in enumerate(known.readings) if index not in implausible]
     size = case.errors.size + len(case.observation.unknowns)
     for index in filter(case.station_columns, range(len(case.description.setups))):
-        images = mirrored(case, kept, known.knowledge.belief.mean[:size], index)
+        belief = known.knowledge.belief
+        images = mirrored(case, kept, belief.mean[:size], index)
         for number, (columns, image) in enumerate(zip(case.station_columns(index), images, strict=False)):
-            here = known.knowledge.belief.mean[list(columns)]
-            spread = np.sqrt(np.diagonal(known.knowledge.belief.covariance)[list(columns)])
+            here, spread = belief.mean[list(columns)], belief.std[list(columns)]
             if np.all(np.abs(image[list(columns)] - here) < _APART * spread):
                 continue
             bent_ones = BentReadings(case, drawn(kept, MOST))
-            best, other = (polished(bent_ones, start) for start in (known.knowledge.belief.mean[:size], image))
+            best, other = (polished(bent_ones, start) for start in (belief.mean[:size], image))
             apart = np.abs(best.point - other.point)[list(columns)] > _APART * spread
             if other.cost - best.cost < _NEAR and np.any(apart):
                 raise _ambiguity(case, index, number, best, other)

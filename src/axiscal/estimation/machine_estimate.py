@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.volume import EVERY_WAY, Alignment, Box, Counted, MovedErrors, deviation_of
+from axiscal.errors.volume import EVERY_WAY, Alignment, Box, Counted, deviation_of
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
@@ -85,8 +85,8 @@ class Estimate:
 
     @property
     def machine(self) -> Machine:
-        """The machine with levers as described, as a control has them, wherever they were found."""
-        return self.model.machine if isinstance(self.model, MovedErrors) else self.model
+        """The machine."""
+        return self.model
 
     @property
     def mean(self) -> Array:

@@ -17,9 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.case import Case
-from axiscal.estimation.knowledge import Knowledge
-from axiscal.measurement.observation import About
+from axiscal.estimation.case import Case, Knowledge
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.measurement.reading_rows import Seen, scaled_values, seen, shown_by_each
 from axiscal.numerics import Array
@@ -40,7 +38,7 @@ class BentReadings:
     def linearised(self, point: Array) -> Seen:
         """Return the readings linearised about a point (k,) of errors and unknowns."""
         located = self.case.located(point) or self.case
-        about = replace(self.case.observation, setups=located.description.setups, about=About(point))
+        about = replace(self.case.observation, setups=located.description.setups, about=point)
         return seen(about, self.readings)
 
     def rows(self, point: Array) -> Array:
@@ -98,7 +96,7 @@ def indices(knowledge: Knowledge, readings: Sequence[Reading]) -> Array:
         return np.zeros(0)
     numbers = seen(observation, readings)
     errors = observation.errors.size + len(observation.unknowns)
-    apart = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.size, _DRAWS))
+    apart = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.factor.shape[1], _DRAWS))
     mean = belief.mean[:errors]
     shown = shown_by_each(observation, readings, np.vstack([mean, mean + apart.T]))
     beyond = shown[1:] - shown[0] - (numbers.rows[:, :errors] @ apart).T

@@ -22,12 +22,6 @@ from axiscal.units import said_quantity, to_unit
 COVERAGE_FACTOR = 2.0
 _DRAWS = 1000
 """Tests drawn at random: their scatter is known to two percent of itself."""
-_FEWEST_TO_DOUBT = 3
-"""Of two runs nobody can say which is wrong."""
-_FEWEST_NEIGHBOURS, _DIGITS = 5, 4
-"""Targets by whose neighbours a reading is expected; digits behind a point, of what is read."""
-_FAR, _NEAR = 12.0, 6.0
-"""Usual deviations of a reading that stands off, and of one that fits: neighbours of it stand off by its half."""
 FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
 """The figures of an axis, as `Positioning` names them."""
 _OF_TARGET = ("mean_up", "mean_down", "s_up", "s_down", "B_i", "mean", "R_up_i", "R_down_i", "R_i")
@@ -91,17 +85,8 @@ class Positioning:
         return head | figures | tail | {"per_target": per_target, "warnings": list(self.warnings)}
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Direction:
-    """One direction of approach: mean and standard deviation (n,) at each target, number of runs."""
-
-    mean: Array
-    s: Array
-    runs: int
-
-
-_Sides = Mapping[str, _Direction]
-"""The directions that were measured, by name."""
+_Sides = Mapping[str, tuple[Array, Array]]
+"""Means and standard deviations at the targets, (k, n) each of k tests, of the directions that were measured."""
 
 
 def positioning_test(read: Recognised) -> PositioningTest:
@@ -137,89 +122,69 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
 
     noise : m or rad, standard uncertainty of the instrument that all runs at a target share
     """
-    sides = {name: _direction(runs) for name, runs in test.measured.items()}
-    if not sides:
+    if not test.measured:
         raise EvaluationError("there are no readings", "measure at least one direction twice", test.file)
-    found = _figures({name: (side.mean[None], side.s[None]) for name, side in sides.items()})
+    single = np.full((1, len(test.targets)), np.nan)
+    sides = {
+        name: (runs.mean(axis=1)[None], np.std(runs, axis=1, ddof=1)[None] if runs.shape[1] > 1 else single)
+        for name, runs in test.measured.items()
+    }
+    at, runs = _of_targets(sides), {name: each.shape[1] for name, each in test.measured.items()}
+    found = _figures(at)
     figures = {name: float(found[name][0]) for name in FIGURES if name in found and np.isfinite(found[name][0])}
-    per_target = tuple(_at_target(test, sides, i) for i in range(len(test.targets)))
-    warnings = tuple(_shortfalls(test, min(side.runs for side in sides.values())))
-    units, uncertainty = (test.value_unit, "deg" if test.rotary else "mm"), _uncertainty(sides, noise)
-    return Positioning(figures, per_target, *units, warnings, uncertainty)
+    per_target = tuple(
+        {"target": float(target), **{name: float(at[name][0, i]) if name in at else None for name in _OF_TARGET}}
+        for i, target in enumerate(test.targets)
+    )
+    units, warnings = (test.value_unit, "deg" if test.rotary else "mm"), tuple(_shortfalls(test, min(runs.values())))
+    return Positioning(figures, per_target, *units, warnings, _uncertainty(sides, runs, noise))
 
 
-def _figures(sides: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:
-    """Return the figures of tests, (k,) each, of the directions that were measured.
-
-    A is the spread of mean ± 2s over the targets, E that of the means, R the largest of the targets' own. B and B_mean
-    are the largest and the mean reversal. M is the range of the mean of both directions.
-
-    sides : up and down, means and standard deviations at the targets, (k, n) each
-    """
+def _of_targets(sides: _Sides) -> dict[str, Array]:
+    """Return the figures of each target, (k, n), R_i = max(2s_up + 2s_down + |B_i|, 4s_up, 4s_down) among them."""
     found = dict[str, Array]()
     for name, (mean, s) in sides.items():
-        found |= {f"A_{name}": _spread(mean + 2 * s, mean - 2 * s), f"E_{name}": _spread(mean, mean)}
-        found[f"R_{name}"] = np.max(4 * s, axis=1)
-    if len(sides) < 2:
-        return found
-    (up, s_up), (down, s_down) = sides["up"], sides["down"]
-    reversal, middle = up - down, (up + down) / 2
-    high, low = np.maximum(up + 2 * s_up, down + 2 * s_down), np.minimum(up - 2 * s_up, down - 2 * s_down)
-    return found | {
-        "A": _spread(high, low),
-        "E": _spread(np.maximum(up, down), np.minimum(up, down)),
-        "R": np.max(_repeatability(up, s_up, down, s_down), axis=1),
-        "B": np.max(np.abs(reversal), axis=1),
-        "B_mean": np.mean(reversal, axis=1),
-        "M": _spread(middle, middle),
-    }
-
-
-def _repeatability(up: Array, s_up: Array, down: Array, s_down: Array) -> Array:
-    """R_i = max(2s_up + 2s_down + |B_i|, 4s_up, 4s_down), of means and standard deviations of one shape."""
-    found: Array = np.maximum(2 * s_up + 2 * s_down + np.abs(up - down), 4 * np.maximum(s_up, s_down))
+        found |= {f"mean_{name}": mean, f"s_{name}": s, f"R_{name}_i": 4 * s}
+    if len(sides) == 2:
+        (up, s_up), (down, s_down) = sides["up"], sides["down"]
+        found |= {"B_i": up - down, "mean": (up + down) / 2}
+        found["R_i"] = np.maximum(2 * s_up + 2 * s_down + np.abs(up - down), 4 * np.maximum(s_up, s_down))
     return found
 
 
-def _uncertainty(sides: _Sides, noise: float) -> dict[str, float]:
+def _figures(at: Mapping[str, Array]) -> dict[str, Array]:
+    """Return the figures of tests, (k,) each, of the directions that were measured.
+
+    A is the spread of mean ± 2s over the targets, E that of the means, R the largest of the targets' own. B and B_mean
+    are the largest and the mean reversal. M is the range of the mean of both directions.  at : as of `_of_targets`
+    """
+    found = dict[str, Array]()
+    for name, ways in (("_up", ["up"]), ("_down", ["down"]), ("", ["up", "down"])):
+        if all(f"s_{way}" in at for way in ways):
+            mean, s = (np.concatenate([at[f"{of}_{way}"] for way in ways], axis=1) for of in ("mean", "s"))
+            found[f"A{name}"] = np.max(mean + 2 * s, axis=1) - np.min(mean - 2 * s, axis=1)
+            found |= {f"E{name}": np.ptp(mean, axis=1), f"R{name}": np.max(at[f"R{name}_i"], axis=1)}
+    if "B_i" in at:
+        found |= {"B": np.max(np.abs(at["B_i"]), axis=1), "B_mean": np.mean(at["B_i"], axis=1)}
+        found["M"] = np.ptp(at["mean"], axis=1)
+    return found
+
+
+def _uncertainty(sides: _Sides, runs: Mapping[str, int], noise: float) -> dict[str, float]:
     """Expanded uncertainty (k = 2) of each figure: how it scatters when the same test is repeated on this machine.
 
     Means scatter by s/√runs, standard deviations as √(χ²/(runs − 1)) of normal readings. The common part of all runs at
     a target is the instrument's (ISO/TR 230-9: device, repeatability of the set-up). Simulated, always the same draws.
     """
-    if min(side.runs for side in sides.values()) < 2:
+    if min(runs.values()) < 2:
         return {}
-    rng = np.random.default_rng(0)
-    offset = noise * rng.standard_normal((_DRAWS, len(next(iter(sides.values())).mean)))
-    drawn = dict[str, tuple[Array, Array]]()
-    for name, side in sides.items():
-        mean = side.mean + offset + side.s / np.sqrt(side.runs) * rng.standard_normal(offset.shape)
-        drawn[name] = mean, side.s * np.sqrt(rng.chisquare(side.runs - 1, offset.shape) / (side.runs - 1))
-    found = _figures(drawn)
+    rng, drawn = np.random.default_rng(0), dict[str, tuple[Array, Array]]()
+    offset = noise * rng.standard_normal((_DRAWS, next(iter(sides.values()))[0].shape[1]))
+    for name, (mean, s) in sides.items():
+        scattered = mean + offset + s / np.sqrt(runs[name]) * rng.standard_normal(offset.shape)
+        drawn[name] = scattered, s * np.sqrt(rng.chisquare(runs[name] - 1, offset.shape) / (runs[name] - 1))
+    found = _figures(_of_targets(drawn))
     return {name: COVERAGE_FACTOR * float(np.std(found[name])) for name in FIGURES if name in found}
-
-
-def _spread(high: Array, low: Array) -> Array:
-    spread: Array = np.max(high, axis=1) - np.min(low, axis=1)
-    return spread
-
-
-def _at_target(test: PositioningTest, sides: _Sides, i: int) -> _AtTarget:
-    row: dict[str, float | None] = {"target": float(test.targets[i]), **dict.fromkeys(_OF_TARGET)}
-    for name, side in sides.items():
-        mean, s = float(side.mean[i]), float(side.s[i])
-        row |= {f"mean_{name}": mean, f"s_{name}": s, f"R_{name}_i": 4 * s}
-    if len(sides) == 2:
-        up, down = sides["up"], sides["down"]
-        row |= {"B_i": float(up.mean[i] - down.mean[i]), "mean": float(up.mean[i] + down.mean[i]) / 2}
-        row["R_i"] = float(_repeatability(up.mean, up.s, down.mean, down.s)[i])
-    return row
-
-
-def _direction(runs: Array) -> _Direction:
-    """Mean and standard deviation (n - 1) of each target over the runs (n, runs), nan of a single run."""
-    s = np.std(runs, axis=1, ddof=1) if runs.shape[1] > 1 else np.full(len(runs), np.nan)
-    return _Direction(np.mean(runs, axis=1), s, runs.shape[1])
 
 
 def _passes(readings: Sequence[RawReading], targets: Sequence[float], direction: int) -> Array | None:
@@ -242,59 +207,9 @@ def _shortfalls(test: PositioningTest, runs: int) -> Iterable[str]:
         yield said("ISO 230-2 asks for five runs in each direction; there are {runs}.", runs=runs)
     if len(test.measured) < 2:
         yield said("Only one direction was measured: reversal and the bidirectional figures are not known.")
-    yield from _lost_points(test)
     gaps = np.diff(test.targets)
     if n > 2 and np.ptp(gaps) < 1e-6 * np.max(gaps):
         yield said("The targets are equally spaced: an error that repeats with this spacing stays unseen.")
-
-
-def _lost_points(test: PositioningTest) -> Iterable[str]:
-    """Say which readings stand off, and would not if their digits had a decimal point again.
-
-    What is expected is the median of the other runs at a target, each as it lies beside this one; of two runs alone and
-    of one, what lies between the neighbours in the same run. Deviations of that are compared with their median.
-    """
-    signs = [sign for sign, runs in (("+", test.up), ("-", test.down)) if runs is not None for _ in runs.T]
-    every = np.concatenate(list(test.measured.values()), axis=1)
-    if every.shape[0] < _FEWEST_NEIGHBOURS:
-        return
-    numbers = [*range(1, signs.count("+") + 1), *range(1, signs.count("-") + 1)]
-    expected = _between(test.targets, every) if every.shape[1] < _FEWEST_TO_DOUBT else _beside(every)
-    left = every - expected
-    usual = max(1.4826 * float(np.median(np.abs(left))), np.finfo(float).tiny)
-    points = every[..., None] / 10.0 ** np.arange(1, _DIGITS + 1)
-    fits = np.abs(points - expected[..., None]) < _NEAR * usual
-    lost = (np.abs(left) > _FAR * usual) & fits.any(axis=2)
-    for target, column in np.argwhere(lost)[np.argsort(-np.abs(left[lost]))][:1]:
-        point = points[target, column][int(np.argmax(fits[target, column]))]
-        yield said(
-            "Run {run} in direction {sign} at {place} reads {read}, and {point} would fit: a decimal point seems lost. "
-            "A and R count it as it is.",
-            run=numbers[column],
-            sign=signs[column],
-            place=said_quantity(float(test.targets[target]), "deg" if test.rotary else "mm"),
-            read=said_quantity(float(every[target, column]), test.value_unit, 6),
-            point=said_quantity(float(point), test.value_unit, 6),
-        )
-
-
-def _beside(every: Array) -> Array:
-    """Return what the other runs say of each reading, (n, c), by medians.  every : (n, c)"""
-    expected = np.empty_like(every)
-    for column, own in enumerate(every.T):
-        others = np.delete(every, column, axis=1)
-        expected[:, column] = np.median(others + np.median(own[:, None] - others, axis=0), axis=1)
-    return expected
-
-
-def _between(targets: Array, every: Array) -> Array:
-    """Return what lies between the neighbours of each reading, (n, c); at an end, beyond them.  targets : (n,)"""
-    expected = np.empty_like(every)
-    for place, at in enumerate(targets):
-        near = np.argsort(np.abs(targets - at), kind="stable")[1:3]
-        (one, other), (first, second) = targets[near], every[near]
-        expected[place] = first + (second - first) * (at - one) / (other - one)
-    return expected
 
 
 def _is_long(test: PositioningTest) -> bool:

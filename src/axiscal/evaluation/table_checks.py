@@ -293,11 +293,16 @@ class Judgement:
     @property
     def verdict(self) -> Verdict:
         """Whether tables fail, else whether the machine is as promised; undecided where something contradicts that."""
-        if any(share.checked and not share.works for share in self.shares):
+        if self.faulty:
             return "faulty"
         if self.agrees < OF_TWENTY:
             return "worse"
         return "undecided" if self.strained or self.still or not self.loaded else "promised"
+
+    @property
+    def faulty(self) -> list[Share]:
+        """The tables that are missing, or loaded with the wrong sign."""
+        return [share for share in self.shares if share.checked and not share.works]
 
     @property
     def loaded(self) -> bool:

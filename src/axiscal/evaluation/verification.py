@@ -291,8 +291,7 @@ def _seen(
 ) -> tuple[Array, Array]:
     """Return what was read, less what is known of the instruments and not linear in their datums, and its std, m."""
     shown = np.array([value for reading in readings for value in reading.values])
-    own = [np.hypot(setup.noise, setup.lag) for setup in setups]
-    noise = np.array([r.std or own[s] for r, s in zip(readings, places.setups, strict=True)])
+    noise = np.array([r.std or setups[s].noise for r, s in zip(readings, places.setups, strict=True)])
     return upright(estimate.machine, setups, places, datums, shown), noise[values_at(setups, places).of]
 
 

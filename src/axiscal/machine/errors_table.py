@@ -6,21 +6,28 @@ Sizes must lie within what a machine can have.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
+from typing import Annotated, Any
 
-from axiscal.document import Document, shown
-from axiscal.document.validation import Stated
-from axiscal.exceptions import DescriptionError, Faults
+from pydantic import Field
+
+from axiscal.document import QuantityText, quantity_text, shown
+from axiscal.document.toml_table import Table
+from axiscal.document.validation import NAME, Beside, QuantityOf, ReadAs, refusal
+from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import joined, later, said
-from axiscal.machine.axis import letter_direction, travel_text
+from axiscal.machine.axis import ROTARY_LETTERS, letter_direction, travel_text
 from axiscal.machine.error_names import error_named, reference_in, shape_of, side_name
-from axiscal.machine.machine_schema import ErrorTable
-from axiscal.units import Dimension
+from axiscal.units import Dimension, within
 from axiscal_core.axes import Axis
 from axiscal_core.errors import COMPONENTS, ROUGH, SMOOTH, USUAL_KNOTS, Error
 from axiscal_core.terms import JOINT, WAVE_KNOTS
+from axiscal_core.theta import Sure
+
+Along = tuple[float, ...]
+"""One value, or one for each of two axes."""
 
 FEWEST_INTERVALS = 4
 FEWEST_CYCLIC_KNOTS = 4
@@ -51,80 +58,96 @@ _SHORTEST, _LONGEST = 1e-6, 1e4
 """m or rad, of a length along an axis."""
 
 
-def read_errors(
-    document: Document,
-    tables: Mapping[str, ErrorTable],
-    axes: Mapping[str, Axis],
-    described: set[str],
-    faults: Faults,
-    fine_knots: bool,
-) -> tuple[Error, ...]:
-    """Return what is known of errors, those of one axis first; each is there once, whatever its spelling.
-
-    What is wrong is noted.
-
-    described : axes that have a table; those not among `axes` have a faulty table; their errors are passed over
-    fine_knots : knots of which nothing is said are as close as a rough curve needs, if all control values stay few
-    """
-    if not tables:
-        remedy = 'Name at least one, such as EXX = { std = "10 um" }; an error that is not named is taken to be zero'
-        faults.found.append(document.fault(DescriptionError("no error is named", remedy), "errors"))
-    found = dict[object, tuple[str, Error, Error]]()
-    for key, table in tables.items():
-        with faults.noted(), document.placed("errors", key):
-            name, reference = error_named(key), reference_in(key)
-            needed = [*name.axes] if reference is None else [name.axis, reference]
-            if set(needed) & (described - axes.keys()):
-                continue
-            stated = Stated(document, table, ("errors", key))
-            own = _checked(name, key, table, needed, axes)
-            coarse, fine = _of_one(name, stated, own[0]) if not name.sides else (_of_two(name, stated, own),) * 2
-            identity = name.kind, shape_of(name), name.component, frozenset(name.axes)
-            first, before, _ = found.setdefault(identity, (key, coarse, fine))
-            if before is not coarse:
-                earlier = document.line("errors", first)
-                what = "{key} is {name}, which is there already in line {earlier}"
-                raise DescriptionError(what, "Keep one of them", key=key, name=before.name, earlier=earlier)
-    every = [each for plane in (False, True) for each in found.values() if bool(each[1].sides) is plane]
-    finer = tuple(fine for _, _, fine in every)
-    few = sum(each.count for each in finer if each.count > 1 and not each.sides) <= CHEAP
-    return finer if fine_knots and few else tuple(coarse for _, coarse, _ in every)
+def _size(text: str, known: Beside) -> float:
+    """Return a size of an error, m or rad; that of a name that is none is not read."""
+    error = known.data.get("name")
+    if error is None:
+        return 0.0
+    return within(text, _dimension(error), 0.0 if error.sides else SMALLEST_ERROR, LARGEST_ERROR)
 
 
-def _checked(name: Error, key: str, table: ErrorTable, needed: Sequence[str], axes: Mapping[str, Axis]) -> list[Axis]:
-    """Return the axes of an error; raises DescriptionError where name, keys and axes do not fit each other."""
-    for wanted in needed:
-        if wanted not in axes:
-            what = "there is no axis {text} in the chain"
-            raise DescriptionError(what, "The axes are {known}", text=shown(wanted), known=", ".join(axes))
-    if len(set(needed)) < len(needed):
-        what = "{axis} cannot be its own reference"
-        raise DescriptionError(what, "Name another axis behind the 0", axis=needed[0])
-    own = [axes[each] for each in needed]
-    _check_location(name, own[0])
-    _check_keys(name, key, table)
-    if table.scale is not None and (own[0].rotary or key != own[0].positioning_error):
-        remedy = "Give it to the position error of a linear axis, such as EXX"
-        raise DescriptionError("scale = {value}: {name} is no length", remedy, value=shown(table.scale), name=key)
-    return own
+def _dimension(error: Error) -> Dimension:
+    return "angle" if error.angular else "length"
 
 
-def _check_location(name: Error, axis: Axis) -> None:
-    """Raise DescriptionError for a location error that a linear axis does not have (conventions, Errors)."""
-    if name.kind != "location" or axis.rotary:
-        return
-    along = 3 + letter_direction(axis.letter)
-    if name.angular and name.component != along:
-        return
-    possible = joined([f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along])
-    what = "a linear axis has no location error {name}: only two turns of its direction show"
-    remedy = "The location errors of the linear axis {axis} are {possible}; a constant roll is part of {roll}"
-    roll = f"E{COMPONENTS[along]}{axis.name}"
-    raise DescriptionError(what, remedy, name=name.name, axis=axis.name, possible=possible, roll=roll)
+def _rest(text: str, known: Beside) -> float | None:
+    """Return the standard deviation of the rest, m or rad; None where it is to be learnt."""
+    return None if text.strip() == AVERAGED else _size(text, known)
+
+
+def _each(given: Any, known: Beside) -> list[Any]:
+    """Return a value for each axis of an error: one counts for both axes of a plane."""
+    count = 2 if (error := known.data.get("name")) is not None and error.sides else 1
+    if isinstance(given, list) and len(given) != count:
+        remedy = "Write one value; two belong to an error of two axes, such as EZXY"
+        raise DescriptionError("{value} are not one value for each axis", remedy, value=shown(given))
+    return given if isinstance(given, list) else [given] * count
+
+
+def _along(given: Any, known: Beside) -> Along:
+    """Return a length along the axis of an error, or along each of two, m or rad."""
+    texts = [quantity_text(text) for text in _each(given, known)]
+    if (error := known.data.get("name")) is None:
+        return ()
+    of: list[Dimension] = ["angle" if axis[0] in ROTARY_LETTERS else "length" for axis in error.axes]
+    return tuple(within(text, each, _SHORTEST, _LONGEST) for text, each in zip(texts, of, strict=True))
+
+
+def _knots(given: Any, known: Beside) -> Along:
+    counts = _each(given, known)
+    if not all(type(count) is int and 2 <= count <= MOST_KNOTS for count in counts):
+        raise DescriptionError("{text} is not possible", "Write 2 to {most}", text=shown(given), most=MOST_KNOTS)
+    return tuple(counts)
+
+
+def _smoothness(given: Any) -> float:
+    """Return how smooth a curve is; of older files that say "estimate" it is smooth, on knots as for a rough one."""
+    if isinstance(given, bool) or given not in (SMOOTH, ROUGH, AVERAGED):
+        remedy = "Write {smooth} for a smooth curve, {rough} for one that may have kinks"
+        smooth, rough = str(SMOOTH), str(ROUGH)
+        raise DescriptionError("{text} is not possible", remedy, text=shown(given), smooth=smooth, rough=rough)
+    return math.nan if given == AVERAGED else float(given)
+
+
+def _harmonics(count: int) -> int:
+    if not 1 <= count <= MOST_HARMONICS:
+        raise DescriptionError("{text} is not possible", "Write 1 to {most}", text=shown(count), most=MOST_HARMONICS)
+    return count
+
+
+def _joints(texts: list[str], known: Beside) -> Along:
+    if not 1 <= len(texts) <= _MOST_JOINTS:
+        remedy = 'Name 1 to {most} places: at = ["500 mm", "1000 mm"]'
+        raise DescriptionError("it is not said where the pieces of the scale meet", remedy, most=_MOST_JOINTS)
+    error = known.data.get("name")
+    of: Dimension = "angle" if error is not None and error.axis[0] in ROTARY_LETTERS else "length"
+    return tuple(within(text, of, -_LONGEST, _LONGEST) for text in texts)
+
+
+class ErrorTable(Table):
+    """An entry of [errors]"""
+
+    name: Annotated[Error, ReadAs(str, error_named)] = Field(alias=NAME)
+    std: Annotated[float, ReadAs(QuantityText, _size, by=True)] | None = Field(None, examples=['"10 um"'])
+    band: Annotated[float, ReadAs(QuantityText, _size, by=True)] | None = Field(None, examples=['"40 um"'])
+    knots: Annotated[Along, ReadAs(Any, _knots, by=True)] | None = Field(None, examples=["13"])
+    spacing: Annotated[Along, ReadAs(Any, _along, by=True)] | None = Field(None, examples=['"50 mm"'])
+    length: Annotated[Along, ReadAs(Any, _along, by=True)] | None = Field(None, examples=['"150 mm"'])
+    rest: Annotated[float | None, ReadAs(QuantityText, _rest, by=True)] = Field(
+        None, examples=['"0.5 um"', '"estimate"']
+    )
+    period: Annotated[Along, ReadAs(Any, _along, by=True)] | None = Field(None, examples=['"5 mm"'])
+    smoothness: Annotated[float, ReadAs(Any, _smoothness)] | None = Field(None, examples=["1.5"])
+    sure: Sure | None = Field(None, examples=['"well"'])
+    harmonics: Annotated[int, ReadAs(int, _harmonics)] | None = Field(None, examples=["2"])
+    at: Annotated[Along, ReadAs(list[QuantityText], _joints, by=True)] | None = Field(
+        None, examples=['["500 mm", "1000 mm"]']
+    )
+    scale: Annotated[float, QuantityOf("angle", 0.0, _LARGEST_SCALE)] | None = Field(None, examples=['"30 um/m"'])
 
 
 _ALL = frozenset(ErrorTable.model_fields)
-_CONSTANT = frozenset({"std", "band"})
+_CONSTANT = frozenset({"name", "std", "band"})
 _ELSEWHERE = later("Take it out, or give it to {error}")
 _KEYS = {
     "location": (_CONSTANT, later("It has only std or band")),
@@ -137,91 +160,122 @@ _KEYS = {
 """By kind of error: the keys that it may have, and what would be right for another."""
 
 
-def _check_keys(name: Error, key: str, table: ErrorTable) -> None:
+def _check_keys(key: str, table: ErrorTable) -> None:
     """Raise DescriptionError unless the keys of an entry fit each other and the kind of error.  key : as it is named"""
-    given = [key for key in ErrorTable.model_fields if key in table.model_fields_set]
-    for one, other, remedy in (
-        ("std", "band", later("Keep one of them: the band is four standard deviations")),
-        ("knots", "spacing", later("Keep one of them: one gives the other")),
-    ):
+    name, given = table.name, [key for key in ErrorTable.model_fields if key in table.model_fields_set]
+    for one, other in (("std", "band"), ("knots", "spacing")):
         if one in given and other in given:
-            raise DescriptionError("both {one} and {other} are given", said(remedy), one=one, other=other)
+            what, remedy = "both {one} and {other} are given", "Keep one of them: one gives the other"
+            raise DescriptionError(what, remedy, one=one, other=other)
     if "std" not in given and "band" not in given:
         raise DescriptionError("neither std nor band is given", 'Add how large the error may be, such as std = "10 um"')
     curved = name.kind == "motion" or (name.kind == "reversal" and {"knots", "spacing"} & {*given})
     allowed, remedy = _KEYS[shape_of(name) if curved else name.kind]  # a reversal value with knots is a curve
+    error = key.partition("_")[0]
     for each in given:
-        value, error = shown(getattr(table, each)), key.partition("_")[0]
         if each not in allowed:
-            what = "{key} = {value}: {name} has no {key}"
-            raise DescriptionError(what, said(remedy, error=error), key=each, value=value, name=key)
-        if not name.sides and isinstance(getattr(table, each), tuple):
-            what = "{key} = {value}: {name} is an error of one axis"
-            remedy = "Write one value; two belong to an error of two axes, such as EZXY"
-            raise DescriptionError(what, remedy, key=each, value=value, name=key)
-    for knots in table.knots if isinstance(table.knots, tuple) else (table.knots,):
-        if knots is not None and not 2 <= knots <= MOST_KNOTS:
-            text, remedy = shown(table.knots), "Write 2 to {most}"
-            raise DescriptionError("knots = {text} is not possible", remedy, text=text, most=MOST_KNOTS)
+            raise DescriptionError("{name} has no {key}", said(remedy, error=error), key=each, name=key)
+    if table.smoothness is not None and table.length is None:
+        remedy = 'Add over which distance it changes, such as length = "150 mm"'
+        raise DescriptionError("smoothness is said of an error without a correlation length", remedy)
+    if not (table.std or table.band or table.rest):
+        raise DescriptionError("an error of no size has no rest", 'Add how large it may be, such as std = "10 um"')
 
 
-def _of_one(name: Error, stated: Stated[ErrorTable], axis: Axis) -> tuple[Error, Error]:
-    """Return the prior of an error of one axis, with as many knots as a smooth curve needs, and as a rough one does."""
-    table = stated.table
-    value: Dimension = "angle" if name.angular else "length"
-    rest = _rest(stated, value)
-    period = stated.within("period", axis.dimension, _SHORTEST, _LONGEST)
-    length, shape = stated.within("length", axis.dimension, _SHORTEST, _LONGEST, 0), shape_of(name)
-    free = (
-        name.kind == "motion"
-        and shape == "curve"
-        and length is not None
-        and table.knots is None
-        and table.spacing is None
-    )
+Two = tuple[Error, Error]
+"""An error with as many knots as a smooth curve needs, and as a rough one does."""
+
+
+def prior_of(key: str, table: ErrorTable, known: Beside) -> Two:
+    """Return what is known of an error; raises DescriptionError where name, keys and axes do not fit each other."""
+    _check_keys(key, table)
+    name, reference, axes = table.name, reference_in(key), known.data.get("axes")
+    if not axes:  # what is wrong with them is said
+        return name, name
+    needed = [*name.axes] if reference is None else [name.axis, reference]
+    for wanted in needed:
+        if wanted not in axes or needed.count(wanted) > 1:
+            what = "there is no axis {text} in the chain, or it is named twice"
+            raise DescriptionError(what, "The axes are {known}", text=shown(wanted), known=", ".join(axes))
+    axis, shape = axes[needed[0]], shape_of(name)
+    if name.kind == "location" and not axis.rotary:
+        _check_location(name, axis)
+    if table.scale is not None and (axis.rotary or key != axis.positioning_error):
+        remedy = "Give it to the position error of a linear axis, such as EXX"
+        raise DescriptionError("scale: {name} is no length", remedy, name=key)
+    std = (table.band or 0.0) / 4 if table.std is None else table.std
+    learnt = table.rest is None and "rest" in table.model_fields_set
+    if name.sides:
+        first, second = (_side(table, axes[each], k) for k, each in enumerate(name.axes))
+        count = first.count * second.count
+        if std and count > MOST_PRODUCTS:
+            remedy = "At most {most} are possible; give knots, spacing or length accordingly"
+            raise DescriptionError("{count} knots in the plane are too many", remedy, count=count, most=MOST_PRODUCTS)
+        return (Error(name.name, std, rest=table.rest, learnt_rest=learnt, sides=(first, second)),) * 2
     error = Error(
         name.name,
-        _std(stated, value),
-        _knot_count(name, stated, axis, 0, length),
-        length,
-        rest,
-        stated.within("scale", "angle", 0.0, _LARGEST_SCALE),
-        period,
-        _harmonics(table, axis, period) if shape == "pitch" else 0,
+        std,
+        _knot_count(table, axis, 0),
+        table.length[0] if table.length else None,
+        table.rest,
+        table.scale,
+        table.period[0] if table.period else None,
+        _waves(table, axis) if shape == "pitch" else 0,
         table.sure,
-        smoothness=_smoothness(table, averaged=True),
-        joints=_joints(stated, axis) if shape == "step" else (),
-        learnt_rest=rest is None and table.rest is not None,
-        free_knots=free,
-    )
-    return error, replace(error, knots=_knot_count(name, stated, axis, 0, length, fine=True)) if free else error
+        smoothness=_smooth(table),
+        joints=_pieces(table, axis) if shape == "step" else (),
+        learnt_rest=learnt,
+        free_knots=name.kind == "motion" and shape == "curve" and table.length is not None
+        and table.knots is None is table.spacing,
+    )  # fmt: skip
+    return error, replace(error, knots=_knot_count(table, axis, 0, fine=True)) if error.free_knots else error
 
 
-def _of_two(name: Error, stated: Stated[ErrorTable], axes: list[Axis]) -> Error:
-    """Return the prior of what two axes do together; its size may be zero where there is a rest."""
-    value: Dimension = "angle" if name.angular else "length"
-    rest = _rest(stated, value)
-    std = _std(stated, value, SMALLEST_ERROR if rest is None else 0.0)
-    first, second = (_side(name, stated, axis, k) for k, axis in enumerate(axes))
-    count = first.count * second.count
-    if std and count > MOST_PRODUCTS:
-        remedy = "At most {most} are possible; give knots, spacing or length accordingly"
-        raise DescriptionError("{count} knots in the plane are too many", remedy, count=count, most=MOST_PRODUCTS)
-    learnt = rest is None and stated.table.rest is not None
-    return Error(name.name, std, rest=rest, learnt_rest=learnt, sides=(first, second))
+def every_error(found: Mapping[str, Two], known: Beside) -> tuple[Error, ...]:
+    """Return what is known of errors, those of one axis first; each is there once, whatever its spelling.
+
+    found : by their keys; known : its context says whether knots of which nothing is said are as close as a rough curve
+    needs, if all control values stay few
+    """
+    if not found:
+        remedy = 'Name at least one, such as EXX = { std = "10 um" }; an error that is not named is taken to be zero'
+        raise DescriptionError("no error is named", remedy)
+    seen = dict[object, str]()
+    for key, (name, _) in found.items():
+        first = seen.setdefault((name.kind, shape_of(name), name.component, frozenset(name.axes)), key)
+        if first != key:
+            what = "{key} is {name}, which is there already as {first}"
+            fault = DescriptionError(what, "Keep one of them", key=key, first=first, name=found[first][0].name)
+            raise refusal([((key,), fault)])
+    every = sorted(found.values(), key=lambda two: bool(two[0].sides))
+    few = sum(fine.count for _, fine in every if fine.count > 1 and not fine.sides) <= CHEAP
+    return tuple(two[known.context and few] for two in every)
 
 
-def _side(name: Error, stated: Stated[ErrorTable], axis: Axis, index: int) -> Error:
+def _check_location(name: Error, axis: Axis) -> None:
+    """Raise DescriptionError for a location error that a linear axis does not have (conventions, Errors)."""
+    along = 3 + letter_direction(axis.letter)
+    if name.angular and name.component != along:
+        return
+    possible = joined([f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along])
+    what = "a linear axis has no location error {name}: only two turns of its direction show"
+    remedy = "The location errors of the linear axis {axis} are {possible}; a constant roll is part of {roll}"
+    roll = f"E{COMPONENTS[along]}{axis.name}"
+    raise DescriptionError(what, remedy, name=name.name, axis=axis.name, possible=possible, roll=roll)
+
+
+def _smooth(table: ErrorTable) -> float:
+    return SMOOTH if table.smoothness is None or math.isnan(table.smoothness) else table.smoothness
+
+
+def _side(table: ErrorTable, axis: Axis, index: int) -> Error:
     """Return what is known along one of two axes: an error of std 1; one value for both counts for each."""
-    length = stated.within("length", axis.dimension, _SHORTEST, _LONGEST, index)
-    knots = _knot_count(name, stated, axis, index, length)
-    smoothness = _smoothness(stated.table, averaged=False)
-    return Error(side_name(name.component, axis.name), 1.0, knots, length, smoothness=smoothness)
+    length = table.length[index] if table.length else None
+    knots = _knot_count(table, axis, index)
+    return Error(side_name(table.name.component, axis.name), 1.0, knots, length, smoothness=_smooth(table))
 
 
-def _knot_count(
-    name: Error, stated: Stated[ErrorTable], axis: Axis, index: int, length: float | None, fine: bool = False
-) -> int | None:
+def _knot_count(table: ErrorTable, axis: Axis, index: int, fine: bool = False) -> int | None:
     """Return the number of equidistant knots over the travel, both ends included; None of one number or a shape.
 
     `knots` as written. `spacing`: the fewest intervals not longer than it. Neither: at least four intervals, not
@@ -229,21 +283,19 @@ def _knot_count(
     7 knots, as in the paper (B&H section V).
     Raises DescriptionError when that is not between 2 and 400 (a full turn needs 4 for a periodic curve).
     """
-    table, knots = stated.table, stated.table.knots
-    spacing = stated.within("spacing", axis.dimension, _SHORTEST, _LONGEST, index)
+    name = table.name
     if name.kind == "location" or shape_of(name) in ("pitch", "step"):
         return None
-    if name.kind == "reversal" and knots is None and spacing is None:
+    if name.kind == "reversal" and table.knots is table.spacing is None:
         return None
-    if knots is not None:
-        count: float = knots[index] if isinstance(knots, tuple) else knots
-    elif spacing is not None:
-        count = 1 + max(1, _intervals(axis.length, spacing))
-    elif length is not None:
+    count: float = USUAL_KNOTS
+    if table.knots is not None:
+        count = table.knots[index]
+    elif table.spacing is not None:
+        count = 1 + max(1, _intervals(axis.length, table.spacing[index]))
+    elif table.length is not None:
         parts = _FINE if fine or table.smoothness not in (None, SMOOTH) else _COARSE
-        count = 1 + max(FEWEST_INTERVALS, _intervals(axis.length, length / parts))
-    else:
-        count = USUAL_KNOTS
+        count = 1 + max(FEWEST_INTERVALS, _intervals(axis.length, table.length[index] / parts))
     fewest = FEWEST_CYCLIC_KNOTS if axis.cyclic else 2
     if not fewest <= count <= MOST_KNOTS:
         what = "{error}: {count:.0f} knots are too few"
@@ -258,45 +310,10 @@ def _intervals(travel: float, longest: float) -> int:
     return math.ceil(travel / longest - 1e-9)
 
 
-def _std(stated: Stated[ErrorTable], dimension: Dimension, least: float = SMALLEST_ERROR) -> float:
-    """Return the prior standard deviation, m or rad; a band is four of them."""
-    std, band = (stated.within(key, dimension, least, LARGEST_ERROR) for key in ("std", "band"))
-    return (band or 0.0) / 4 if std is None else std
-
-
-def _rest(stated: Stated[ErrorTable], dimension: Dimension) -> float | None:
-    """Return the standard deviation of the rest, m or rad; None when there is none or it is to be estimated."""
-    if (stated.table.rest or "").strip() == AVERAGED:
-        return None
-    return stated.within("rest", dimension, SMALLEST_ERROR, LARGEST_ERROR)
-
-
-def _smoothness(table: ErrorTable, averaged: bool) -> float:
-    """Return how smooth a curve is; raises DescriptionError for a smoothness that there is not.
-
-    averaged : it may also be "estimate", as older files say: a smooth curve, on knots as close as for a rough one
-    """
-    if table.smoothness is None:
-        return SMOOTH
-    if table.smoothness not in (SMOOTH, ROUGH) and not (averaged and table.smoothness == AVERAGED):
-        remedy = "Write {smooth} for a smooth curve, {rough} for one that may have kinks"
-        what, smooth = "smoothness = {text} is not possible", str(SMOOTH)
-        text, rough = shown(table.smoothness), str(ROUGH)
-        raise DescriptionError(what, remedy, text=text, smooth=smooth, rough=rough)
-    if table.length is None:
-        what = "smoothness = {text} is said of an error without a correlation length"
-        remedy = 'Add over which distance it changes, such as length = "150 mm"'
-        raise DescriptionError(what, remedy, text=shown(table.smoothness))
-    return SMOOTH if table.smoothness == AVERAGED else float(table.smoothness)
-
-
-def _harmonics(table: ErrorTable, axis: Axis, period: float | None) -> int:
-    if period is None:
+def _waves(table: ErrorTable, axis: Axis) -> int:
+    if not table.period:
         raise DescriptionError("the period is missing", 'Add the pitch of the screw or of the scale: period = "10 mm"')
-    harmonics, turns = 1 if table.harmonics is None else table.harmonics, axis.length / period
-    if not 1 <= harmonics <= MOST_HARMONICS:
-        remedy = "Write 1 to {most}"
-        raise DescriptionError("harmonics = {text} is not possible", remedy, text=shown(harmonics), most=MOST_HARMONICS)
+    harmonics, turns = table.harmonics or 1, axis.length / table.period[0]
     if turns * WAVE_KNOTS * harmonics > MOST_BREAKS:
         what = "{waves:.0f} waves over the travel of {axis} are too many"
         remedy, most = "At most {most}; fewer harmonics, or a longer period", MOST_BREAKS // WAVE_KNOTS
@@ -307,18 +324,14 @@ def _harmonics(table: ErrorTable, axis: Axis, period: float | None) -> int:
     return harmonics
 
 
-def _joints(stated: Stated[ErrorTable], axis: Axis) -> tuple[float, ...]:
-    texts = stated.table.at
-    if not texts or len(texts) > _MOST_JOINTS:
-        remedy = 'Name 1 to {most} places: at = ["500 mm", "1000 mm"]'
-        raise DescriptionError("it is not said where the pieces of the scale meet", remedy, most=_MOST_JOINTS)
+def _pieces(table: ErrorTable, axis: Axis) -> Along:
+    """Return where the pieces of a scale meet, within the travel, one after the other."""
+    places, (low, high) = table.at or (), axis.travel
     if axis.cyclic:
         remedy = "Give EXX_step to an axis that does not turn round"
         raise DescriptionError("a scale around {axis} closes", remedy, axis=axis.name)
-    places = stated.each("at", axis.dimension, -_LONGEST, _LONGEST)
-    low, high = axis.travel
-    if any(after - before < 2 * JOINT for before, after in pairwise([low, *places, high])):
-        what = "{places}: joints lie within the travel, one after the other"
-        remedy, shown_places = "{axis} goes from {travel}; leave 2 mm between them", ", ".join(map(shown, texts))
-        raise DescriptionError(what, remedy, places=shown_places, axis=axis.name, travel=travel_text(axis))
+    if not places or any(after - before < 2 * JOINT for before, after in pairwise([low, *places, high])):
+        what = "at: joints of a scale lie within the travel, one after the other"
+        remedy = "{axis} goes from {travel}; leave 2 mm between them"
+        raise DescriptionError(what, remedy, axis=axis.name, travel=travel_text(axis))
     return places

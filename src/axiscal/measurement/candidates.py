@@ -5,16 +5,16 @@ The coordinates of an axis at which the rows of a set-up are not smooth.
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.errors.volume import Box
-from axiscal.machine.kinematics import linear_axes
-from axiscal.measurement.charts.room import Chart, Coordinate, arrivals, has_room, side_choices
+from axiscal.measurement.charts.room import Chart, Coordinate, arrivals, has_room
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import touching_sides
 from axiscal.measurement.travel import SHORTEST
 from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
@@ -141,19 +141,15 @@ def chart_candidates(machine: Machine, setup: Setup, chart: Chart, count: int) -
 def arrivals_of(machine: Machine, setup: Setup, chart: Chart, places: Array, sides: Array) -> Array:
     """Return from where each axis comes to places of a set-up.
 
-    Linear axes come from where they follow, from none where both sides are evened, or as they touch three of them.
+    Linear axes come from where they follow, from none where both sides are evened.
     """
     overruns = np.array([axis.overrun for axis in machine.axes])
-    found = turned_to(machine, setup, arrivals(chart, overruns, places, sides))
-    if setup.three_touches:
-        linear = list(linear_axes(machine))
-        found[:, linear] = touching_sides(machine, chart.poses(places))
-    return found
+    return turned_to(machine, setup, arrivals(chart, overruns, places, sides))
 
 
 def turned_to(machine: Machine, setup: Setup, approaches: Array) -> Array:
     """Return approaches (m, q) of what a set-up's coordinates decide: none of linear axes that do not follow them."""
-    if setup.sides_follow:
+    if not setup.mean_sides:
         return approaches
     return np.where([axis.rotary for axis in machine.axes], approaches, 0.0)
 
@@ -169,22 +165,22 @@ def chart_places(machine: Machine, setup: Setup, chart: Chart, count: int) -> Ch
 
 
 def chart_sides(machine: Machine, setup: Setup, chart: Chart) -> Array:
-    """Return the sides from which places of a set-up are come to and that differ in what is seen, (choices, size)."""
-    return side_choices(setup.approach, len(chart.coordinates), _sides_count(machine, setup, chart))
+    """Return the sides from which places of a set-up are come to and that differ in what is seen, (choices, size).
 
-
-def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.bool_]:
-    """Return of which coordinates the side shows: where an axis that they move has a reversal value."""
+    A side shows where a coordinate moves an axis that has a reversal value; other coordinates come from above.
+    """
+    if setup.approach != "both":
+        return np.full((1, len(chart.coordinates)), float(setup.sides[0]))
     reversals = {entry.name for entry in machine.stated if entry.kind == "reversal"}
     reverses = [k for k, axis in enumerate(machine.axes) if f"{axis.positioning_error}_reversal" in reversals]
-    shown = [k for k in reverses if machine.axes[k].rotary or setup.sides_follow]
+    shown = [k for k in reverses if machine.axes[k].rotary or not setup.mean_sides]
     middle = np.array([[(each.low + each.high) / 2 for each in chart.coordinates]])
-    result = np.zeros(middle.size, dtype=bool)
+    choices = list[tuple[float, ...]]()
     for number, each in enumerate(chart.coordinates):
         aside = middle + np.eye(middle.size)[number] * (each.overrun or 1.0)
         moved = np.abs(chart.poses(aside) - chart.poses(middle))[0]
-        result[number] = each.overrun > 0 and bool(np.any(moved[shown] > 0))
-    return result
+        choices.append((1.0, -1.0) if each.overrun > 0 and np.any(moved[shown] > 0) else (1.0,))
+    return np.array(list(product(*choices)))
 
 
 @remembered

@@ -1,10 +1,8 @@
 """What an instrument sees of the machine: rows over all unknowns, A of the machine and b of the set-ups.
 
 y = g(t)ᵀ A + f(t)ᵀ b + v (B&H eq. 29-30, and b). The columns are the machine's error coefficients, then the unknowns of
-every set-up. Then follow, as they come, the rests of visited cells and the drifts of zeros that wander. Readings in one
-cell share its rest, so repeating there does not average it away.
-
-Whose an unknown is: that of one set-up, or of an artefact, a bar or a tool which several set-ups share.
+every set-up. Then follow, as they come, the rests of visited cells: an error's part that splines miss, one number in
+each short cell. Readings in one cell share its rest, so repeating there does not average it away.
 
 What has an owner is one quantity wherever it is met: all set-ups that read the same ball share the column of its place.
 
@@ -12,9 +10,8 @@ Where readings are linearised: about the machine that is believed, instead of ab
 
     e_i(x) = f_i(x) − h_i x,    y_i ← y_i − e_i(x)                                                (chord iteration)
 
-f_i what the instrument would show by the exact chain where errors and unknowns are x, h_i the row of the reading. With
-rows at the nominal machine each round converges by the largest rotation, about 1e-3. If that is not enough, the rows
-are taken at x as well (Gauss-Newton; Bell and Cathey 1993).
+f_i what the instrument would show by the exact chain where errors and unknowns are x, h_i the row of the reading. Rows
+stay those of the nominal machine: each round converges by the largest rotation, about 1e-3.
 """
 
 from __future__ import annotations
@@ -22,20 +19,19 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.volume import MovedErrors, deviations_of
-from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
+from axiscal.errors.volume import deviations_of
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.travel import belongs, feet_of
 from axiscal.numerics import Array
 from axiscal_core.instrument import At, Slopes
 from axiscal_core.machine import Machine
+from axiscal_core.model import Numbers
 
 
 def levers_of(errors: Machine, seen: Slopes, poses: Array) -> Array:
@@ -49,12 +45,7 @@ def levers_of(errors: Machine, seen: Slopes, poses: Array) -> Array:
     return result
 
 
-Key = tuple[str, str]
-"""Owner and name; the owner of what belongs to one set-up is that set-up."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Owned:
+class Owned(NamedTuple):
     """The unknowns beside the machine's errors.
 
     unknowns : each of them once, in the order in which set-ups name them; columns : per set-up, where its own stand
@@ -63,54 +54,32 @@ class Owned:
     unknowns: tuple[Unknown, ...]
     columns: tuple[NDArray[np.intp], ...]
 
-    @classmethod
-    def by(cls, setups: Sequence[Setup]) -> Owned:
-        """Return the unknowns of all set-ups, shared ones once."""
-        found: dict[Key, tuple[int, Unknown]] = {}
-        columns = []
-        for number, setup in enumerate(setups):
-            keys = [(unknown.owner or f"set-up {number}", unknown.name) for unknown in setup.unknowns]
-            for key, unknown in zip(keys, setup.unknowns, strict=True):
-                found.setdefault(key, (len(found), unknown))
-            columns.append(np.array([found[key][0] for key in keys], dtype=np.intp))
-        return cls(tuple(unknown for _, unknown in found.values()), tuple(columns))
+
+def owned(setups: Sequence[Setup]) -> Owned:
+    """Return the unknowns of all set-ups, shared ones once."""
+    found, columns = dict[tuple[str, str], tuple[int, Unknown]](), list[NDArray[np.intp]]()
+    for number, setup in enumerate(setups):
+        keys = [(unknown.owner or f"set-up {number}", unknown.name) for unknown in setup.unknowns]
+        for key, unknown in zip(keys, setup.unknowns, strict=True):
+            found.setdefault(key, (len(found), unknown))
+        columns.append(np.array([found[key][0] for key in keys], dtype=np.intp))
+    return Owned(tuple(unknown for _, unknown in found.values()), tuple(columns))
 
 
-def unknowns_at(artefact: Artefact, balls: tuple[int, ...]) -> tuple[Unknown, ...]:
-    """Return what set-ups at some balls of an artefact leave open of where these are."""
-    each = [(artefact.balls[i].name, axis) for i in balls for axis in "xyz"]
-    if artefact.calibrated is None:
-        return tuple(Unknown(f"{ball}_{axis}", artefact.placed, artefact.standing) for ball, axis in each)
-    whole = [Unknown(f"place_{axis}", artefact.placed, artefact.standing) for axis in "xyz"]
-    whole += [Unknown(f"turn_{axis}", artefact.turned, artefact.standing) for axis in "xyz"]
-    whole += [Unknown("scale", artefact.scale, artefact.name)] if artefact.scale > 0 else []
-    return (*whole, *(Unknown(f"{ball}_{axis}", artefact.calibrated, artefact.name) for ball, axis in each))
+Cell = tuple[int, int]
+"""Index of an error with a rest, and the number of the cell along its axis, or of the plane of its axes."""
 
 
-Zero = tuple[int, int]
-"""Index of a set-up, and the number of its zero: 0, or of each number of its readings."""
+class RestEffects(NamedTuple):
+    """The effect of rests on readings: a row for each error that has one, of each foot behind the other.
 
+    functions : (e,) index of the error; reach : (..., e, m) what a unit of its rest adds to each number
+    cells : (e, m) the number of the cell that they are in
+    """
 
-class Rows(NamedTuple):
-    """rows : (m, size) over all unknowns; variances : (m,) noise and the rests of cells not visited yet, m² or rad²."""
-
-    rows: Array
-    variances: Array
-
-
-class JointRows(NamedTuple):
-    """All numbers of readings of a set-up.  rows : (m, k, size); covariances : (m, k, k) of noise and fresh rests."""
-
-    rows: Array
-    covariances: Array
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class About:
-    """point : (k,) errors of the machine, then unknowns of the set-ups; bent : rows are those of the machine there"""
-
-    point: Array
-    bent: bool = False
+    functions: NDArray[np.intp]
+    reach: Array
+    cells: NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,15 +87,14 @@ class Observation:
     """The linear map from all unknowns to readings.
 
     errors : the machine's error model; setups : in the order of the campaign
-    about : where it is linear, None for the nominal machine
-    cells : column of the rest of each visited cell; courses : how each zero has wandered that may
+    about : (k,) errors, then unknowns of the set-ups, about which it is linear; None for the nominal machine
+    cells : column of the rest of each visited cell
     """
 
     errors: Machine
     setups: tuple[Setup, ...]
-    about: About | None = None
+    about: Array | None = None
     cells: Mapping[Cell, int] = field(default_factory=dict)
-    courses: Mapping[Zero, Course] = field(default_factory=dict)
 
     @property
     def machine(self) -> Machine:
@@ -136,13 +104,12 @@ class Observation:
     @cached_property
     def size(self) -> int:
         """Number of unknowns."""
-        wandering = sum(len(course.columns) for course in self.courses.values())
-        return self.errors.size + len(self.unknowns) + len(self.cells) + wandering
+        return self.errors.size + len(self.unknowns) + len(self.cells)
 
     @property
     def bare(self) -> Observation:
         """The map before any cell was visited."""
-        return replace(self, cells=MappingProxyType({}), courses=MappingProxyType({}))
+        return replace(self, cells={})
 
     def among(self, setups: Collection[int]) -> tuple[Observation, NDArray[np.intp]]:
         """Return the map where other set-ups have no unknowns of their own, and its columns among those here, (k,)."""
@@ -151,24 +118,25 @@ class Observation:
         kept, first = np.arange(bare.size), self.bare.size
         for setup in setups:
             kept[bare.unknowns_of(setup)] = self.unknowns_of(setup)
-        about = None if self.about is None else replace(self.about, point=self.about.point[kept])
+        about = None if self.about is None else self.about[kept]
         shift = first - bare.size
         cells = {cell: column - shift for cell, column in self.cells.items()}
-        courses = {zero: replace(c, columns=tuple(k - shift for k in c.columns)) for zero, c in self.courses.items()}
-        return replace(bare, about=about, cells=cells, courses=courses), np.append(kept, np.arange(first, self.size))
+        return replace(bare, about=about, cells=cells), np.append(kept, np.arange(first, self.size))
 
     def prior_covariance(self) -> Array:
         """Return the covariance of all unknowns before the first reading, (size, size)."""
-        result = np.zeros((self.size, self.size))
+        result = np.diag(np.concatenate([self.prior_variances(), self.bare.rest_variances(self)]))
         result[: self.errors.size, : self.errors.size] = self.errors.covariance()
-        own = [unknown.std**2 for unknown in self.unknowns]
-        tail = np.arange(self.errors.size, self.size)
-        result[tail, tail] = [*own, *self.bare.rest_variances(self)]
         return result
 
+    def prior_variances(self) -> Array:
+        """Return the variances of errors and unknowns before the first reading, (errors and unknowns,)."""
+        own = [unknown.std**2 for unknown in self.unknowns]
+        return np.concatenate([np.diagonal(self.errors.covariance()), own])
+
     def rest_variances(self, after: Observation) -> Array:
-        """Return the prior variances of the columns that `after` has beyond this map: rests, and drifts of 1."""
-        result = np.ones(after.size - self.size)
+        """Return the prior variances of the columns that `after` has beyond this map."""
+        result = np.zeros(after.size - self.size)
         for cell, column in after.cells.items():
             if cell not in self.cells:
                 result[column - self.size] = self.errors.terms[cell[0]].rest ** 2
@@ -179,72 +147,70 @@ class Observation:
         """The unknowns of all set-ups, those that several share once, in the order of their columns."""
         return self._owned.unknowns
 
-    def prior_variances(self) -> Array:
-        """Return the variances of errors and unknowns before the first reading, (errors and unknowns,)."""
-        own = [unknown.std**2 for unknown in self.unknowns]
-        return np.concatenate([np.diagonal(self.errors.covariance()), own])
-
     def unknowns_of(self, setup: int) -> NDArray[np.intp]:
         """Return the columns of one set-up's unknowns, in its order."""
         return self.errors.size + self._owned.columns[setup]
 
     @cached_property
     def _owned(self) -> Owned:
-        return Owned.by(self.setups)
+        return owned(self.setups)
 
-    def rows(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> Rows:
-        """Return what the first number of readings of a set-up would tell (B&H eq. 29-30); arguments as of all."""
-        return self.rows_each(setup, poses, approaches, times)[0]
+    @cached_property
+    def counts(self) -> NDArray[np.intp]:
+        """How many numbers a reading of each set-up has, (setups,)."""
+        return np.array([len(setup.names) for setup in self.setups], dtype=np.intp)
 
-    def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
-        """Return what each number of readings of a set-up would tell.
+    def numbers(self, places: Places) -> Numbers:
+        """Return what readings at places would tell (B&H eq. 29-30): rows, and the rests of cells without a column."""
+        each = self.counts[places.setups]
+        first, place = np.cumsum(each) - each, np.repeat(np.arange(len(places)), each)
+        rows, noise = np.zeros((len(place), self.size)), np.zeros(len(place))
+        standing = max((len(feet_of(self.setups[i], places.poses[:0])) for i, _ in places.by_setup()), default=1)
+        reach = np.zeros((len(place), standing * len(self.with_rest)))
+        cell = np.zeros(reach.shape, dtype=np.intp)
+        for index, mine in places.by_setup():
+            setup, poses, approaches = self.setups[index], places.poses[mine], places.approaches[mine]
+            at, to = setup.places(poses, approaches), first[mine][:, None] + np.arange(self.counts[index])
+            levers = self._levers(index, at)
+            rows[to, : self.errors.size] = self._error_rows(index, levers, poses, approaches).swapaxes(0, 1)
+            rows[to[:, :, None], self.unknowns_of(index)] = setup.own_slopes(at)
+            noise[to] = np.sqrt(setup.noise**2 + self._unknown_sides(setup, levers, poses, approaches)).T
+            found = self._rests(setup, levers, poses, approaches)
+            reach[to, : len(found.functions)] = found.reach.transpose(2, 0, 1)
+            cell[to, : len(found.functions)] = found.cells.T[:, None]
+        self._enter_visited(rows, reach, cell)
+        part, nought = np.arange(len(place)) - first[place], np.zeros(len(place))
+        return Numbers(rows, nought, reach, cell, noise, place, places.setups[place], part, nought[:, None][:, :0])
 
-        poses, approaches : (m, q)
-        times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
-        """
-        return list(map(Rows, *self._rows(setup, poses, approaches, times)[:2]))
+    def variances(self, n: Numbers) -> Array:
+        """Return the variances of numbers, noise and the rests of cells without a column, (n,) m² or rad²."""
+        rests = np.tile(self.rests, n.reach.shape[1] // max(len(self.rests), 1))
+        return np.asarray(n.noise**2 + np.sum((n.reach * rests) ** 2, axis=1))
 
-    def _rows(
-        self, setup: int, poses: Array, approaches: Array, times: Array | None = None
-    ) -> tuple[Array, Array, Array]:
-        """Return rows (k, m, size), variances (k, m) and levers (k, terms, m) of the numbers of each reading."""
-        mounted, at = self.setups[setup], self._places(setup, poses, approaches)
-        levers = self._levers(setup, at)
-        rows = np.zeros((len(levers), len(poses), self.size))
-        rows[:, :, : self.errors.size] = self._error_rows(setup, levers, poses, approaches)
-        rows[:, :, self.unknowns_of(setup)] = self.setups[setup].own_slopes(at).swapaxes(0, 1)
-        for number, course in self.drifts_shown(setup):
-            rows[number][:, list(course.columns)] = course.rows(times)
-        variances = mounted.noise**2 + self._unknown_sides(mounted, levers, poses, approaches)
-        effects = self._rest_effects(mounted, levers, poses, approaches)
-        add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.visited(effects), rows, variances)
-        return rows, variances, levers
+    def _enter_visited(self, rows: Array, reach: Array, cell: NDArray[np.intp]) -> None:
+        """Move the rests of cells that have a column into the rows, in place."""
+        if not self.cells:
+            return
+        here = self.columns_of(np.tile(self.with_rest, reach.shape[1] // len(self.with_rest)), cell)
+        which = np.nonzero(here >= 0)
+        np.add.at(rows, (which[0], here[which]), reach[which])
+        reach[which] = 0.0
 
-    def _error_rows(self, setup: int, levers: Array, poses: Array, approaches: Array) -> Array:
-        standing = feet_of(self.setups[setup], poses)
+    def columns_of(self, functions: NDArray[np.intp], cells: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Return the columns of the rests of cells, −1 where one has none.  functions, cells : that broadcast"""
+        counts = np.array([term.cell_count if term.rest > 0 else 0 for term in self.errors.terms], dtype=np.intp)
+        first, columns = np.cumsum(counts) - counts, np.full(int(counts.sum()), -1, dtype=np.intp)
+        visited = np.array([*self.cells], dtype=np.intp).reshape(-1, 2)
+        columns[first[visited[:, 0]] + visited[:, 1]] = [*self.cells.values()]
+        return np.asarray(columns[first[functions] + cells])
+
+    def _error_rows(self, index: int, levers: Array, poses: Array, approaches: Array) -> Array:
+        """Return the rows of the errors, (k, m, errors)."""
+        standing = feet_of(self.setups[index], poses)
         if len(standing) == 1:
             return self.errors.along(levers, poses, approaches)
-        each = (weight * self.errors.along(self.levers(setup, at), at, approaches) for at, weight in standing)
+        each = (weight * self.errors.along(self.levers(index, at), at, approaches) for at, weight in standing)
         return np.asarray(sum(each))
-
-    def numbers(self, setup: int, poses: Array, approaches: Array) -> JointRows:
-        """Return what readings of a set-up would tell with all their numbers; arguments as for `rows`.
-
-        The rest of a cell not visited yet shows in all numbers of a reading at once.
-        """
-        rows, variances, levers = self._rows(setup, poses, approaches)
-        if len(levers) == 1:
-            return JointRows(rows[0][:, None], variances[0][:, None, None])
-        covariances, every = self._fresh_rests(setup, poses, approaches, levers), np.arange(len(levers))
-        covariances[:, every, every] = variances.T
-        return JointRows(rows.swapaxes(0, 1), covariances)
-
-    def _fresh_rests(self, setup: int, poses: Array, approaches: Array, levers: Array) -> Array:
-        """Return the covariances that rests of cells not visited yet give the numbers of each reading, (m, k, k)."""
-        effects = self._rest_effects(self.setups[setup], levers, poses, approaches)
-        rests = np.where(self.cell_columns.visited(effects) < 0, self._stated_rests[effects.functions][:, None], 0.0)
-        reach = (effects.reach * rests).transpose(2, 0, 1)
-        return reach @ reach.transpose(0, 2, 1)
 
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return what it adds to the variances that nobody said from which side a moving axis came, (k, m) m² or rad².
@@ -254,8 +220,6 @@ class Observation:
         added, standing = np.zeros((len(levers), len(poses))), feet_of(mounted, poses)
         if np.all(approaches[:, list(mounted.moves)] != 0):
             return added
-        if mounted.lag:
-            added += np.where(np.any(approaches[:, list(mounted.moves)] == 0, axis=1), mounted.lag**2, 0.0)
         for index, function in enumerate(self.errors.curves):
             evened = mounted.mean_sides and not self.errors.axes[function.axis].rotary
             if function.kind == "reversal" and function.axis in mounted.moves and not evened:
@@ -266,11 +230,28 @@ class Observation:
                     added += np.where(approaches[:, function.axis] == 0, shown, 0.0)
         return added
 
+    def rest_effects(self, setup: int, poses: Array) -> RestEffects:
+        """Return in which cells readings of a set-up are, and what a unit of their rests does to a number at most."""
+        levers = np.max(np.abs(self.levers(setup, poses)), axis=0)
+        return self._rests(self.setups[setup], levers, poses, np.ones_like(poses))
+
+    def _rests(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> RestEffects:
+        """levers : (..., terms, m)"""
+        functions, standing = np.array(self.with_rest, dtype=np.intp), feet_of(mounted, poses)
+        effects = self.errors.effects(levers, approaches)[..., functions, :] if len(functions) else levers[..., :0, :]
+        effects = effects * (mounted.base != 0)  # a base without length is refused where its way has a rest
+        firsts = self.errors.firsts[functions]  # errors with the same cells have them once
+        terms = {i: self.errors.terms[i] for i in {*firsts.tolist()}}
+        found = [{i: term.cells(*term.at(foot.poses)) for i, term in terms.items()} for foot in standing]
+        cells = np.array([each[i] for each in found for i in firsts.tolist()], dtype=np.intp).reshape(-1, len(poses))
+        reach = np.concatenate([foot.weight * effects for foot in standing], axis=-2)
+        return RestEffects(np.tile(functions, len(standing)), reach, cells)
+
     def nonlinear_part(self, setup: int, poses: Array, approaches: Array) -> Array:
         """Return what each number of readings shows beside rows times unknowns, where it is not linear, (m, k)."""
         if self.about is not None:
-            point = self.about.point
-            return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
+            shown = self.shown(setup, poses, approaches, self.about)
+            return shown - self._first_order(setup, poses, approaches, self.about)
         mounted = self.setups[setup]
         at, found = mounted.places(poses), mounted.found_at
         linear: Array = mounted.own_slopes(at, [*found]) @ np.array([*found.values()])
@@ -301,28 +282,14 @@ class Observation:
 
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""
-        at = self._places(setup, poses, approaches)
+        at = self.setups[setup].places(poses, approaches)
         rows = self._error_rows(setup, self._levers(setup, at), poses, approaches)
         own: Array = self.setups[setup].own_slopes(at) @ point[self.unknowns_of(setup)]
         return own + (rows @ point[: self.errors.size]).T
 
-    def rest_effects(self, setup: int, poses: Array, approaches: Array) -> RestEffects:
-        """Return what the rests do to the numbers of readings, (k, e, m), of cells that were visited or not.
-
-        poses, approaches : (m, q)
-        """
-        return self._rest_effects(self.setups[setup], self.levers(setup, poses), poses, approaches)
-
-    def _rest_effects(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> RestEffects:
-        return rest_effects(self.errors, mounted, levers, poses, approaches, self.with_rest)
-
-    def drifts_shown(self, setup: int) -> Iterator[tuple[int, Course]]:
-        """Yield the drifts that readings of a set-up show, each with the number that shows it."""
-        return ((number, course) for (owner, number), course in self.courses.items() if owner == setup)
-
     def levers(self, setup: int, poses: Array) -> Array:
         """Return what a unit of each error adds to each number of readings, sides apart, (numbers, terms, m)."""
-        return self._levers(setup, self._places(setup, poses))
+        return self._levers(setup, self.setups[setup].places(poses))
 
     def _levers(self, setup: int, at: At) -> Array:
         mounted = self.setups[setup]
@@ -331,20 +298,12 @@ class Observation:
             levers *= np.array([belongs(term, mounted.moves[0]) for term in self.errors.terms])[:, None]
         return levers
 
-    def _places(self, setup: int, poses: Array, approaches: Array | None = None) -> At:
-        actual = self.errors.motion(poses) if isinstance(self.errors, MovedErrors) else None
-        return self.setups[setup].places(poses, approaches, actual)
-
     @cached_property
     def with_rest(self) -> tuple[int, ...]:
         """The indices of the errors that have a rest."""
         return tuple(i for i, function in enumerate(self.errors.terms) if function.rest > 0)
 
     @cached_property
-    def _stated_rests(self) -> Array:
-        return np.array([term.rest for term in self.errors.terms])
-
-    @cached_property
-    def cell_columns(self) -> CellColumns:
-        """The columns of the rests of all cells."""
-        return CellColumns(self.errors, self.with_rest, self.cells)
+    def rests(self) -> Array:
+        """The standard deviations of these, (e,) m or rad."""
+        return np.array([self.errors.terms[i].rest for i in self.with_rest])

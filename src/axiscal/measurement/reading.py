@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
-from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.setup import Reads, Setup
+from axiscal.measurement.setup import MOST, Reads, Setup
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
@@ -129,7 +128,6 @@ class Reading:
     accepted : somebody vouches for it, however much it surprises
     number : under which a campaign knows it for life, from 1; None outside of a campaign
     check : its place was drawn at random
-    by : who took it, in a campaign "" where that is who began it, or nobody knows
     """
 
     setup: str
@@ -143,7 +141,6 @@ class Reading:
     time: float | None = None
     number: int | None = None
     check: bool = False
-    by: str = field(default="", compare=False, repr=False)
 
     @property
     def place(self) -> Place:
@@ -154,11 +151,10 @@ class Reading:
         """Return its number; where no campaign gave one, that of its place in the list of readings, from 1."""
         return index + 1 if self.number is None else self.number
 
-    def under(self, number: int, began: str = "") -> Reading:
-        """Return the same reading under the number by which a campaign knows it.  began : who began that"""
+    def under(self, number: int) -> Reading:
+        """Return the same reading under the number by which a campaign knows it."""
         of_value = self.value, self.std, self.line, self.accepted, self.others, self.time
-        by = "" if self.by == began else self.by
-        return Reading(self.setup, self.pose, self.approach, *of_value, number, self.check, by)
+        return Reading(self.setup, self.pose, self.approach, *of_value, number, self.check)
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -218,18 +214,12 @@ def place_text(axes: Sequence[Axis], pose: Sequence[float], only: Sequence[int] 
 
 
 def reading_text(axes: Sequence[Axis], setup: Setup, reading: Reading, index: int) -> str:
-    """Return which reading is meant: 'reading 7 in "laser" at X = 120 mm by Anna'.  index : in the list of readings"""
+    """Return which reading is meant: 'reading 7 in "laser" at X = 120 mm'.  index : in the list of readings"""
     place = place_text(axes, [round(value, _TO_A_MICROMETRE) for value in reading.pose], setup.moves)
     number = reading.numbered(index)
-    words = said('reading {number} in "{setup}"', number=number, setup=setup.name)
     if place:
-        words = said('reading {number} in "{setup}" at {place}', number=number, setup=setup.name, place=place)
-    return said("{reading} {by}", reading=words, by=by_text(reading)) if reading.by else words
-
-
-def by_text(reading: Reading) -> str:
-    """Return who took a reading, "by Anna"; "" where that is who began the campaign, or nobody knows."""
-    return said("by {person}", person=reading.by) if reading.by else ""
+        return said('reading {number} in "{setup}" at {place}', number=number, setup=setup.name, place=place)
+    return said('reading {number} in "{setup}"', number=number, setup=setup.name)
 
 
 def shown_approach(axes: Sequence[Axis], approach: Sequence[float]) -> dict[str, str]:

@@ -1,21 +1,19 @@
-"""The rows of many readings, of set-ups mixed as they come: all numbers of all of them, one after another.
+"""Many readings, of set-ups mixed as they come: all numbers of all of them, one after another.
 
-With readings come unknowns: the rests of cells that they are the first to lie in, and how zeros wander.
+With readings come unknowns: the rests of cells that they are the first to lie in.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.cells import Cell, Course, RestEffects, rest_effects
-from axiscal.measurement.observation import Observation, Zero
+from axiscal.measurement.observation import Cell, Observation, RestEffects
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -24,39 +22,20 @@ _ROUNDING = 1e-12
 """A lever of this size is rounding: m/rad, 1, or rad/rad."""
 
 
-def visited(
-    observation: Observation, places: Places, times: Array | None = None, among: Collection[Cell] | None = None
-) -> Observation:
-    """Return the map with columns for the cells of places that had none, and for how far zeros may have wandered.
+def visited(observation: Observation, places: Places) -> Observation:
+    """Return the map with columns for the cells of places that had none.
 
-    times : (m,) of the readings, s, NaN where nobody looked at a clock; among : cells that may have one, None for all
-    Columns come in the order of the places; of each its zeros first, then the cells in the order of the functions.
+    Columns come in the order of the places; of each in the order of the functions.
     """
-    fresh, cells, courses = _fresh_cells(observation, places, among), dict(observation.cells), dict(observation.courses)
-    size = observation.size
-    for i, setup in enumerate(places.setups.tolist()):
-        if times is not None and observation.setups[setup].drift > 0 and not np.isnan(times[i]):
-            size = _let_wander(observation, courses, setup, float(times[i]), size)
-        size = _let_in(cells, fresh.get(i, ()), size)
-    if size == observation.size:
-        return observation
-    return replace(observation, cells=MappingProxyType(cells), courses=MappingProxyType(courses))
+    fresh = _fresh_cells(observation, places)
+    return with_cells(observation, [cell for place in sorted(fresh) for cell in fresh[place]])
 
 
 def with_cells(observation: Observation, visited: Iterable[Cell]) -> Observation:
     """Return the map with columns for those of some cells that had none, in their order."""
-    cells = dict(observation.cells)
-    if _let_in(cells, visited, observation.size) == observation.size:
-        return observation
-    return replace(observation, cells=MappingProxyType(cells))
-
-
-def _let_in(cells: dict[Cell, int], visited: Iterable[Cell], size: int) -> int:
-    """Give cells that have none a column, in place, and return how many columns there are then."""
-    for cell in visited:
-        if cell not in cells:
-            cells[cell], size = size, size + 1
-    return size
+    fresh = dict.fromkeys(cell for cell in visited if cell not in observation.cells)
+    columns = {cell: column for column, cell in enumerate(fresh, start=observation.size)}
+    return replace(observation, cells={**observation.cells, **columns}) if fresh else observation
 
 
 def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffects:
@@ -64,38 +43,22 @@ def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffec
 
     poses : (m, q)
     """
-    levers = np.max(np.abs(observation.levers(setup, poses)), axis=0)
-    mounted, sides = observation.setups[setup], np.ones_like(poses)
-    found = rest_effects(observation.errors, mounted, levers, poses, sides, observation.with_rest)
+    found = observation.rest_effects(setup, poses)
     reach = np.abs(found.reach)
     return found._replace(reach=np.where(reach > _ROUNDING, reach, 0.0))
 
 
-def _fresh_cells(observation: Observation, places: Places, among: Collection[Cell] | None) -> dict[int, list[Cell]]:
+def _fresh_cells(observation: Observation, places: Places) -> dict[int, list[Cell]]:
     """Return the cells without a column whose rest shows at each place, by its index; none for most places."""
     fresh = defaultdict[int, list[Cell]](list)
     for setup, mine in places.by_setup() if observation.with_rest else ():
         shown = cells_shown(observation, setup, places.poses[mine])
-        where, which = np.nonzero(((observation.cell_columns.visited(shown) < 0) & (shown.reach > 0)).T)
+        without = observation.columns_of(shown.functions[:, None], shown.cells) < 0
+        where, which = np.nonzero((without & (shown.reach > 0)).T)
         cells = zip(shown.functions[which].tolist(), shown.cells[which, where].tolist(), strict=True)
         for place, cell in zip(mine[where].tolist(), cells, strict=True):
-            if among is None or cell in among:
-                fresh[place].append(cell)
+            fresh[place].append(cell)
     return fresh
-
-
-def _let_wander(observation: Observation, courses: dict[Zero, Course], setup: int, time: float, size: int) -> int:
-    """Follow the drift of a set-up's zeros to a time, s, in place, and return how many columns there are then."""
-    mounted = observation.setups[setup]
-    for number in range(len(mounted.names)):
-        before = courses.get((setup, number))
-        if before is None:
-            courses[setup, number] = Course.from_zero(mounted.drift, time, size)
-            size += 1
-        elif before.needs_node(time):
-            courses[setup, number] = before.with_node(time, size)
-            size += 2
-    return size
 
 
 class PlaceRows(NamedTuple):
@@ -108,6 +71,12 @@ class PlaceRows(NamedTuple):
     rows: Array
     variances: Array
     place: NDArray[np.intp]
+
+
+def rows_at(observation: Observation, places: Places) -> PlaceRows:
+    """Return what readings at places would tell, cells without columns as noise."""
+    found = observation.numbers(places)
+    return PlaceRows(found.rows, observation.variances(found), found.place)
 
 
 class Seen(NamedTuple):
@@ -123,26 +92,10 @@ class Seen(NamedTuple):
     reading: NDArray[np.intp]
 
 
-def rows_at(observation: Observation, places: Places, times: Array | None = None) -> PlaceRows:
-    """Return what readings at places would tell, cells without columns as noise.
-
-    times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
-    """
-    each = numbers_of_setups(observation.setups)[places.setups]
-    first, count = np.cumsum(each) - each, int(each.sum())
-    rows, variances = np.zeros((count, observation.size)), np.zeros(count)
-    for setup, mine in places.by_setup():
-        poses, approaches = places.poses[mine], places.approaches[mine]
-        when = None if times is None else times[mine]
-        for number, part in enumerate(observation.rows_each(setup, poses, approaches, when)):
-            rows[first[mine] + number], variances[first[mine] + number] = part
-    return PlaceRows(rows, variances, np.repeat(np.arange(len(places)), each))
-
-
 def seen(observation: Observation, readings: Sequence[Reading]) -> Seen:
     """Return what readings tell, of cells that are visited or not."""
     places = places_of(observation.setups, readings)
-    found = rows_at(observation, places, times_of(readings))
+    found = rows_at(observation, places)
     usual = np.array([setup.noise**2 for setup in observation.setups])[places.setups]
     own = np.array([0.0 if r.std is None else r.std**2 - noise for r, noise in zip(readings, usual, strict=True)])
     values = linear_values(observation, places, readings)
@@ -151,12 +104,12 @@ def seen(observation: Observation, readings: Sequence[Reading]) -> Seen:
 
 def linear_values(observation: Observation, places: Places, readings: Sequence[Reading]) -> Array:
     """Return the values of all numbers of readings, what is not linear in the unknowns taken off, (m,)."""
-    beside = [np.zeros(0)] * len(places)
+    each = observation.counts[places.setups]
+    values, first = scaled_values(observation.setups, readings), np.cumsum(each) - each
     for setup, mine in places.by_setup():
-        parts = observation.nonlinear_part(setup, places.poses[mine], places.approaches[mine])
-        for index, part in zip(np.arange(len(places))[mine], parts, strict=True):
-            beside[index] = part
-    return scaled_values(observation.setups, readings) - np.concatenate(beside or [np.zeros(0)])
+        to = first[mine][:, None] + np.arange(observation.counts[setup])
+        values[to] -= observation.nonlinear_part(setup, places.poses[mine], places.approaches[mine])
+    return values
 
 
 def scaled_values(setups: Sequence[Setup], readings: Sequence[Reading]) -> Array:
@@ -171,13 +124,13 @@ def shown_by_each(observation: Observation, readings: Sequence[Reading], points:
     points : (n, k) errors, then unknowns
     """
     places = places_of(observation.setups, readings)
-    each = numbers_of_setups(observation.setups)[places.setups]
+    each = observation.counts[places.setups]
     first, result = np.cumsum(each) - each, np.zeros((len(points), int(each.sum())))
     for setup, mine in places.by_setup():
+        to = first[mine][:, None] + np.arange(observation.counts[setup])
         shown = observation.shown_by_each(setup, places.poses[mine], places.approaches[mine], points)
         for values, one in zip(result, shown, strict=True):
-            for number in range(one.shape[1]):
-                values[first[mine] + number] = one[:, number]
+            values[to] = one
     return result
 
 
@@ -199,8 +152,3 @@ def blank_readings(setups: Sequence[Setup], places: Sequence[Place]) -> list[Rea
 def times_of(readings: Sequence[Reading]) -> Array:
     """Return when readings were taken, (m,) s; NaN where nobody looked at a clock."""
     return np.array([np.nan if reading.time is None else reading.time for reading in readings])
-
-
-def numbers_of_setups(setups: Sequence[Setup]) -> NDArray[np.intp]:
-    """Return how many numbers a reading of each set-up has, (setups,)."""
-    return np.array([len(setup.names) for setup in setups], dtype=np.intp)

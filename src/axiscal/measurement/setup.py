@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Self
 import numpy as np
 
 from axiscal.machine.motion import USUAL, Driving
-from axiscal_core import rigid
 from axiscal_core.axes import Axis
 from axiscal_core.instrument import TOOL, Approach, At, Slopes, Unknowns, numbers, own_slopes, slopes
 from axiscal_core.machine import Machine
@@ -39,11 +38,11 @@ Vector = tuple[float, float, float]
 Nodes = tuple[float, float, int]
 """Of a map along an axis: the first node, the last, m, and how many there are."""
 
-_SOFT = 0.1
-"""Share of a bound: nobody knows where it ends more sharply, and the estimate settles."""
 FINEST = 1e-10
 """No reading is known better than this, m or rad: an atom's width. Smaller noise is a slip, and ends in rounding."""
 
+MOST = 4
+"""Stations that read at once; no more are known to be bought together."""
 STEEL = 11.7e-6
 """1/K, of what scales, screws and workpieces are made of as a rule."""
 
@@ -142,16 +141,12 @@ class Setup:
     drift : standard deviation of the rate at which its zero wanders while it stands, m/s or rad/s
     drift_said : who says so
     resolution : the step q of its display, m or rad; 0 where it shows everything
-    bound : w, a reading is off by anything up to ± this beside its noise, m or rad; 0 where by nothing more
-    one_sided : by how much a chip or burr usually shifts a reading, m or rad, with the side it shifts it to; 0: by none
     reach : (n_axes,) from where to where it can be read along each axis, m or rad; None is all travel
     nodes : along X and Y, of maps whose files carry no coordinates
     chart : where it can be read, where that is not any pose of the axes that move
     artefact, balls : what it reads, and which of its balls
     contact : how it goes from place to place; retract : how far off, m
     mean_sides : it reads the mean of coming from both sides along the linear axes, so that their reversal is zero
-    three_touches : it reads a sphere by its pole and two sides, so that their size counts and the linear axes come from
-        where they touch
     length : of a ball bar, m; stroke : by how much what it reads may differ from nominal, m
     driving : how programs go from place to place
     curved : unknowns in which it is not linear, so that readings are linearised where these have been found
@@ -197,8 +192,6 @@ class Setup:
     drift: float = 0.0
     drift_said: SaidOfDrift = "nothing"
     resolution: float = 0.0
-    bound: float = 0.0
-    one_sided: float = 0.0
     reach: tuple[tuple[float, float], ...] | None = None
     nodes: tuple[Nodes, Nodes] | None = None
     chart: Chart | None = None
@@ -207,7 +200,6 @@ class Setup:
     contact: Contact = "free"
     retract: float = 0.0
     mean_sides: bool = False
-    three_touches: bool = False
     length: float | None = None
     stroke: float | None = None
     driving: Driving = USUAL
@@ -254,19 +246,14 @@ class Setup:
     def _nothing(self) -> dict[str, float]:
         return dict.fromkeys((*self.unknown_reads, *(unknown.name for unknown in self.unknowns)), 0.0)
 
-    def places(
-        self, poses: Array, sides: Array | None = None, actual: rigid.Motion | None = None,
-        deviation: Deviation | None = None,
-    ) -> At:  # fmt: skip
+    def places(self, poses: Array, sides: Array | None = None, deviation: Deviation | None = None) -> At:
         """Return places of readings.
 
         poses : (m, q) m or rad; sides : (m, q) from which each axis came, +1 or −1, 0 where nobody said
-        actual : where the tool is believed to be instead of where it is nominally; deviation : what it does there
+        deviation : what the tool does there
         """
         come = np.zeros_like(poses) if sides is None else sides
         moved, turned = np.zeros((2, len(poses), 3)) if deviation is None else deviation
-        if actual is not None:
-            return At(poses, come, actual.translation, actual.rotation, moved, turned)
         nominal = self.machine.frames(poses)
         return At(poses, come, nominal.tcp, nominal.tool, moved, turned)
 
@@ -340,11 +327,6 @@ class Setup:
         return self.stations or (() if self.station is None else (self.station,))
 
     @property
-    def sides_follow(self) -> bool:
-        """Whether the linear axes come to a place of its chart from where its coordinates bring them."""
-        return not (self.mean_sides or self.three_touches)
-
-    @property
     def sides(self) -> tuple[int, ...]:
         """The directions from which a moving axis may come, +1 and −1; the usual one first."""
         return {"both": (1, -1), "+": (1,), "-": (-1,)}[self.approach]
@@ -355,34 +337,16 @@ class Setup:
         return self.resolution / math.sqrt(12.0)
 
     @property
-    def lag(self) -> float:
-        """Standard deviation of what it shows too little of the way it was moved last, m or rad; 0 for none."""
-        return next((unknown.std for unknown in self.unknowns if unknown.name == "lag"), 0.0)
-
-    @property
-    def interval(self) -> float:
-        """How wide an interval is within which a reading says nothing, m or rad: a step, or both sides of a bound."""
-        return max(self.resolution, 2 * self.bound)
-
-    @property
-    def noise_alone(self) -> float:
-        """Standard deviation of a reading without what a display rounds off and a bound leaves, m or rad."""
-        if self.interval == 0:
-            return self.noise
-        return max(math.sqrt(max(self.noise**2 - self.rounding**2 - self.bound**2 / 3.0, 0.0)), FINEST)
-
-    @property
     def scatter(self) -> float:
-        """Standard deviation of a reading about its interval, m or rad."""
-        if self.interval == 0:
+        """Standard deviation of a reading without what its display rounds off, m or rad."""
+        if self.resolution == 0:
             return self.noise
-        beside = math.sqrt(max(self.noise**2 - self.interval**2 / 12.0, 0.0))
-        return max(beside, _SOFT * self.bound, FINEST)
+        return max(math.sqrt(max(self.noise**2 - self.rounding**2, 0.0)), FINEST)
 
     @property
     def coarse(self) -> bool:
-        """Whether readings say no more than an interval that is coarse beside their scatter."""
-        return self.interval > COARSE * self.scatter
+        """Whether readings say no more than a step that is coarse beside their scatter."""
+        return self.resolution > COARSE * self.scatter
 
     def span(self, axis: Axis, index: int) -> tuple[float, float]:
         """Return from where to where it can be read along an axis, m or rad: its reach, for feet that stand within."""

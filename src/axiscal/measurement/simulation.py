@@ -22,20 +22,19 @@ import numpy as np
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine.error_names import error_named
 from axiscal.machine.kinematics import Deviation, actual_deviation, composed
-from axiscal.measurement.cells import MEMORY
-from axiscal.measurement.observation import Owned
+from axiscal.measurement.observation import owned
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT
-from axiscal.measurement.readers.csv_table import table_of
-from axiscal.measurement.readers.table_cells import Cell, Row
+from axiscal.measurement.readers.csv_table import Row, table_of
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import SHORTEST, belongs, feet_of
 from axiscal.numerics import Array
+from axiscal_core.causes import MEMORY
 from axiscal_core.eigen import unique_root
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
-from axiscal_core.refusals import finite, one, whole
+from axiscal_core.refusals import one, whole
 from axiscal_core.terms import Term
 
 _LAYOUT = {"error": TEXT, "position": LENGTHS + ANGLES, "value": LENGTHS + ANGLES}
@@ -67,31 +66,27 @@ def read_truth(path: str | Path) -> dict[str, TruthCurve]:
 
 
 def _point(row: Row, name: Error, before: list[tuple[float, float]]) -> tuple[float, float]:
+    """Return where a line says an error's value, and that; 0 of a constant.  before : the error's points above"""
     position, value = row.of("position"), row.of("value")
     if not value.text:
         remedy = "write the value of the error, or take out the line"
         raise row.fail("{name} has no value here", remedy, name=name.name)
-    _fits(value, name, "angle" if name.angular else "length")
-    if not position.text:
-        if name.kind == "motion" or before:
-            remedy = "write the position; only a constant, given in one line, goes without"
-            raise row.fail("{name} has no position here", remedy, name=name.name)
-        return 0.0, value.quantity()
-    _fits(position, name, "angle" if name.axis[0] in "ABC" else "length")
-    at = position.quantity()
+    cells = [(value, name.angular)] + [(position, name.axis[0] in "ABC")] * bool(position.text)
+    for cell, angular in cells:
+        if cell.column.dimension != ("angle" if angular else "length"):
+            remedy = "the {stem} of {name} is a length: mm or um"
+            remedy = "the {stem} of {name} is an angle: deg, urad or arcsec" if angular else remedy
+            named = {"column": cell.column.name, "name": name.name, "stem": cell.column.stem}
+            raise cell.fail("'{column}' does not fit {name}", remedy, **named)
+    if not position.text and (name.kind == "motion" or before):
+        remedy = "write the position; only a constant, given in one line, goes without"
+        raise row.fail("{name} has no position here", remedy, name=name.name)
+    at = position.quantity() if position.text else 0.0
     if before and at <= before[-1][0]:
         what = "position {text} of {name} does not lie beyond the one before it"
         remedy = "sort the positions of each error and give each once"
         raise position.fail(what, remedy, text=position.text, name=name.name)
     return at, value.quantity()
-
-
-def _fits(cell: Cell, name: Error, dimension: str) -> None:
-    if cell.column.dimension != dimension:
-        remedy = "the {stem} of {name} is an angle: deg, urad or arcsec"
-        remedy = "the {stem} of {name} is a length: mm or um" if dimension == "length" else remedy
-        what = "'{column}' does not fit {name}"
-        raise cell.fail(what, remedy, column=cell.column.name, name=name.name, stem=cell.column.stem)
 
 
 Curve = Callable[..., Array]
@@ -103,8 +98,6 @@ Wander = Callable[[float], Sequence[float] | Array]
 
 _DRAWN = 3
 """Drifts drawn for a set-up at least, so that one of one number is the same machine as one of three."""
-_CHIPS = 0.02
-"""Share of the readings that a chip shifts, where chips are stated."""
 _MINUTE, _DAY = 60.0, 1440
 """s, and minutes of a day: the grid of a drifting zero, which bends over an hour."""
 
@@ -147,15 +140,15 @@ class VirtualMachine:
 
         seconds : since the campaign began
         """
-        at, come = np.array([pose]), np.array([approach], dtype=float)
-        shown = self.exactly(setup, at, self._done(setup, at, come), come)
-        wander = self.drifts.get(setup.name)
-        moved = np.zeros(len(setup.names)) if wander is None else wander(seconds)
-        scales = setup.scales
-        off = ((d + _scattered(setup, rng)) / scale for d, scale in zip(moved, scales, strict=False))
-        each = (v + o for v, o in zip(shown, off, strict=False))
-        step = setup.resolution
-        return tuple(round(value / step) * step if step else value for value in each)
+        poses, come = np.array([pose]), np.array([approach], dtype=float)
+        at = setup.places(poses, come, deviation=self._done(setup, poses, come))
+        shown = setup.shown(at, self.offsets.get(setup.name, {}))[0] + setup.scatter * rng.standard_normal(
+            len(setup.names)
+        )
+        if setup.name in self.drifts:
+            shown = shown + np.array(self.drifts[setup.name](seconds))[: len(shown)]
+        step, values = setup.resolution, (shown / setup.scales).tolist()
+        return tuple(round(value / step) * step if step else value for value in values)
 
     def measured(
         self,
@@ -170,28 +163,10 @@ class VirtualMachine:
         """
         mounted, found = {setup.name: setup for setup in setups}, list[Reading]()
         for place, seconds, rng in zip(places, ends, chance, strict=False):
-            value, *others = self.read_all(mounted[place.setup], place.pose, place.approach, rng, seconds)
-            found.append(
-                Reading(
-                    place.setup,
-                    place.pose,
-                    place.approach,
-                    value,
-                    others=tuple(others),
-                    time=seconds,
-                    check=place.check,
-                )
-            )
+            value, *more = self.read_all(mounted[place.setup], place.pose, place.approach, rng, seconds)
+            where = place.setup, place.pose, place.approach
+            found.append(Reading(*where, value, others=tuple(more), time=seconds, check=place.check))
         return tuple(found)
-
-    def exactly(self, setup: Setup, pose: Array, actual: Deviation, approach: Array | None = None) -> list[float]:
-        """Return what a set-up would show of what the machine does, nothing linearised, without drift and noise.
-
-        pose, approach : (1, q) where it reads; actual : what the machine does, there or where it touches beside
-        """
-        at = setup.places(pose, approach, deviation=actual)
-        shown: list[float] = (setup.shown(at, self.offsets.get(setup.name, {}))[0] / setup.scales).tolist()
-        return shown
 
     def _done(self, setup: Setup, poses: Array, approaches: Array) -> Deviation:
         """Return what the tool does at places: at the second end of a length against the first.
@@ -238,14 +213,6 @@ class Simulator:
         drawn = ((f, unique_root(f.covariance) @ rng.standard_normal(len(f.covariance))) for f in model.terms)
         return VirtualMachine(model, tuple(_rough(f, control, rng) for f, control in drawn), *self._mounted(seed))
 
-    def with_coefficients(self, coefficients: Array, seed: int) -> VirtualMachine:
-        """Return a machine whose errors have these control values; rests are drawn.  coefficients : (n,)"""
-        model = self.machine
-        rng = np.random.default_rng((whole("Simulator.with_coefficients", "seed", seed, 0), 1))
-        coefficients = finite("Simulator.with_coefficients", "coefficients", coefficients, (model.size,))
-        each = tuple(_rough(f, coefficients[f.columns], rng) for f in model.terms)
-        return VirtualMachine(model, each, *self._mounted(seed))
-
     def with_curves(self, curves: Mapping[str, TruthCurve], seed: int, path: Path | None = None) -> VirtualMachine:
         """Return a machine with the given curves, linear between their points; errors that have none are zero.
 
@@ -265,23 +232,13 @@ class Simulator:
 
     def _mounted(self, seed: int) -> tuple[Mapping[str, Mapping[str, float]], Mapping[str, Wander]]:
         """Return the unknowns of the set-ups and the drifts of their zeros."""
-        rng, owned = np.random.default_rng((seed, 2)), Owned.by(self.setups)
-        values = np.array([unknown.std * rng.standard_normal() for unknown in owned.unknowns])
-        pairs = zip(self.setups, owned.columns, strict=True)
+        rng, mine = np.random.default_rng((seed, 2)), owned(self.setups)
+        values = np.array([unknown.std * rng.standard_normal() for unknown in mine.unknowns])
+        pairs = zip(self.setups, mine.columns, strict=True)
         offsets = {s.name: dict(zip((u.name for u in s.unknowns), values[of].tolist(), strict=True)) for s, of in pairs}
         rng = np.random.default_rng((seed, 3))
         drifting = {s.name: (s.drift, max(len(s.names), _DRAWN)) for s in self.setups if s.drift > 0}
         return offsets, {name: _wandering(*of, rng) for name, of in drifting.items()}
-
-
-def _scattered(setup: Setup, rng: np.random.Generator) -> float:
-    """Return what one number is off, m or rad: noise, anything within a bound, one time in fifty a chip."""
-    off = setup.noise_alone * rng.standard_normal()
-    if setup.bound:
-        off += rng.uniform(-setup.bound, setup.bound)
-    if setup.one_sided and rng.uniform() < _CHIPS:
-        off += setup.one_sided * (1 + rng.standard_normal())
-    return float(off)
 
 
 def _wandering(rate: float, count: int, rng: np.random.Generator) -> Wander:

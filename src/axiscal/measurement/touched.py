@@ -73,12 +73,8 @@ class Sphere:
 def cycle_of(machine: Machine, setup: Setup) -> Cycle:
     """Return how the spheres of a set-up are touched from all sides.
 
-    Raises DescriptionError where nobody says how large they are, or where they are to be touched from three sides.
+    Raises DescriptionError where nobody says how large they are.
     """
-    if setup.three_touches:
-        what = "{setup} reads spheres by three touches, and this cycle touches them from all sides"
-        remedy = "Take touches out of the set-up, and its readings are what the cycle finds"
-        raise DescriptionError(what, remedy, setup=shown(setup.name))
     if setup.artefact is None or setup.artefact.diameter is None:
         what = "nobody says how large each ball of {artefact} is, and it is to be touched"
         what = what if setup.artefact else "nobody says how large the sphere is, and it is to be touched"
@@ -232,17 +228,3 @@ def touch_frames(machine: Machine, poses: Array) -> Array:
     chosen = np.argmax(preferred > preferred.max(axis=1)[:, None] - _KINDRED, axis=1)
     first = level[every, chosen] / across[every, chosen][:, None]
     return np.stack([first, np.cross(at.stem, first), at.stem], axis=1) + 0.0
-
-
-def touching_sides(machine: Machine, poses: Array) -> Array:
-    """Return from where the linear axes come as they touch first side, second side and pole, (m, linear) +1, -1.
-
-    An axis comes as it goes in the touch that moves it most: J t = -n, n where the sphere is met.
-    """
-    known = np.nan_to_num(poses)
-    at, axes = machine.frames(known), linear_axes(machine)
-    ways = np.stack([at.rotations[k] @ np.array(machine.axes[k].direction) for k in axes], axis=2)
-    into = -np.swapaxes(touch_frames(machine, known), 1, 2)
-    moved = np.linalg.pinv(ways) @ into
-    most = np.abs(moved).argmax(axis=2)
-    return np.sign(np.take_along_axis(moved, most[:, :, None], axis=2)[:, :, 0])

@@ -10,10 +10,9 @@ import math
 from collections.abc import Sequence
 from functools import partial
 
-from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
+from axiscal.estimation.accuracy.expanded import asked, known_to
 from axiscal.estimation.accuracy.yardstick import attainable
-from axiscal.estimation.case import Case
-from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.case import Case, Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
@@ -38,20 +37,12 @@ def reached(case: Case, limits: Limits, known: Knowledge, readings: Sequence[Rea
 
     readings : so far: they say where rows are read
     """
-    now = case.yardstick.measure(known.belief)
-    volume = now.meets(limits.rms, limits.worst) or _within(case, known, limits)
-    if not volume and limits.of_volume:
+    wanted = asked(limits, case.yardstick)
+    found = (known_to(each.name, case.yardstick, known.belief) <= attainable(*each[1:]) for each in wanted)
+    if wanted and not any(found):
         return False
     rows = known_rows(case, known, readings) if limits.rows else ()
     return all(row.settled for row in rows if row.row.kind != "volume")
-
-
-def _within(case: Case, known: Knowledge, limits: Limits) -> bool:
-    """Return whether U of the volume is reached."""
-    if limits.expanded is None:
-        return False
-    floor = expanded_floor(case.yardstick).space
-    return expanded(case.yardstick, known.belief).space <= attainable(limits.expanded, floor)
 
 
 _LARGER, _MANY = 1.4, 300

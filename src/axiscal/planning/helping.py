@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.first_campaign import OFFERED
+from axiscal.description.first_campaign import setups_of
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import RowName, Target, Want
+from axiscal.estimation.accuracy.expanded import asked
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
@@ -24,7 +25,6 @@ from axiscal.planning.next_readings import posed
 from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import asked
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.instrument import TOOL
 
@@ -102,9 +102,7 @@ def helping_words(found: Helping) -> str:
     if found.measured:
         names = said("the temperature (to {size})", size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
     elif found.tool:
-        names = put(
-            'tool_length = "{size}", tool_eccentricity = "{size}", tool_certificate', size=said_quantity(_OF_TOOL, "um")
-        )
+        names = put('tool_length = "{size}", tool_eccentricity = "{size}"', size=said_quantity(_OF_TOOL, "um"))
     text = "With {names} as well, {readings} readings reach it in {minutes} min."
     if not found.readings:
         text = "With {names} as well it can be reached." if found.reached else "With {names} as well it comes nearer."
@@ -129,7 +127,7 @@ def _of(case: Case, setups: tuple[Setup, ...]) -> Case:
 def _not_there(described: CampaignDescription) -> Iterator[Setup]:
     """Yield the set-ups of usual instruments that a campaign does not have."""
     names, head = {setup.name for setup in described.setups}, described.text.partition("[[setups]]")[0]
-    for text in (text for kind in _KINDS for text in OFFERED[kind].setups(described.machine)):
+    for text in (text for kind in _KINDS for text in setups_of(described.machine, kind)):
         machine = described.machine.text, described.machine_source
         try:
             found = campaign_from_texts(f"{head}\n{text}", described.source, *machine).setups[-1]

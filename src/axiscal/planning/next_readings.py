@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.accuracy.yardstick import Root, joint_root
-from axiscal.estimation.case import Case, timed
+from axiscal.estimation.case import Case, Knowledge, timed
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_row
 from axiscal.exceptions import PlanError
 from axiscal.language.spoken import listed, said

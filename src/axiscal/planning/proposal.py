@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.expanded import expanded, known_to
+from axiscal.estimation.accuracy.expanded import asked, expanded, known_to
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import PlanError, TargetError
@@ -28,7 +28,7 @@ from axiscal.planning.plan.minutes import stretched
 from axiscal.planning.plan.plan import MANY, Plan, judged
 from axiscal.planning.plan.run import first_seconds
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import asked, foreseen
+from axiscal.planning.promise import foreseen
 from axiscal.planning.unseen import hidden_of
 from axiscal.units import format_quantity, said_quantity, to_unit
 from axiscal_core.threads import one_thread
@@ -94,9 +94,8 @@ def reached_unread(case: Case, limits: Limits) -> str | None:
     """Say that errors of the usual sizes are within what a few readings can be held to; None where they are not."""
     if limits.rows or not (limits.accurate and len(case.sizes) and reached(case, limits, case.knowledge)):
         return None
-    given = {"rms": limits.rms, "worst": limits.worst, "U": limits.expanded}
-    wanted = ((name, limit) for name, limit in given.items() if limit is not None)
-    met = any(known_to(name, case.yardstick, case.knowledge.belief) <= limit for name, limit in wanted)
+    wanted = asked(limits, case.yardstick)
+    met = any(known_to(each.name, case.yardstick, case.prior) <= each.limit for each in wanted)
     unread = "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
     hardly = "readings can take hardly anything away from errors of the stated or usual sizes: a few check these sizes"
     return said(unread) if met else said(hardly)

@@ -1,4 +1,4 @@
-"""ISO 230-2 as blocks of the report: a finished test, and readings of a campaign that happen to be one."""
+"""ISO 230-2 as blocks of the report: readings of a campaign that are a test."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def iso230_blocks(
         test = _test(description, setup, kept)
         if test is not None:
             axis = description.machine.axes[setup.moves[0]]
-            blocks.append(iso230_block(axis.name, evaluate(test, setup.noise), wrong))
+            blocks.append(_block(axis.name, evaluate(test, setup.noise), wrong))
     return blocks
 
 
@@ -80,7 +80,7 @@ def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], sid
     return whole if whole.shape[1] >= _FEWEST_RUNS else None
 
 
-def iso230_block(axis: str, found: Positioning, left_out: Sequence[int] = ()) -> Iso230Figures:
+def _block(axis: str, found: Positioning, left_out: Sequence[int]) -> Iso230Figures:
     """Return the figures of one axis.  left_out : readings that were not believed; the test is without their runs"""
     figures, sizes = (
         {name: to_unit(x, found.unit) for name, x in each.items()} for each in (found.figures, found.uncertainty)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Literal
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, TablesChecked, finite
+from axiscal.answers.answer import TablesChecked, finite
 from axiscal.answers.answer_words import VERDICTS, farthest_words, sizes_words, wrapped
 from axiscal.answers.row_words import row_name
 from axiscal.evaluation.check import Check
@@ -49,142 +48,81 @@ _LINES = 12
 """Lines of a screen above what comes next."""
 
 
-class CheckedValue(AnswerDocument):
-    """One value of a reading: without the tables, with them, and the standard uncertainty of the latter."""
+@dataclass(frozen=True, eq=False, slots=True)
+class CheckAnswer:
+    """What readings of a check say.
 
-    found_um: float
-    left_um: float
-    std_um: float
-
-
-class TableShare(AnswerDocument):
-    """How much of a table the readings show, None where they cannot tell; size : what it corrects at most, as text."""
-
-    table: str
-    share: float | None
-    share_std: float | None
-    checked: bool
-    works: bool
-    size: str
-
-
-class SetupOff(AnswerDocument):
-    """A set-up and the unknown of it that is farther off than stated."""
-
-    setup: str
-    unknown: str
-
-
-class CheckAnswer(AnswerDocument):
-    """What a check says; fields as of `evaluation.table_checks.Judgement`.
-
-    decision : what the as-left readings prove of the tolerance, by ISO 14253-1, None without one
-    U_um : largest of theirs, k = 2
-    expected_um : U over the volume with the tables loaded; tolerance_um : None where nobody states one
-    places : how many were read, each without the tables and with them
-    found_rms_um, left_rms_um : over the places, in space where a reading has three values
-    left_expected_um : the latter as promised, with the noise of the readings
-    promise_p : probability of readings at least as far from the promise as these
-    farthest_um, farthest_at : the largest deviation left, and where, in mm and deg by axis
+    places : where they were taken each way, mm and deg by axis; promised : U over the volume with the tables, m
     """
 
-    kind: Literal["axiscal-verify/1"] = Field("axiscal-verify/1", alias="schema")
-    verdict: Verdict
-    decision: Decision | None
-    U_um: float
-    expected_um: float
-    tolerance_um: float | None
-    guard_band_um: float
-    places: int
-    found_rms_um: float
-    left_rms_um: float
-    left_expected_um: float
-    promise_p: float
-    farthest_um: float
-    farthest_at: Mapping[str, float]
-    readings: Sequence[CheckedValue]
-    change_p: float
-    change_share: float | None
-    tables_loaded: bool
-    against_own_line: Sequence[str]
-    against_own_tool: Sequence[str]
-    set_up_still: Sequence[str]
-    tables: Sequence[TableShare]
-    not_checked: Sequence[str]
-    axes_not_checked: Sequence[str]
-    set_up_off: Sequence[SetupOff]
-
-    @property
-    def faulty(self) -> list[TableShare]:
-        """The tables that are missing, or loaded with the wrong sign."""
-        return [each for each in self.tables if each.checked and not each.works]
-
-    @property
-    def working(self) -> bool:
-        """Whether the readings show a table, each that they show works, and nothing contradicts them."""
-        contradicted = self.set_up_off or self.set_up_still or not self.tables_loaded or self.faulty
-        return not contradicted and any(each.checked for each in self.tables)
+    judged: Judgement
+    places: Sequence[Mapping[str, float]]
+    promised: float
 
     @property
     def summary(self) -> TablesChecked:
         """What the last screen of a campaign says of it."""
+        found, left = plain(to_unit(self.judged.found, "um")), plain(to_unit(self.judged.left, "um"))
+        away = np.sqrt(np.bincount(self.judged.of, left**2))
+        worst, count = first_best(away, ALIKE), len(self.places)
         return TablesChecked(
-            places=self.places,
-            found=self.found_rms_um,
-            left=self.left_rms_um,
-            expected=self.left_expected_um,
-            farthest=self.farthest_um,
-            at=self.farthest_at,
-            verdict=self.verdict,
+            places=count,
+            found=float(np.sqrt(np.sum(found**2) / count)),
+            left=float(np.sqrt(np.sum(left**2) / count)),
+            expected=to_unit(float(np.sqrt(self.judged.coming / count)), "um"),
+            farthest=float(away[worst]),
+            at=self.places[worst],
+            verdict=self.judged.verdict,
         )
 
+    @property
+    def band(self) -> float:
+        """U of a reading without its factor: the largest standard uncertainty of the as-left ones, um."""
+        return float(to_unit(self.judged.std.max(), "um"))
 
-def check_answer(judgement: Judgement, places: Sequence[Mapping[str, float]], promised: float) -> CheckAnswer:
-    """Return what was judged as a document.
-
-    places : where was read each way; promised : U with the tables, m
-    """
-    figures = (judgement.found, judgement.left, judgement.std)
-    found, left, std = (plain(to_unit(values, "um")) for values in figures)
-    rows = zip(found.tolist(), left.tolist(), std.tolist(), strict=True)
-    away = np.sqrt(np.bincount(judgement.of, left**2))
-    worst = first_best(away, ALIKE)
-    return CheckAnswer(
-        verdict=judgement.verdict,
-        decision=judgement.decision,
-        U_um=_COVERAGE * float(std.max()),
-        expected_um=to_unit(promised, "um"),
-        tolerance_um=None if judgement.tolerance is None else to_unit(judgement.tolerance, "um"),
-        guard_band_um=GUARD * float(std.max()),
-        places=len(places),
-        found_rms_um=float(np.sqrt(np.sum(found**2) / len(places))),
-        left_rms_um=float(np.sqrt(np.sum(left**2) / len(places))),
-        left_expected_um=to_unit(float(np.sqrt(judgement.coming / len(places))), "um"),
-        promise_p=judgement.agrees,
-        farthest_um=float(away[worst]),
-        farthest_at=places[worst],
-        readings=[CheckedValue(found_um=f, left_um=after, std_um=s) for f, after, s in rows],
-        change_p=judgement.changed,
-        change_share=judgement.share,
-        tables_loaded=judgement.loaded,
-        against_own_line=judgement.lines,
-        against_own_tool=judgement.tools,
-        set_up_still=judgement.still,
-        tables=[
-            TableShare(
-                table=share.name,
-                share=share.value if np.isfinite(share.std) else None,
-                share_std=finite(share.std),
-                checked=share.checked,
-                works=share.works,
-                size=share.size,
-            )
-            for share in judgement.shares
-        ],
-        not_checked=[share.name for share in judgement.shares if not share.checked],
-        axes_not_checked=judgement.idle,
-        set_up_off=[SetupOff(setup=datum.setup, unknown=datum.unknown) for datum in judgement.strained],
-    )
+    def document(self) -> dict[str, object]:
+        """Return all of it, um; `U_um` with k = 2, null for a share that nobody knows."""
+        judged, over = self.judged, self.summary
+        values = [plain(to_unit(each, "um")).tolist() for each in (judged.found, judged.left, judged.std)]
+        return {
+            "schema": "axiscal-verify/1",
+            "verdict": judged.verdict,
+            "decision": judged.decision,
+            "U_um": _COVERAGE * self.band,
+            "expected_um": to_unit(self.promised, "um"),
+            "tolerance_um": None if judged.tolerance is None else to_unit(judged.tolerance, "um"),
+            "guard_band_um": GUARD * self.band,
+            "places": over.places,
+            "found_rms_um": over.found,
+            "left_rms_um": over.left,
+            "left_expected_um": over.expected,
+            "promise_p": judged.agrees,
+            "farthest_um": over.farthest,
+            "farthest_at": over.at,
+            "readings": [
+                {"found_um": found, "left_um": left, "std_um": std} for found, left, std in zip(*values, strict=True)
+            ],
+            "change_p": judged.changed,
+            "change_share": judged.share,
+            "tables_loaded": judged.loaded,
+            "against_own_line": judged.lines,
+            "against_own_tool": judged.tools,
+            "set_up_still": judged.still,
+            "tables": [
+                {
+                    "table": share.name,
+                    "share": share.value if np.isfinite(share.std) else None,
+                    "share_std": finite(share.std),
+                    "checked": share.checked,
+                    "works": share.works,
+                    "size": share.size,
+                }
+                for share in judged.shares
+            ],
+            "not_checked": [share.name for share in judged.shares if not share.checked],
+            "axes_not_checked": judged.idle,
+            "set_up_off": [{"setup": datum.setup, "unknown": datum.unknown} for datum in judged.strained],
+        }
 
 
 def plain(micrometres: Array) -> Array:
@@ -243,33 +181,34 @@ def check_screen(answer: CheckAnswer) -> list[str]:
 
 def check_sentences(answer: CheckAnswer) -> list[str]:
     """Return what was judged, the verdict first: promise, tables, a stated tolerance; and what was not checked."""
-    tables, verdict = listed(", ", [each.table for each in answer.faulty]), said(VERDICTS[answer.verdict])
+    judged, checked = answer.judged, answer.summary
+    tables, verdict = listed(", ", [share.name for share in judged.faulty]), said(VERDICTS[judged.verdict])
     lines = [
-        said("{verdict}: {why}.", verdict=verdict, why=said(_WHY[answer.verdict], tables=tables, p=answer.promise_p)),
-        put("{sizes}. {farthest}", sizes=sizes_words(answer.summary), farthest=farthest_words(answer.summary)),
+        said("{verdict}: {why}.", verdict=verdict, why=said(_WHY[judged.verdict], tables=tables, p=judged.agrees)),
+        put("{sizes}. {farthest}", sizes=sizes_words(checked), farthest=farthest_words(checked)),
     ]
-    if answer.working:
-        shown = sum(each.checked for each in answer.tables)
+    shown = sum(share.checked for share in judged.shares)
+    if shown and not (judged.strained or judged.still or not judged.loaded or judged.faulty):
         lines.append(counted("The table that they show works.", "All {count} tables that they show work.", shown))
-    if answer.tolerance_um is not None and answer.decision is not None:
+    if judged.tolerance is not None and judged.decision is not None:
         proved = "Tolerance of {tolerance:.3g} um (ISO 14253-1, guard band {guard:.3g} um): {decision}."
-        sizes = {"tolerance": answer.tolerance_um, "guard": answer.guard_band_um}
-        lines.append(said(proved, decision=said(_DECISIONS[answer.decision]), **sizes))
-    axes = answer.axes_not_checked
-    names = [row_name("positioning", [[name] for name in axes])] if axes else []
-    open_ones = [each for each in answer.tables if not each.checked]
-    names += [said("table {table} ({size} at most)", table=each.table, size=each.size) for each in open_ones]
+        sizes = {"tolerance": to_unit(judged.tolerance, "um"), "guard": GUARD * answer.band}
+        lines.append(said(proved, decision=said(_DECISIONS[judged.decision]), **sizes))
+    names = [row_name("positioning", [[name] for name in judged.idle])] if judged.idle else []
+    open_ones = [share for share in judged.shares if not share.checked]
+    names += [said("table {table} ({size} at most)", table=share.name, size=share.size) for share in open_ones]
     unchecked = [said("Not checked: {others}.", others=listed(", ", names))] if names else []
-    return [*lines, *_warnings(answer), *unchecked]
+    return [*lines, *_warnings(judged), *unchecked]
 
 
 def check_details(answer: CheckAnswer) -> list[str]:
     """Return all that was judged in words, with what it proves."""
     known = "A reading has U = {u:.3g} um (k = 2); U = {promised:.3g} um (95 %) is to be expected over the volume."
-    return [*check_sentences(answer), said(known, u=answer.U_um, promised=answer.expected_um)]
+    promised = to_unit(answer.promised, "um")
+    return [*check_sentences(answer), said(known, u=_COVERAGE * answer.band, promised=promised)]
 
 
-def _warnings(answer: CheckAnswer) -> list[str]:
+def _warnings(judged: Judgement) -> Iterator[str]:
     own_line = '"{name}" is judged against its own line: its slope is not known to the tolerance.'
     own_tool = (
         '"{name}" is judged with its tool where the readings put it: nobody knows to the tolerance where it sits, and '
@@ -284,25 +223,18 @@ def _warnings(answer: CheckAnswer) -> list[str]:
         'WARNING: all as-left readings of "{name}" are one and the same number: the instrument does not move, or its '
         "resolution is coarser than its noise."
     )
-    lines = [said(own_line, name=name) for name in answer.against_own_line]
-    lines += [said(own_tool, name=name) for name in answer.against_own_tool]
-    for each in answer.faulty:
-        share, wrong = each.share or 0.0, "it was loaded with the wrong sign"
-        cause = said(wrong if share < -WORKS else "it was not loaded")
-        lines.append(said(shown, table=each.table, share=share, std=each.share_std or 0.0, cause=cause))
-    if not answer.tables_loaded:
-        found = answer.change_share
-        changed = "" if found is None else said(", they changed by {share:.2f} times that", share=found)
-        lines.append(
-            said(
-                "WARNING: as found minus as left is not what the tables take away (p = {p:.2g}{share}): {cause}.",
-                p=answer.change_p,
-                share=changed,
-                cause=said(_cause(found)),
-            )
-        )
-    lines += [said(off, unknown=datum.unknown, setup=datum.setup) for datum in answer.set_up_off]
-    return [*lines, *(said(still, name=name) for name in answer.set_up_still)]
+    not_loaded = "WARNING: as found minus as left is not what the tables take away (p = {p:.2g}{share}): {cause}."
+    yield from (said(own_line, name=name) for name in judged.lines)
+    yield from (said(own_tool, name=name) for name in judged.tools)
+    for share in judged.faulty:
+        cause = said("it was loaded with the wrong sign" if share.value < -WORKS else "it was not loaded")
+        yield said(shown, table=share.name, share=share.value, std=share.std, cause=cause)
+    if not judged.loaded:
+        times = judged.share
+        changed = "" if times is None else said(", they changed by {share:.2f} times that", share=times)
+        yield said(not_loaded, p=judged.changed, share=changed, cause=said(_cause(times)))
+    yield from (said(off, unknown=datum.unknown, setup=datum.setup) for datum in judged.strained)
+    yield from (said(still, name=name) for name in judged.still)
 
 
 def _cause(share: float | None) -> str:

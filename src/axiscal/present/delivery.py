@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,17 +18,15 @@ from axiscal.description.campaign import CampaignDescription, Particulars
 from axiscal.description.placed_readings import file_readings
 from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
-from axiscal.evaluation.standards import evaluate, positioning_test
-from axiscal.exceptions import InputError, ReadingError, TableError
+from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import capital, put, said, speaking
 from axiscal.language.stages import stage
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.readers.probe_offset import place_of
 from axiscal.measurement.reading import Reading
-from axiscal.present.axis_tests_read import iso230_block
 from axiscal.present.conditions import NOT_KNOWN
-from axiscal.present.readings_file import READINGS
+from axiscal.present.readings_file import READINGS, readings_csv
 from axiscal.present.result import Result, TableFile
 from axiscal.present.result_of_campaign import Extras, record_state, result_of
 from axiscal.present.result_set import RECORD, result_set, write_manifest
@@ -43,11 +41,10 @@ _ALWAYS = "csv"
 
 
 class ReadIn(NamedTuple):
-    """Readings of a file with the campaign that says where its probe stood, more for the report, and what it was."""
+    """Readings of a file with the campaign that says where its probe stood, and what it was."""
 
     description: CampaignDescription
     readings: tuple[Reading, ...]
-    extras: Extras
     told: str
 
 
@@ -60,7 +57,7 @@ def read_in(
     zero : where a printer homes Z, None where nobody said
     Raises DescriptionError for an axis that the machine does not have.
     """
-    read, extras = recognised(file, Around(described.machine.axes, described.setups), unit), Extras()
+    read = recognised(file, Around(described.machine.axes, described.setups), unit)
     if zero is not None:
         stated = place_of(zero)
         told = tuple(replace(row, zero=stated) for row in read.found.readings)
@@ -74,12 +71,7 @@ def read_in(
         rows = tuple(replace(row, axis=along) for row in rows)
     described, placed = file_readings(rows, described, file)
     refuse_implausible(placed, described, file)
-    if rows[0].test == "positioning" and len({each.setup for each in placed}) == 1:
-        (axis,) = described.setup(placed[0].setup).moves
-        with suppress(InputError):  # of so few targets that are whole that the standard has no figures: they are used
-            block = iso230_block(described.machine.axes[axis].name, evaluate(positioning_test(read)))
-            extras = Extras(iso230=[block])
-    return ReadIn(described, placed, extras, read.sentence([each.setup for each in placed]))
+    return ReadIn(described, placed, read.sentence([each.setup for each in placed]))
 
 
 @contextmanager
@@ -111,11 +103,11 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         offers = [row for name, each in made.items() for row in _offered(name, each, described, answer.withheld)]
         advised = {step.control for step in answer.steps}
         best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
-        result, readings = result_of(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
+        result = result_of(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
     home = out / RECORD
-    live = home if home.exists() and campaign.path.exists() and home.samefile(campaign.path) else None
-    with speaking("en"), result_set(out, live=live) as folder:
-        if live is None:
+    live = home.exists() and campaign.path.exists() and home.samefile(campaign.path)
+    with speaking("en"), result_set(out) as folder:
+        if not live:
             campaign.log.copy_to(folder / RECORD)
         doubts = [each.text for each in result.warnings]
         for name, each in made.items():
@@ -127,7 +119,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
             language = language_of_report(described.particulars, None, extras.spoken)
             write_report(campaign, result, folder / "report.pdf", language)
         (folder / "data").mkdir()
-        write_whole(folder / "data" / READINGS, readings)
+        write_whole(folder / "data" / READINGS, readings_csv(campaign, result.history))
         write_manifest(folder, result.record, result.versions)
     return result
 

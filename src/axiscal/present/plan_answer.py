@@ -12,7 +12,6 @@ from axiscal.answers.answer import (
     Aim,
     AnswerDocument,
     BoughtAccuracy,
-    LargestCause,
     NextStep,
     PlannedAnswer,
     PlannedRow,
@@ -23,25 +22,18 @@ from axiscal.answers.answer import (
 )
 from axiscal.answers.answer_of_campaign import Aims, known_figures
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.estimation.case import Case
-from axiscal.estimation.functionals.asked import asked_rows
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.known_rows import known_rows
 from axiscal.measurement.reading import Place, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings, places_of
-from axiscal.measurement.type_b import TEMPERATURE
 from axiscal.planning.helping import helping_setups
 from axiscal.planning.next_readings import FEW_CANDIDATES, placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import Blank, alike, blank_problem, unseen_parts
+from axiscal.planning.promise import foreseen
 from axiscal.planning.proposal import Bought, bought
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
-
-_MOSTLY, _NOUGHT = 0.5, 1e-30
-"""Of the variance; no division by nought."""
 
 
 class PlanPoint(AnswerDocument):
@@ -59,7 +51,6 @@ class PlanPoint(AnswerDocument):
     artefact: str | None = Field(None, exclude_if=lambda name: name is None)
     ball: str | None = Field(None, exclude_if=lambda name: name is None)
     rms_um: float
-    worst_um: float
     minutes: float
     check: bool = Field(False, exclude_if=lambda check: not check)
 
@@ -67,22 +58,15 @@ class PlanPoint(AnswerDocument):
 class PlanAnswer(PlannedAnswer):
     """A plan in full.
 
-    `points`, `J`, `rms_um` and `worst_um` leave out what no reading shows, such as the error of a wavelength
+    `points` and `rms_um` leave out what no reading shows, such as the error of a wavelength
     units : of the axes
     bound_rms_um : RMS that no plan of as many readings can beat; None where it is below half of `rms_um`
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
-    criterion: str
     points: Sequence[PlanPoint]
     units: Mapping[str, str]
     rms_um: float
-    worst_um: float
-    before_rms_um: float
-    unseen_rms_um: float
-    reachable_rms_um: float
-    target_met: bool
-    J: float
     bound_rms_um: float | None
 
 
@@ -105,16 +89,9 @@ def plan_answer(
     answer = _planned(case, places, passed.__getitem__, limits, begin)
     return PlanAnswer(
         **{**dict(answer), "bought": _bought(buys)},
-        criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},
         rms_um=to_unit(plan.accuracy.rms, "um"),
-        worst_um=to_unit(plan.accuracy.worst, "um"),
-        before_rms_um=to_unit(plan.before.rms, "um"),
-        unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
-        reachable_rms_um=to_unit(case.yardstick.rms_floor, "um"),
-        target_met=answer.verdict == "reached",
-        J=plan.value,
         bound_rms_um=None if plan.bound is None else to_unit(plan.bound, "um"),
     )
 
@@ -153,8 +130,7 @@ def _planned(
 ) -> PlannedAnswer:
     """Return what is known after readings at places.  passed : seconds after so many of them"""
     readings = blank_readings(case.description.setups, places)
-    blank = blank_problem(case, readings) if readings else None
-    known = case.knowledge if blank is None else blank.knowledge
+    known = foreseen(case, (), places)
     rows = known_rows(case, known, readings)
     aims = Aims.from_case(case, known.belief, case.yardstick, rows)
     verdict: PlanVerdict = "planned" if not any(aims) else "reached" if aims.met else "short"
@@ -164,8 +140,6 @@ def _planned(
         rows=[PlannedRow(**known_figures(row, case.description.machine.axes)) for row in rows],
         aims=[*aims.volume, *aims.lines],
         reach=reach,
-        mostly=None if blank is None else _mostly(blank, known),
-        alike=None if blank is None or not case.description.usual else alike(blank),
         setups=list(_setups(case, places, passed)),
         steps=[NextStep(code=code) for code in steps],
         readings=len(places),
@@ -185,25 +159,6 @@ def reach_answer(case: Case) -> ReachAnswer | None:
 
 def _reach(case: Case, missed: Sequence[Aim]) -> ReachAnswer | None:
     return ReachAnswer(missed=missed, helps=helping_setups(case, case.description.target)) if missed else None
-
-
-def _mostly(blank: Blank, known: Knowledge) -> LargestCause | None:
-    """Return what is most of U in a row with a limit (of all where none has one); None where nothing is."""
-    case = blank.case
-    rows, found = asked_rows(case.description, (), whole=True), list[LargestCause]()
-    limits = case.description.target.expanded is not None or case.description.target.rms is not None
-    wanted = [row for row in rows if row.want.limit is not None or (limits and row.map is None)] or rows
-    causes = unseen_parts(blank)
-    unsaid = any(lacks_temperature(setup) for setup in case.description.setups)
-    for row in wanted if causes else ():
-        at = case.yardstick.root.matrix if row.map is None else row.map.rows(case.errors)
-        whole = float(np.sum((at @ known.belief.factor[: at.shape[1]]) ** 2))
-        for cause, moved in causes:
-            share = float(np.sum((at @ moved[: at.shape[1]]) ** 2)) / max(whole, _NOUGHT)
-            unknown = cause.row is TEMPERATURE and unsaid
-            found.append(LargestCause(cause=cause.row.name, owner=cause.owner, share=share, measurable=unknown))
-    largest = max(found, key=lambda each: each.share, default=None)
-    return largest if largest is not None and largest.share > _MOSTLY else None
 
 
 def _setups(case: Case, places: Sequence[Place], passed: Callable[[int], float]) -> Iterator[PlannedSetup]:
@@ -234,7 +189,6 @@ def _points(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlanPoi
             artefact=None if artefact is None else artefact.name,
             ball=ball,
             rms_um=to_unit(reading.accuracy.rms, "um"),
-            worst_um=to_unit(reading.accuracy.worst, "um"),
             minutes=to_unit(reading.seconds, "min"),
             check=place.check,
         )

@@ -21,12 +21,9 @@ from axiscal.answers.row_words import row_names
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, ending, listed, put, said
-from axiscal.machine.questions import questions
-from axiscal.measurement.type_b import MEASURED_TEMPERATURE
 from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import PlanAnswer
-from axiscal.present.sentences import cause_words
-from axiscal.units import digits, said_quantity, um_text
+from axiscal.units import digits, um_text
 
 LINES = 16
 """Of a terminal that nobody scrolls."""
@@ -48,7 +45,7 @@ def plan_screen(answer: PlannedAnswer, campaign: str, files: Sequence[str] = ())
 def plan_text(answer: PlannedAnswer) -> AnswerWords:
     """Return a plan in words."""
     reach = "" if answer.reach is None else reach_text(answer.reach, answer.rows)
-    sentences = [_mounted(answer), _fewer(answer), _curve(answer.bought), reach or _mostly(answer) or _alike(answer)]
+    sentences = [_mounted(answer), _fewer(answer), _curve(answer.bought), reach]
     found = [sentence for sentence in sentences if sentence]
     return AnswerWords(first=_first(answer), rows=_cells(answer.rows, ROOM), sentences=found)
 
@@ -61,14 +58,14 @@ def reach_text(reach: ReachAnswer, rows: Sequence[PlannedRow] = ()) -> str:
 
 
 def open_questions(description: CampaignDescription) -> list[str]:
-    """Return what descriptions leave open besides a compensation that may be active: sizes that can hardly be meant."""
-    open_yet = [unused_artefacts(description.text), *(each.words for each in description.unsourced)]
+    """Return what descriptions leave open besides a compensation that may be active."""
+    open_yet = [unused_artefacts(description.text)]
     beside = (
         'How far does the probe of "{setup}" stand beside the nozzle? Write it as offset = ["-33 mm", "-46 mm", '
         '"0 mm"], from the nozzle; until then it is taken to stand at the nozzle, where no axis that rolls deceives it.'
     )
     open_yet += [said(beside, setup=name) for name in description.unsaid_offsets]
-    return [question for question in (*questions(description.machine), *open_yet) if question]
+    return [question for question in open_yet if question]
 
 
 def _first(answer: PlannedAnswer) -> list[str]:
@@ -124,28 +121,6 @@ def _fewer(answer: PlannedAnswer) -> str:
     else:
         why = said("no other reading is worth its time")
     return said("{planned} of {allowed} readings: {why}.", planned=answer.readings, allowed=answer.allowed, why=why)
-
-
-def _mostly(answer: PlannedAnswer) -> str:
-    """Return what no reading shows and is most of U; "" where nothing is."""
-    if answer.mostly is None:
-        return ""
-    if answer.mostly.measurable:
-        size = said_quantity(MEASURED_TEMPERATURE.size, MEASURED_TEMPERATURE.unit)
-        return said("U is mostly the unknown temperature: measure it to {size}; you are asked for it.", size=size)
-    return said("U is mostly this: {cause}.", cause=cause_words(answer.mostly.cause, answer.mostly.owner))
-
-
-def _alike(answer: PlannedAnswer) -> str:
-    """Return what the places cannot tell apart; "" where nothing is."""
-    if answer.alike is None:
-        return ""
-    return said(
-        'Drift of the zero of "{setup}" would pass for a curve: repeat {count} of its readings, {minutes} min.',
-        setup=answer.alike.setup,
-        count=answer.alike.readings,
-        minutes=put("{minutes:.1g}", minutes=answer.alike.minutes),
-    )
 
 
 def plan_list(answer: PlanAnswer) -> Iterator[str]:

@@ -28,9 +28,11 @@ _LEAST, _FLAT = 300, 0.72
 def pdf(result: Result, pictures: Mapping[str, str]) -> bytes:
     """Return the report in the language that is spoken, as PDF/A-2b where letters hold all of its signs.
 
-    pictures : the text of SVG files, by name
+    The same result has the same bytes.  pictures : the text of SVG files, by name
     """
-    return printed(resaid(result).model_dump(mode="json", by_alias=True), pictures)
+    day = datetime.fromisoformat(str(result.identity["begun"])).replace(tzinfo=UTC)
+    with _laid_out("report.typ", result, pictures) as compilers:
+        return _set(compilers, int(day.timestamp()))
 
 
 def drawn_pictures(campaign: Campaign, result: Result) -> dict[str, str]:
@@ -46,29 +48,21 @@ def drawn_pictures(campaign: Campaign, result: Result) -> dict[str, str]:
     return pictures | {"volume.svg": volume.on_paper()}
 
 
-def printed(document: Mapping[str, Any], pictures: Mapping[str, str]) -> bytes:
-    """Return a result document in the language that is spoken as a PDF; the same one has the same bytes.
-
-    pictures : the text of SVG files, by name
-    """
-    day = datetime.fromisoformat(document["identity"]["begun"]).replace(tzinfo=UTC)
-    with _laid_out("report.typ", document, pictures) as compilers:
-        return _set(compilers, int(day.timestamp()))
-
-
-def curve_pictures(document: Mapping[str, Any]) -> list[str]:
-    """Return each curve of a result document as the report draws it: the text of an SVG file."""
-    if not document["errors"]:
+def curve_pictures(result: Result) -> list[str]:
+    """Return each curve of a result as the report draws it: the text of an SVG file."""
+    if not result.errors:
         return []
-    with _laid_out("curves.typ", document, {}) as compilers:
+    with _laid_out("curves.typ", result, {}) as compilers:
         made = compilers[-1].compile(format="svg")
     return [each.decode() for each in (made if isinstance(made, list) else [made]) if each is not None]
 
 
 @contextmanager
-def _laid_out(layout: str, document: Mapping[str, Any], pictures: Mapping[str, str]) -> Iterator[list[Any]]:
-    """Give typst with a document before it: without the fonts of the system, and with them for what its own lack."""
+def _laid_out(layout: str, result: Result, pictures: Mapping[str, str]) -> Iterator[list[Any]]:
+    """Give typst with a result before it: without the fonts of the system, and with them for what its own lack."""
     import typst
+
+    document = resaid(result).model_dump(mode="json", by_alias=True, include=result.model_fields_set)
 
     own = resources.files("axiscal.present").joinpath("paper")
     texts = {file.name: file.read_text(encoding="utf-8") for file in own.iterdir()}

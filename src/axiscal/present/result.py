@@ -35,7 +35,6 @@ class HistoryRow(AnswerDocument):
     worst_um: Figure = Field(description="largest standard deviation after it")
     minutes: Figure = Field(description="machine time until then")
     rejected: bool = Field(False, description="it is kept and not relied on")
-    by: Text = Field("", description="who took it")
 
 
 class RejectedReading(AnswerDocument):
@@ -130,7 +129,6 @@ class SetupUse(AnswerDocument):
     readings: int = Field(description="count")
     serial: str = Field("", exclude_if=_left_out, description="if stated")
     certificate: str = Field("", exclude_if=_left_out, description="if stated")
-    temperature: Text = Field("", exclude_if=_left_out, description="growth of what is read")
 
 
 class NamedMistake(AnswerDocument):
@@ -248,7 +246,6 @@ class Result(AnswerDocument):
     )
     U_axis_um: Mapping[str, Figure] | None = Field(description="the same along x, y, z")
     U_worst_um: Figure | None = Field(description="the same at the worst place")
-    U_level: Figure | None = Field(description="the probability that they hold: 0.95")
     k: Figure | None = Field(description="coverage factor, `U_um` over `rms_um`")
     U_holds_for: Text | None = Field(description="what they hold for, in words")
     U_along: str | None = Field(description="directions that count")
@@ -258,15 +255,11 @@ class Result(AnswerDocument):
     budget: Sequence[BudgetSource] = Field(description="where the uncertainty comes from")
     budget_smaller_um: Figure = Field(description="of sources without a line")
     nonlinearity: Figure | None = Field(description="largest non-linearity of a reading; above 0.3 no Gaussian")
-    target_rms_um: Figure | None = Field(description="the RMS asked for")
-    target_worst_um: Figure | None = Field(description="the worst asked for")
-    target_U_um: Figure | None = Field(description="the expanded uncertainty asked for")  # noqa: N815  its name in the document
-    target_reached: bool | None = Field(description="whether one is reached; null where none is set")
     history: Sequence[HistoryRow] = Field(description="how well the machine was known after each reading")
     errors: Mapping[str, CurveFigures] = Field(description="by ISO 230-1 name, reversals among them")
     plane_errors: Mapping[str, PlaneMap] = Field(description="errors of two axes together by name, such as EZXY")
     volume: VolumeFigures | None = Field(description="the error of the volume; null before the first reading")
-    constants: Mapping[str, ConstantFigures] = Field(description="location errors, reversals, unknowns of set-ups")
+    constants: Mapping[str, ConstantFigures] = Field(description="location errors and constant reversals")
     iso230: Sequence[Iso230Figures] = Field(description="tests after ISO 230-2")
     observability: Sequence[Text] = Field(description="what cannot be seen")
     questions: Sequence[Text] = Field(description="what nobody has said")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,18 +19,16 @@ from axiscal.answers.budget import BudgetShare, budget
 from axiscal.answers.row_words import row_names
 from axiscal.campaign.agreement_words import agreement_words, change_words, mistake_words
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import because_text, reaches
+from axiscal.campaign.ending import because_text
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import Equipment
-from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
-from axiscal.machine.questions import questions, which_way
+from axiscal.machine.questions import which_way
 from axiscal.measurement.reading import (
     approach_text,
-    by_text,
     direction_text,
     shown_pose,
     units_of,
@@ -49,7 +47,6 @@ from axiscal.present.result import (
     ChecksFigures,
     Finding,
     HistoryRow,
-    Iso230Figures,
     NamedMistake,
     OneCheck,
     RecordState,
@@ -71,7 +68,7 @@ _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangul
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Extras:
-    """What a campaign itself does not know: tables that were written, a finished standard test.
+    """What a campaign itself does not know: tables that were written.
 
     warnings : about what was given, besides those of the estimate
     anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
@@ -81,7 +78,6 @@ class Extras:
     """
 
     tables: Sequence[TableFile] = ()
-    iso230: Sequence[Iso230Figures] = ()
     warnings: Sequence[Finding] = ()
     anyway: bool = False
     checked: TablesChecked | None = None
@@ -90,39 +86,29 @@ class Extras:
     spoken: str = "en"
 
 
-class Made(NamedTuple):
-    """A result, and the content of the file of all readings, whose hash it has."""
-
-    result: Result
-    readings: bytes
-
-
 @stage("the summary")
-def result_of(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
+def result_of(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
     """Return the result of a campaign, in English; `resaid` says it in another language.
 
     known : after all its readings
     """
     with speaking("en"):
-        made = _made(campaign, known, extras)
-        return made._replace(result=resaid(made.result))
+        return resaid(_made(campaign, known, extras))
 
 
-def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
+def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
     case, described, readings, best = known.case, campaign.description, campaign.state.readings, extras.best
     controller, control = ("", None) if best is None else (best.controller, best.control)
     answer = extras.answer or answer_of(campaign, known, {}, anyway=extras.anyway)
     answer = answer.model_copy(update={"checked": extras.checked})
     agreement = agreement_words(known) if readings else ""
     words = answer_text(answer, agreement, evidence_words(campaign.log))
-    history, linear, target = _history(campaign, known), linearity(known), described.target
+    history, linear = _history(campaign, known), linearity(known)
     sources, smaller = budget_rows(known)
-    taken = readings_csv(campaign, history)
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
     accepted = [Finding(code="accepted", text=change) for change in changes]
     found = findings(known, ended=campaign.state.finished is not None)
-    limits = {"rms": target.rms, "worst": target.worst, "U": target.expanded}
-    result = Result(
+    return Result(
         identity=_identity(campaign),
         words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
         machine=described.machine.name,
@@ -137,30 +123,23 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Made:
         budget=sources,
         budget_smaller_um=smaller,
         nonlinearity=linear.largest,
-        **{f"target_{name}_um": None if size is None else to_unit(size, "um") for name, size in limits.items()},
-        target_reached=reaches(target, known),
         history=history,
         errors=errors(known, readings),
         plane_errors=planes(known),
         volume=volume_error(known, controller, control) if readings else None,
         constants=constants(known),
-        iso230=extras.iso230 or iso230_blocks(described, readings, known.left_out),
+        iso230=iso230_blocks(described, readings, known.left_out),
         observability=observability(case),
-        questions=[
-            *questions(described.machine),
-            *which_way(described.machine),
-            *(each.words for each in described.unsourced),
-        ],
+        questions=[*which_way(described.machine)],
         rejected=list(_rejected(known, history)),
         warnings=[*extras.warnings, *accepted, *found, *not_gaussian(linear)],
         answer=answer,
         rows=answer.rows,
         tables=extras.tables,
         versions=dict(sorted(versions().items())),
-        inputs={**_checksums(campaign), f"data/{READINGS}": sha256(taken).hexdigest()},
+        inputs={**_checksums(campaign), f"data/{READINGS}": sha256(readings_csv(campaign, history)).hexdigest()},
         record=record_state(campaign),
     )
-    return Made(result, taken)
 
 
 def _uncertainties(known: Estimation, last: HistoryRow, *, withheld: bool) -> dict[str, Any]:
@@ -171,7 +150,6 @@ def _uncertainties(known: Estimation, last: HistoryRow, *, withheld: bool) -> di
         "U_um": space,
         "U_axis_um": dict(zip("xyz", axes, strict=True)),
         "U_worst_um": worst,
-        "U_level": LEVEL,
         "k": found.factor(known.accuracy.rms),
         "U_holds_for": conditions(stated),
         "U_along": counted_along(stated),
@@ -254,12 +232,12 @@ def _history(campaign: Campaign, known: Estimation) -> list[HistoryRow]:
     first, *moments = path(known)
     rows = [HistoryRow(reading=0, **_accuracy(first))]
     for index, (reading, moment) in enumerate(zip(campaign.state.readings, moments, strict=True)):
-        setup, last = known.case.description.setup(reading.setup), moment.innovations
-        assert last is not None  # which it is before the first alone
+        setup = known.case.description.setup(reading.setup)
+        assert moment.surprise is not None  # which it is before the first alone
         units = units_of(setup)
         value, *others = (to_unit(x, own) for x, own in zip((reading.value, *reading.others), units, strict=True))
-        innovation, away = float(last.value[0]), doubts.get(index)
-        surprise = innovation / float(last.std[0]) if away is None else math.copysign(away, innovation)
+        (innovation, std), away = moment.surprise, doubts.get(index)
+        surprise = innovation / std if away is None else math.copysign(away, innovation)
         rows.append(
             HistoryRow(
                 reading=reading.numbered(index),
@@ -272,7 +250,6 @@ def _history(campaign: Campaign, known: Estimation) -> list[HistoryRow]:
                 innovation=to_unit(innovation, units[0]),
                 surprise=surprise,
                 approach=approach_text(known.case.description.machine.axes, reading.approach),
-                by=by_text(reading),
                 rejected=away is not None,
                 **_accuracy(moment),
             )
@@ -311,7 +288,6 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
         readings=sum(reading.setup == setup.name for reading in campaign.state.readings),
         serial=of.serial,
         certificate=of.certificate,
-        temperature=said("{growth:.3g} um/m against 20 degC", growth=setup.growth * 1e6) if setup.growth else "",
     )
 
 

@@ -257,6 +257,10 @@ class Schematic:
         return drawn(self.parts, frame) + words
 
 
+_DOTS = 300
+"""Readings of a set-up that are drawn: more lie on each other."""
+
+
 def setup_schematic(
     campaign: CampaignDescription,
     setup: Setup,
@@ -270,15 +274,15 @@ def setup_schematic(
     at : where the machine stands, None for one of the places
     """
     own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
-    shown = at or max(own, key=partial(_seen_well, campaign.machine), default=None)
+    dots, open_dots = (some[:: 1 + len(some) // _DOTS] for some in (own, later))
+    shown = at or max(dots, key=partial(_seen_well, campaign.machine), default=None)
     room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts = [
         *_machine(room, setup.moves),
-        *_outlines(campaign, room),
         *_instrument(room, setup),
-        *_readings(room, setup, later, "soft", size),
-        *_readings(room, setup, own, "read", size),
+        *_readings(room, setup, open_dots, "soft", size),
+        *_readings(room, setup, dots, "read", size),
     ]
     one_line = len(setup.moves) == 1 and not campaign.machine.axes[setup.moves[0]].rotary
     legend = [
@@ -317,22 +321,6 @@ def _travel(name: str, axis: Axis) -> str:
 def _reach_note(room: DrawnMachine) -> str:
     spans = " × ".join(f"{1e3 * span:.0f}" for span in room.reach[1] - room.reach[0] if span > 1e-9)
     return said("dashed: where the tool reaches, {size} mm", size=spans) if spans else ""
-
-
-def _outlines(campaign: CampaignDescription, room: DrawnMachine) -> Iterator[Part]:
-    """Yield the part that is to be machined, and what the tool has to keep out of."""
-    part = campaign.target.part
-    if part is not None and part.radius is not None:
-        turn = np.linspace(0, 2 * np.pi, 73)
-        ring = part.radius * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
-        for level in part.spans[2]:
-            yield Stroke(room.on_table(ring + level * _Z), "part", 1.6)
-    elif part is not None:
-        yield from _edges(room.on_table(_corners(*np.array(part.spans).T)), "part", "")
-    for artefact in {setup.artefact.name: setup.artefact for setup in campaign.setups if setup.artefact}.values():
-        for kept_out in artefact.keep_out:
-            low, high = np.clip(np.array(kept_out), -1.0, 1.0).T
-            yield from _edges(room.on_table(_corners(low, high)), "beam", "2 4")
 
 
 def setup_picture(shown: Schematic, width: float) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from axiscal.programs.dialects import controllers, dialect
-from axiscal.programs.plan_files import write_programs
-from axiscal.programs.program import Program, programs
+from axiscal.programs.program import Program, programs, write_programs
 
 __all__ = ["Program", "controllers", "dialect", "programs", "write_programs"]

@@ -7,6 +7,7 @@ there it meets by so much sooner what stands in its way. Pieces that are not fre
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -61,43 +62,33 @@ def refuse_kept_out(
     balls : by the number of each reading, the one that it touches
     Ways on which it is not known where every axis is, before all of them have been sent somewhere, are not looked at.
     """
-    pending = False
-    for step, clear in zip(run, free_ways(machine, setup, balls, scales, run), strict=True):
-        pending = pending or not clear
-        if isinstance(step, Arrival) and pending:
-            raise _hit(setup, said("the way to reading {number}", number=step.target.number))
-    if pending:
-        raise _hit(setup, said("the way from the last reading"))
-
-
-def _hit(setup: Setup, way: str) -> ProgramError:
-    what = "{way} of the set-up {setup} leads into {artefact}: into a ball, a post, or what is to be kept out"
-    remedy = (
-        "Say what goes clear before others move (--clearance), read the place from another side, move the artefact, or "
-        "correct length, reach, radius and head in [tool]"
-    )
-    artefact = shown(setup.artefact.name if setup.artefact else "")
-    return ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
-
-
-def _rooms(machine: Machine, setup: Setup, balls: Mapping[int, int], run: Sequence[Step]) -> Iterator[Room]:
-    """Yield the room of each step: the tool may come to the ball of the reading before it, and of the one after it."""
-    behind, ahead = list[int](), [balls[step.target.number] for step in run if isinstance(step, Arrival) and balls]
-    room = None
-    for step in run:
-        if isinstance(step, Arrival) and balls:
-            behind, ahead, room = ahead[:1], ahead[1:], None
-        room = room or Room.among(machine, setup.artefact, {*behind, *ahead[:1]}, setup.contact != "retracted")
-        yield room
+    hit = False
+    ways = chain(free_ways(machine, setup, balls, scales, run), [True])
+    for step, clear in zip([*run, None], ways, strict=True):
+        hit = hit or not clear
+        if hit and (step is None or isinstance(step, Arrival)):
+            way = said("the way to reading {number}", number=step.target.number) if step else ""
+            what = "{way} of the set-up {setup} leads into {artefact}: into a ball, a post, or what is to be kept out"
+            remedy = (
+                "Say what goes clear before others move (--clearance), read the place from another side, move the "
+                "artefact, or correct length, reach, radius and head in [tool]"
+            )
+            artefact = shown(setup.artefact.name if setup.artefact else "")
+            way = way or said("the way from the last reading")
+            raise ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
 
 
 def free_ways(
     machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
 ) -> Iterator[bool]:
-    """Yield of each step whether its way is free."""
-    at = np.full(len(scales), np.nan)
-    for step, room in zip(run, _rooms(machine, setup, balls, run), strict=True):
+    """Yield of each step whether its way is free; the tool may come to the balls of the readings around it."""
+    at, around = np.full(len(scales), np.nan), [balls[s.target.number] for s in run if isinstance(s, Arrival) and balls]
+    room = Room.among(machine, setup.artefact, {*around[:1]}, setup.contact != "retracted")
+    for step in run:
         before = at.copy()
+        if isinstance(step, Arrival) and balls:
+            room = Room.among(machine, setup.artefact, {*around[:2]}, setup.contact != "retracted")
+            around = around[1:]
         if isinstance(step, Move):
             for axis, value in step.to.items():
                 at[axis] = from_unit(float(value), scales[axis].unit)

@@ -1,29 +1,35 @@
-"""From planned readings to programs: one for each set-up, in the order of the plan, with the list of its readings."""
+"""From planned readings to programs: one for each set-up, in the order of the plan, with the list of its readings.
+
+The files of a plan are these programs, their lists, the form for the values, and what must be known.
+"""
 
 from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
 from axiscal.document import shown
+from axiscal.document.durable import write_whole
 from axiscal.document.ports import rendered
 from axiscal.exceptions import ProgramError
 from axiscal.machine.kinematics import drawn_back
+from axiscal.measurement.bodies import parts
 from axiscal.measurement.readers.csv_readings import heading
 from axiscal.measurement.readers.csv_table import csv_text
-from axiscal.measurement.readers.touch_log import plan_code
+from axiscal.measurement.readers.touch_log import LISTS, plan_code
 from axiscal.measurement.reading import Place, approach_text, columns_of
 from axiscal.measurement.setup import Setup
 from axiscal.programs import steps
-from axiscal.programs.dialect import Dialect, filled, head
+from axiscal.programs.dialects import Dialect, dialect, filled
 from axiscal.programs.kept_out import refuse_kept_out
-from axiscal.programs.scale import ReadingTarget, target
-from axiscal.programs.sphere_cycle import SphereCycle
-from axiscal.programs.standing import standing
+from axiscal.programs.scale import target
+from axiscal.units import to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
@@ -101,34 +107,25 @@ def programs(
     """
     if not places:
         raise ProgramError("the plan has no readings", "Plan at least one")
-    known = {setup.name: setup for setup in setups}
-    used = dict.fromkeys(place.setup for place in places)
-    numbered = list(enumerate(places, start=1))
-    own = {name: [each for each in numbered if each[1].setup == name] for name in used}
-    writers = [_Writer(machine, dialect, _named(known, name), places, log) for name, places in own.items()]
-    drafts = [writer.draft() for writer in writers]
+    known, own = {setup.name: setup for setup in setups}, dict[str, dict[int, Place]]()
+    for number, place in enumerate(places, start=1):
+        own.setdefault(place.setup, {})[number] = place
+    for name in own.keys() - known.keys():
+        remedy, listed = "Known are {known}", ", ".join(map(shown, known))
+        raise ProgramError("the plan has a set-up {name}", remedy, name=shown(name), known=listed)
+    writers = [_Writer(machine, dialect, known[name], mine, log) for name, mine in own.items()]
+    code = plan_code([listing(writer.readings) for writer in writers])
     if log and not any(writer.touches for writer in writers):
         what = "no set-up of this plan is one that a control reads by itself"
         raise ProgramError(what, 'Leave --log out, or plan a set-up of instrument = "sphere"')
-    code = plan_code([listing(readings) for _, readings in drafts])
-    return tuple(
-        writer.program(number, *draft, code)
-        for number, (writer, draft) in enumerate(zip(writers, drafts, strict=True), start=1)
-    )
-
-
-def _named(known: Mapping[str, Setup], name: str) -> Setup:
-    if name not in known:
-        remedy = "Known are {known}"
-        raise ProgramError("the plan has a set-up {name}", remedy, name=shown(name), known=", ".join(map(shown, known)))
-    return known[name]
+    return tuple(writer.program(number, code) for number, writer in enumerate(writers, start=1))
 
 
 class _Writer:
-    """Writes the program of one set-up in one dialect.  places : with the numbers of the readings"""
+    """Writes the program of one set-up in one dialect.  places : by the numbers of the readings"""
 
     def __init__(
-        self, machine: Machine, dialect: Dialect, setup: Setup, places: Sequence[tuple[int, Place]], log: bool
+        self, machine: Machine, dialect: Dialect, setup: Setup, places: Mapping[int, Place], log: bool
     ) -> None:
         dialect.check_axes(machine.axes)
         if setup.contact == "held":
@@ -136,127 +133,126 @@ class _Writer:
             remedy = "Drive it with a program of your own, and give the readings to axiscal data estimate"
             raise ProgramError(what, remedy, setup=shown(setup.name))
         self._machine, self._dialect, self._setup, self._places = machine, dialect, setup, places
-        self._axes = steps.ProgramAxes.from_setup(machine, setup, [dialect.decimals] * len(machine.axes))
-        self.touches = log and setup.contact == "retracted" and setup.all_round
+        self._axes = steps.ProgramAxes.from_setup(machine, setup, dialect.decimals)
+        self._back = setup.retract if setup.contact == "retracted" else None
+        self.touches = log and setup.all_round and self._back is not None
 
-    def draft(self) -> tuple[tuple[steps.Step, ...], tuple[Listed, ...]]:
-        """Return the actions of the program, and its readings."""
-        run = tuple(self._steps())
-        if self._setup.artefact is not None:
-            refuse_kept_out(self._machine, self._setup, self._touched(), self._axes.scales, run)
-        return run, tuple(self._listed(run))
-
-    def _touched(self) -> dict[int, int]:
-        """Return the ball of each reading by its number; none where no ball is read."""
-        if self._setup.artefact is None or not self._setup.balls:
-            return {}
-        tips = self._machine.frames(np.array([place.pose for _, place in self._places])).tcp
-        balls = self._setup.artefact.nearest(tips, self._setup.balls).tolist()
-        return {number: ball for (number, _), ball in zip(self._places, balls, strict=True)}
-
-    def program(self, number: int, run: Sequence[steps.Step], readings: tuple[Listed, ...], code: str) -> Program:
-        setup, dialect = self._setup, self._dialect
-        name = program_name(number, setup.name, dialect.longest_name)
+    def program(self, number: int, code: str) -> Program:
+        """Return the program; number : from 1; code : of the plan."""
+        setup, dialect, readings = self._setup, self._dialect, self.readings
+        name, log = program_name(number, setup.name, dialect.longest_name), dialect.logging() if self.touches else None
         lines = [self._comment(text) for text in self._head()]
-        told, log = {"code": code, "head": head(code)}, dialect.logging() if self.touches else None
-        lines += log.opened(self._machine.axes, **told) if log else []
-        lines += [line for step in run for line in self._lines(step)]
-        lines += filled(log.off, readings=len(readings), **told) if log else []
+        lines += log.opened(self._machine.axes, code) if log else []
+        lines += [line for step in self._run for line in self._lines(step)]
+        lines += filled(log.off, readings=len(readings), code=code) if log else []
         text = dialect.framed(name, number, self._machine.axes, lines)
-        return Program(name, f"{name}.{dialect.suffix}", text, readings, self._notes())
+        notes = (*dialect.notes, *(log.notes if log else ()), *self._notes())
+        return Program(name, f"{name}.{dialect.suffix}", text, readings, notes)
 
-    def _steps(self) -> Iterator[steps.Step]:
-        setup, places = self._setup, self._places
+    @cached_property
+    def _run(self) -> tuple[steps.Step, ...]:
+        setup, scales = self._setup, self._axes.scales
         reading = setup.reading_time if setup.driving.dwell else None
-        poses = [self._stood_at(place) for _, place in places]
-        numbered = zip(places, poses, strict=True)
-        targets = [target(self._axes.scales, setup.name, k, pose, place.approach) for (k, place), pose in numbered]
-        read = self._cycle(dict(places)) if self.touches else None
-        yield from self._axes.run_through(targets, setup, reading, read)
-
-    def _cycle(self, places: Mapping[int, Place]) -> Callable[[ReadingTarget], Iterator[steps.Step]]:
-        cycle = SphereCycle(self._machine, self._setup, self._axes)
-        return lambda reached: cycle.steps(reached, places[reached.number])
+        targets = [
+            target(scales, setup.name, number, self._stood_at(place), place.approach)
+            for number, place in self._places.items()
+        ]
+        touch = (lambda at: self._axes.touching(setup, at, self._places[at.number])) if self.touches else None
+        run = tuple(self._axes.run_through(targets, setup, reading, touch))
+        if setup.artefact is not None:
+            tips = self._machine.frames(np.array([place.pose for place in self._places.values()])).tcp
+            balls = setup.artefact.nearest(tips, setup.balls).tolist() if setup.balls else []
+            refuse_kept_out(self._machine, setup, dict(zip(self._places, balls, strict=False)), scales, run)
+        return run
 
     def _stood_at(self, place: Place) -> Sequence[float]:
         """Return where the axes stand at a reading: off its ball, where the probe begins."""
-        setup = self._setup
-        if setup.contact != "retracted":
+        if self._back is None:
             return place.pose
-        pose: list[float] = drawn_back(self._machine, np.array([place.pose]), setup.retract)[0].tolist()
+        pose: list[float] = drawn_back(self._machine, np.array([place.pose]), self._back)[0].tolist()
         return pose
 
-    def _head(self) -> list[str]:
-        artefact = self._setup.artefact
-        put = [artefact.standing] if artefact is not None and artefact.standing != artefact.name else []
-        return [
-            "AXISCAL MEASURING PROGRAM",
-            f"MACHINE {self._machine.name}",
-            f"SET-UP {self._setup.name}",
-            *put,
-            f"READINGS {self._places[0][0]} TO {self._places[-1][0]}",
-            "MACHINE COORDINATES IN MM AND DEG",
-            *(f"{axis.name} IS THE RADIUS" for axis in self._machine.axes if axis.diameters),
-            f"ORDER OF MOVES {self._axes.order}",
-            *standing(self._machine, self._setup),
-            *(_BY_ITSELF if self.touches else _AT_BALL if self._setup.contact == "retracted" else ()),
-        ]
+    @cached_property
+    def readings(self) -> tuple[Listed, ...]:
+        """The readings with the time from the start at the first one, stops not counted."""
+        seconds, found, scales = 0.0, list[Listed](), self._axes.scales
+        for step in self._run:
+            if isinstance(step, steps.Move | steps.Dwell | steps.Touched):
+                seconds += step.seconds
+            elif isinstance(step, steps.Arrival):
+                at = step.target.position
+                if self._back is not None:  # the pose that is read has the tool point at the ball
+                    pose = zip(scales, self._places[step.target.number].pose, strict=True)
+                    at = tuple(number for scale, value in pose if (number := scale.nearest(value)) is not None)
+                texts = tuple(scale.written(value) for scale, value in zip(scales, at, strict=True))
+                known = self._setup, self._machine.axes, texts, step.target.approach
+                found.append(Listed(step.target.number, seconds, *known))
+        return tuple(found)
+
+    def _head(self) -> Iterator[str]:
+        artefact, numbers = self._setup.artefact, [*self._places]
+        yield from ("AXISCAL MEASURING PROGRAM", f"MACHINE {self._machine.name}", f"SET-UP {self._setup.name}")
+        if artefact is not None and artefact.standing != artefact.name:
+            yield artefact.standing
+        yield from (f"READINGS {numbers[0]} TO {numbers[-1]}", "MACHINE COORDINATES IN MM AND DEG")
+        yield from (f"{axis.name} IS THE RADIUS" for axis in self._machine.axes if axis.diameters)
+        yield f"ORDER OF MOVES {self._axes.order}"
+        yield from standing(self._machine, self._setup)
+        yield from _BY_ITSELF if self.touches else _AT_BALL if self._back is not None else ()
 
     def _lines(self, step: steps.Step) -> list[str]:
+        axes = self._machine.axes
         match step:
             case steps.Touched():
                 return self._dialect.touched(step)
             case steps.Move():
-                words = [(self._machine.axes[k].name, self._axes.scales[k].written(v)) for k, v in step.to.items()]
+                words = [(axes[k].name, self._axes.scales[k].written(v)) for k, v in step.to.items()]
                 return [self._dialect.straight_move(words, step.feed)]
             case steps.Dwell():
                 return filled(self._dialect.dwell, s=step.seconds, ms=round(step.seconds * 1000))
             case steps.Halt():
-                stop = self._dialect.stopped(self._machine.axes)
                 seen = (self._dialect.screen or self._dialect.comment).format(text=plain(step.text))
-                return [*([seen] if step.text else []), *stop]
+                return [*([seen] if step.text else []), *self._dialect.stopped(len(axes))]
             case steps.Remark():
                 return [self._comment(step.text)]
-        assert isinstance(step, steps.Arrival)  # for the list of readings alone
-        return []
+            case steps.Arrival():  # for the list of readings alone
+                return []
 
     def _comment(self, text: str) -> str:
         """Return a comment; it begins with our own words, so that no name becomes a command such as (PROBEOPEN x)."""
         return self._dialect.comment.format(text=plain(text))
 
-    def _listed(self, run: Sequence[steps.Step]) -> Iterator[Listed]:
-        """Yield the readings with the time from the start at the first one, stops not counted."""
-        seconds, asked = 0.0, dict(self._places)
-        for step in run:
-            if isinstance(step, steps.Move | steps.Dwell | steps.Touched):
-                seconds += step.seconds
-            elif isinstance(step, steps.Arrival):
-                reached, at = step.target, step.target.position
-                if self._setup.contact == "retracted":  # the pose that is read has the tool point at the ball
-                    pose = zip(self._axes.scales, asked[reached.number].pose, strict=True)
-                    at = tuple(number for scale, value in pose if (number := scale.nearest(value)) is not None)
-                texts = tuple(scale.written(value) for scale, value in zip(self._axes.scales, at, strict=True))
-                yield Listed(reached.number, seconds, self._setup, self._machine.axes, texts, reached.approach)
-
-    def _notes(self) -> tuple[str, ...]:
+    def _notes(self) -> list[str]:
         scales, clearance = self._axes.scales, self._axes.clearance
         far = [(scale, scale.above(scale.axis.overrun).quantize(scale.step)) for scale in scales]
         values = {
             "touches": self.touches,
-            "retracted": self._setup.contact == "retracted",
+            "retracted": self._back is not None,
             "order": self._axes.order,
             "clear": None if clearance is None else (scales[clearance[0]], clearance[1]),
             "overruns": ", ".join(f"{each.normalize():f} {scale.unit} on {scale.axis.name}" for scale, each in far),
         }
-        return (
-            *self._dialect.notes,
-            *(self._dialect.logging().notes if self.touches else ()),
-            *rendered("axiscal.programs", "notes.jinja", **values).splitlines(),
-        )
+        return rendered("axiscal.programs", "notes.jinja", **values).splitlines()
 
 
 _AT_BALL = ("AT A READING THE TOOL IS DRAWN BACK FROM ITS BALL", "RUN THE SPHERE CYCLE THEN PRESS START")
 _BY_ITSELF = ("THE PROGRAM TOUCHES EACH BALL AND WRITES A LOG", "PROBE IN THE SPINDLE - SPINDLE OFF")
+
+
+def standing(machine: Machine, setup: Setup) -> list[str]:
+    """Return what is assumed to stand where, mm in the workpiece frame, and the size of what moves among it."""
+    artefact = setup.artefact
+    balls = artefact.balls if artefact is not None and artefact.diameter is not None else ()
+    names = ("STYLUS", "HOLDER", "NOSE") if machine.nose.stylus > 0 else ("TOOL", "NOSE")
+    values = {
+        "machine": machine,
+        "balls": balls,
+        "boxes": () if artefact is None else artefact.keep_out,
+        "unknown": artefact is not None and artefact.balls and not balls,
+        "parts": [*zip(names, parts(machine), strict=False)],
+        "mm": lambda lengths: " ".join(f"{to_unit(float(length), 'mm'):.1f}" for length in lengths),
+    }
+    return rendered("axiscal.programs", "standing.jinja", **values).splitlines()
 
 
 def plain(text: str) -> str:
@@ -270,3 +266,42 @@ def program_name(number: int, setup: str, longest: int) -> str:
     """Return the name of a program, which is its file's too: letters, digits, single underscores."""
     words = re.sub(r"[^A-Z0-9]+", "_", plain(setup)).strip("_")
     return f"AXISCAL_{number:02d}_{words}"[:longest].rstrip("_")
+
+
+def write_programs(
+    machine: Machine,
+    setups: Sequence[Setup],
+    places: Sequence[Place],
+    controller: str,
+    folder: str | Path,
+    log: bool = False,
+) -> list[Path]:
+    """Write the programs of a plan to a folder and return the files. These are a program and its list for each set-up,
+    then readings.csv and README.txt.  log : the programs touch the spheres themselves and write a log.
+    Raises ProgramError before the first file is touched, OSError.
+    """
+    made = programs(machine, setups, places, dialect(controller), log)
+    files = {name: text for each in made for name, text in _own_files(each)}
+    lists = LISTS.format(plan_code([program.listing for program in made]))
+    _refuse_other_plan(Path(folder), lists, files)
+    files |= {lists: "".join(f"{program.name}.csv\n" for program in made)} if log else {}
+    files["readings.csv"] = form([reading for program in made for reading in program.readings])
+    files["README.txt"] = rendered("axiscal.programs", "readme.jinja", title=dialect(controller).title, made=made)
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    for name, text in files.items():
+        write_whole(Path(folder) / name, text.encode())
+    return [Path(folder) / name for name in files]
+
+
+def _own_files(program: Program) -> tuple[tuple[str, str], tuple[str, str]]:
+    return (program.file_name, program.text), (f"{program.name}.csv", program.listing)
+
+
+def _refuse_other_plan(folder: Path, own: str, files: Collection[str]) -> None:
+    """Raise ProgramError where lists of another plan would be overwritten: its logs could not be read any more."""
+    for other in sorted(folder.glob(LISTS.format("*"))):
+        lists = other.read_text(encoding="utf-8", errors="replace").split("\n")
+        if other.name != own and (taken := next((name for name in lists if name in files), None)):
+            what = "{folder} holds {taken} of another plan, whose logs are read with it"
+            remedy = "Write to another folder; or take out {list} if it was never run"
+            raise ProgramError(what, remedy, folder=folder, taken=shown(taken), list=other.name)

@@ -16,7 +16,6 @@ from axiscal_core.axes import Axis
 Decimals = tuple[Decimal, ...]
 _ROUNDED = 3
 """Steps of the program's last decimal that rounding may take from an overrun."""
-
 _NOISE = 9
 """Decimals in mm or deg beyond which a binary number is noise: 1e-12 m."""
 
@@ -62,11 +61,6 @@ class AxisScale:
         """The travel, for people."""
         return said("{low} to {high}", low=self.low, high=f"{self.high} {self.unit}")
 
-    @property
-    def turn(self) -> Decimal | None:
-        """One turn, for an axis whose ends are the same place."""
-        return Decimal(360) if self.axis.cyclic and self.last - self.first == 360 else None
-
     def nearest(self, value: float) -> Decimal | None:
         """Return the number next to a coordinate (m or rad) that lies in the travel; None for one outside of it."""
         slack = 1e-9 * self.axis.length
@@ -78,11 +72,22 @@ class AxisScale:
         """Return the next multiple of the step that is no shorter than a distance in m or rad."""
         return exact(to_unit(value, self.unit)).quantize(self.step, ROUND_CEILING)
 
+    def sided(self, number: Decimal, side: int) -> tuple[Decimal, Decimal] | None:
+        """Return a position and where to turn before it, at the other end of a turn where this one leaves no room.
+
+        None where no end leaves room; room lost by rounding to the numbers of the program is forgiven.
+        """
+        wanted, turns = self.above(self.axis.overrun), self.axis.cyclic and self.last - self.first == 360
+        for place in (number, *([number + side * 360] if side and turns else [])):
+            room = place - self.first if side > 0 else self.last - place
+            if self.first <= place <= self.last and (not side or room >= wanted - _ROUNDED * self.step):
+                return place, place - side * min(wanted, room)
+        return None
+
     def written(self, value: Decimal) -> str:
         """Return the number as text; raises ProgramError unless it reads back as itself and lies in the travel."""
         text = f"{value + 0:.{-int(self.step.as_tuple().exponent)}f}"
-        read = Decimal(text)
-        if read != value or not self.low <= read <= self.high:
+        if Decimal(text) != value or not self.low <= value <= self.high:
             what = "{axis} would go to {text} {unit}, and its travel is {low} to {high}"
             remedy, axis = "Choose a smaller overrun, or a raster within the travel", self.axis.name
             raise ProgramError(what, remedy, axis=axis, text=text, unit=self.unit, low=self.low, high=self.high)
@@ -122,40 +127,19 @@ def target(
 
 def _placed(scale: AxisScale, label: str, value: float, side: int) -> tuple[Decimal, Decimal]:
     """Return position and turning point of one axis."""
-    number = scale.nearest(value)
+    name, number = scale.axis.name, scale.nearest(value)
     if number is None:
         what, place = "{label}: {axis} = {place} is outside the travel", format_quantity(value, scale.unit, 9)
         remedy = "Plan within {travel}; a raster may lead beyond it"
-        raise TravelError(what, remedy, label=label, axis=scale.axis.name, place=place, travel=scale.travel)
-    if side == 0:
-        return number, number
-    sided = _sided(scale, number, side)
-    if sided is None:
-        raise _no_room(scale, label, number, side)
-    return sided
-
-
-def _sided(scale: AxisScale, number: Decimal, side: int) -> tuple[Decimal, Decimal] | None:
-    """Return a position and its turning point, at the other end of a turn where this one leaves no room for it.
-
-    None where no end leaves room; room lost by rounding to the numbers of the program is forgiven.
-    """
-    wanted = scale.above(scale.axis.overrun)
-    least = wanted - _ROUNDED * scale.step
-    for place in (number, *(() if scale.turn is None else (number + side * scale.turn,))):
-        room = place - scale.first if side > 0 else scale.last - place
-        if scale.first <= place <= scale.last and room >= least:
-            return place, place - side * min(wanted, room)
-    return None
-
-
-def _no_room(scale: AxisScale, label: str, number: Decimal, side: int) -> TravelError:
-    sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
-    overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
+        raise TravelError(what, remedy, label=label, axis=name, place=place, travel=scale.travel)
+    if (sided := scale.sided(number, side)) is not None:
+        return sided
     what = (
         "{label} is to be approached with {side} at {axis} = {number} {unit}, and the travel, which ends at {end} "
         "{unit}, leaves less than the overrun of {overrun} to come from there"
     )
     remedy = "Plan it further inside or from the other side, or give the axis a smaller overrun"
-    at = {"side": f"{scale.axis.name}{sign}", "axis": scale.axis.name, "number": number, "unit": scale.unit, "end": end}
-    return TravelError(what, remedy, None, None, label=label, overrun=overrun, **at)
+    sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
+    overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
+    at = {"side": f"{name}{sign}", "axis": name, "number": number, "unit": scale.unit, "end": end}
+    raise TravelError(what, remedy, None, None, label=label, overrun=overrun, **at)

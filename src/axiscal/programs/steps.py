@@ -1,4 +1,4 @@
-"""The steps of a measuring program, before any control's words: moves, waits, stops, remarks.
+"""The steps of a measuring program, before any control's words: moves, waits, stops, remarks, touches.
 
 Axes that move together: never linear and rotary ones at once, so that a feed has one meaning.
 """
@@ -12,90 +12,41 @@ from decimal import Decimal
 
 import numpy as np
 
-from axiscal.exceptions import ProgramError
-from axiscal.machine.motion import FAMILIES, move_groups, turn_parts
+from axiscal.document import shown
+from axiscal.exceptions import ProgramError, TravelError
+from axiscal.machine.motion import FAMILIES, move_groups, travel_seconds, turn_parts
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
-from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget
-from axiscal.programs.standing import CLEAR, mounting
-from axiscal.units import format_quantity, to_unit
-from axiscal_core.axes import Axis
+from axiscal.measurement.touched import cycle_of, touches
+from axiscal.numerics import Array
+from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact
+from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core.machine import Machine
 
 FASTEST = 99_999
 """mm/min or deg/min; not every control is known to read a longer number."""
-
-
-@dataclass(frozen=True, slots=True)
-class Group:
-    """Some axes by index, in the order X Y Z, A B C; their speeds (mm/s, deg/s) and accelerations (mm/s², deg/s²)."""
-
-    names: tuple[str, ...]
-    axes: tuple[int, ...]
-    speeds: tuple[float, ...]
-    accelerations: tuple[float, ...]
-
-    def feed(self, ways: Sequence[float] | None) -> int:
-        """Return the fastest feed (mm/min, deg/min) of a straight move at which no axis exceeds its speed.
-
-        ways : how far each axis goes, mm or deg; None where that is not known.  Raises ProgramError below 1.
-        """
-        fastest = min(self.speeds) if ways is None else _along(self.speeds, ways)
-        feed = min(math.floor(fastest * 60 * (1 + 1e-12)), FASTEST)
-        if feed < 1:
-            what, remedy = "{axes} would move at less than 1 mm/min or deg/min", "Give these axes a higher speed"
-            raise ProgramError(what, remedy, axes=" ".join(self.names))
-        return feed
-
-    def seconds(self, ways: Sequence[float], feed: int) -> float:
-        """Return the time of a straight move that begins and ends at rest."""
-        length, speed = math.hypot(*ways), feed / 60
-        acceleration = _along(self.accelerations, ways)
-        short = length < speed**2 / acceleration
-        return 2 * math.sqrt(length / acceleration) if short else length / speed + speed / acceleration
-
-
-def groups(machine: Machine) -> tuple[Group, ...]:
-    """Return the groups in the order they move."""
-    return tuple(_group(machine, axes) for axes in move_groups(machine))
-
-
-def _group(machine: Machine, members: Sequence[int]) -> Group:
-    axes = tuple(sorted(members, key=lambda k: ("".join(FAMILIES).index(machine.axes[k].letter), machine.axes[k].name)))
-    speeds = tuple(_written(machine.axes[k], machine.axes[k].speed) for k in axes)
-    accelerations = tuple(_written(machine.axes[k], machine.axes[k].acceleration) for k in axes)
-    return Group(tuple(machine.axes[k].name for k in axes), axes, speeds, accelerations)
-
-
-def _written(axis: Axis, value: float) -> float:
-    """Return a speed or acceleration in mm or deg instead of m or rad."""
-    return to_unit(value, axis.unit)
-
-
-def _along(limits: Sequence[float], ways: Sequence[float]) -> float:
-    """Return the most along a straight way that keeps within the limits of all axes."""
-    length = math.hypot(*ways)
-    return min(limit * length / way for limit, way in zip(limits, ways, strict=True) if way)
-
-
-Places = Mapping[int, Decimal]
-"""Index of an axis -> where it is, mm or deg."""
-
 LONGEST_DWELL = 60.0
 """s; a longer dwell is written in parts, for controls differ in what they take."""
 LONGEST_WAIT = 3600.0
 """s; a description that asks for more has slipped."""
+_TRAVEL = 600
+"""mm/min beside a sphere: gentle on any probe."""
+_CLEAR = "PRESS START WHEN THE WAY TO THE START IS CLEAR"
+"""What the first stop is for."""
+_NAME = 30
+"""Characters of the name of an artefact, so that what is to be done with it stays on the screen."""
+
+Places = Mapping[int, Decimal]
+"""Index of an axis -> where it is, mm or deg."""
 
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """A straight move: index of each axis named -> where to, mm or deg; feed in mm/min or deg/min.
-
-    seconds : how long it takes; 0 where nobody knows where it begins
-    """
+    """A straight move: where to; feed in mm/min or deg/min; seconds, 0 where nobody knows where it begins."""
 
     to: Places
     feed: int
-    seconds: float
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,39 +96,38 @@ class Touched:
     travel: int
     seconds: float
 
-    def words(self, values: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
-        """Return values of this touch with the letters of their axes."""
-        return tuple(zip(self.letters, values, strict=True))
-
 
 Step = Move | Dwell | Halt | Remark | Arrival | Touched
-
-
-Clearance = tuple[int, Decimal]
-"""Index of the axis that goes clear before others move, and where it is clear, mm or deg."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ProgramAxes:
     """The axes of one set-up as its program moves them.
 
-    scales : in chain order; groups : in the order in which they move; clearance : None where nothing goes clear
+    scales : in chain order; groups : axes that move together, in the order X Y Z, A B C, as the groups move
+    clearance : the axis that goes clear before others move, and where it is clear; None where nothing does
     """
 
+    machine: Machine
     scales: tuple[AxisScale, ...]
-    groups: tuple[Group, ...]
-    clearance: Clearance | None = None
+    groups: tuple[tuple[int, ...], ...]
+    clearance: tuple[int, Decimal] | None = None
 
     @classmethod
-    def from_setup(cls, machine: Machine, setup: Setup, decimals: Sequence[int]) -> ProgramAxes:
-        """Return those of a set-up; decimals : of each axis.  Raises ProgramError."""
-        scales = tuple(AxisScale.of_axis(axis, each) for axis, each in zip(machine.axes, decimals, strict=True))
-        return cls(scales, groups(machine), clearance_of(machine, scales, setup))
+    def from_setup(cls, machine: Machine, setup: Setup, decimals: int) -> ProgramAxes:
+        """Return those of a set-up; raises ProgramError."""
+        scales = tuple(AxisScale.of_axis(axis, decimals) for axis in machine.axes)
+        order = {k: ("".join(FAMILIES).index(axis.letter), axis.name) for k, axis in enumerate(machine.axes)}
+        groups = tuple(tuple(sorted(group, key=order.__getitem__)) for group in move_groups(machine))
+        return cls(machine, scales, groups, _clearance(machine, scales, setup))
 
     @property
     def order(self) -> str:
         """The groups as words: "X Y Z then A C"."""
-        return " then ".join(" ".join(group.names) for group in self.groups)
+        return " then ".join(" ".join(self._names(group)) for group in self.groups)
+
+    def _names(self, group: Sequence[int]) -> tuple[str, ...]:
+        return tuple(self.machine.axes[k].name for k in group)
 
     def run_through(
         self,
@@ -193,10 +143,12 @@ class ProgramAxes:
         After the instrument is mounted every axis is sent to the start once more, in case somebody had to jog.
         Raises ProgramError for waits or feeds that cannot be.
         """
-        standing = targets[0].turning
-        yield Halt(CLEAR)  # what is put down goes under a spindle that is clear
+        standing, mounting = targets[0].turning, "MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"
+        if setup.artefact is not None and setup.contact == "retracted":
+            mounting = f"PUT DOWN {setup.artefact.name[:_NAME]} THEN PRESS START"
+        yield Halt(_CLEAR)  # what is put down goes under a spindle that is clear
         yield from self.to_the_start(standing if setup.contact == "free" else self.cleared(standing))
-        yield Halt(mounting(setup))
+        yield Halt(mounting)
         yield from self.to_the_start(standing)
         for target in targets:
             yield from self.way_to(target, standing, first=target is targets[0])
@@ -218,23 +170,20 @@ class ProgramAxes:
         if self.clearance is not None and clear != self.cleared(turning):  # an axis moves that is not its own
             turning = target.way_in(clear)
             stops = [clear, self.cleared(turning), turning, target.position]
-        for stop in stops:
-            yield from self.moves(standing, stop)
-            standing = stop
+        yield from self.along(standing, stops)
 
     def to_the_start(self, start: Decimals) -> Iterator[Move]:
         """Yield the moves to the start from nobody knows where: what goes clear first does so, and comes down last."""
         if self.clearance is None:
-            yield from (Move({k: start[k] for k in group.axes}, group.feed(None), 0.0) for group in self.groups)
+            yield from (Move({k: start[k] for k in group}, self._feed(group)) for group in self.groups)
             return
         apart, above = self.clearance
-        (own,) = (group for group in self.groups if apart in group.axes)
-        clear, there = {apart: above}, {apart: start[apart]}
-        yield from (Move(to, own.feed(None), 0.0) for to in [*self._places(there, clear)] or [clear])
+        clear, there, feed = {apart: above}, {apart: start[apart]}, self._feed(self._with(apart))
+        yield from (Move(to, feed) for to in [*self._places(there, clear)] or [clear])
         for group in self.groups:
-            to = {k: start[k] for k in group.axes if k != apart}
-            yield from [Move(to, group.feed(None), 0.0)] if to else []
-        yield from (Move(to, own.feed(None), 0.0) for to in self._places(clear, there))
+            to = {k: start[k] for k in group if k != apart}
+            yield from [Move(to, self._feed(group))] if to else []
+        yield from (Move(to, feed) for to in self._places(clear, there))
 
     def cleared(self, place: Decimals) -> Decimals:
         """Return the place with the axis of the clearance where it is clear."""
@@ -243,21 +192,46 @@ class ProgramAxes:
         apart, above = self.clearance
         return (*place[:apart], above, *place[apart + 1 :])
 
+    def along(self, standing: Decimals, stops: Sequence[Decimals]) -> Iterator[Move]:
+        """Yield the moves from one stop to the next."""
+        for stop in stops:
+            yield from self.moves(standing, stop)
+            standing = stop
+
     def moves(self, start: Decimals, stop: Decimals) -> Iterator[Move]:
         """Yield the moves from one place to another, group after group; none where nothing is to move."""
         for group in self.groups:
-            begin, end = ({k: where[k] for k in group.axes} for where in (start, stop))
-            yield from self._straight(begin, end, group)
+            begin, end = (dict[int, Decimal]((k, where[k]) for k in group) for where in (start, stop))
+            for to in self._places(begin, end):
+                ways = {k: to[k] - begin[k] for k in group if to[k] != begin[k]}
+                yield Move({k: to[k] for k in ways}, self._feed(ways, ways), self._seconds(ways))
+                begin = to
 
-    def _straight(self, begin: Places, end: Places, group: Group) -> Iterator[Move]:
-        """Yield a straight way as moves."""
-        for stop in self._places(begin, end):
-            ways = [float(abs(stop[k] - begin[k])) for k in group.axes]
-            feed = group.feed(ways)
-            yield Move({k: stop[k] for k in group.axes if stop[k] != begin[k]}, feed, group.seconds(ways, feed))
-            begin = stop
+    def _with(self, axis: int) -> tuple[int, ...]:
+        return next(group for group in self.groups if axis in group)
 
-    def _places(self, begin: Places, end: Places) -> Iterator[Places]:
+    def _seconds(self, ways: Places) -> float:
+        far = np.zeros(len(self.scales))
+        for k, way in ways.items():
+            far[k] = from_unit(float(way), self.scales[k].unit)
+        return float(travel_seconds(self.machine, np.zeros(len(far)), far))
+
+    def _feed(self, axes: Sequence[int] | Places, ways: Places | None = None) -> int:
+        """Return the fastest feed (mm/min, deg/min) of a straight move at which no axis exceeds its speed.
+
+        ways : how far each axis goes; None where that is not known.  Raises ProgramError below 1.
+        """
+        far = {k: float(way) for k, way in ways.items()} if ways else {}
+        length = math.hypot(*far.values()) if ways else 1.0
+        speeds = {k: to_unit(self.machine.axes[k].speed, self.scales[k].unit) for k in axes}
+        fastest = min(speed * length / abs(far.get(k, 1.0)) for k, speed in speeds.items())
+        feed = min(math.floor(fastest * 60 * (1 + 1e-12)), FASTEST)
+        if feed < 1:
+            what, remedy = "{axes} would move at less than 1 mm/min or deg/min", "Give these axes a higher speed"
+            raise ProgramError(what, remedy, axes=" ".join(self._names(self._with(next(iter(axes))))))
+        return feed
+
+    def _places(self, begin: Places, end: Places) -> Iterator[dict[int, Decimal]]:
         """Yield the places on a straight way, its end included, between which no axis turns far; none for no way."""
         if begin == end:
             return
@@ -265,6 +239,45 @@ class ProgramAxes:
         count = int(turn_parts(np.array(max(turns, default=0.0))))
         for part in range(1, count + 1):
             yield {k: (begin[k] + (end[k] - begin[k]) * part / count).quantize(self.scales[k].step) for k in end}
+
+    def touching(self, setup: Setup, target: ReadingTarget, place: Place) -> Iterator[Step]:
+        """Yield the touches of a sphere from all sides, from where the tool is drawn back and back to there.
+
+        X, Y and Z move in it.  Raises ProgramError where these are not one group, TravelError.
+        """
+        group = next((each for each in self.groups if set(self._names(each)) == set("XYZ")), None)
+        if group is None:
+            what = "X, Y and Z touch the spheres of {setup} and are not one group of moves"
+            remedy = "Name the linear axes X, Y and Z, and let them move together in --order"
+            raise ProgramError(what, remedy, setup=shown(setup.name))
+        standing, cycle = target.position, cycle_of(self.machine, setup)
+        fast, slow = (math.floor(to_unit(speed, "mm/min")) for speed in (cycle.fast, cycle.slow))
+        travel, clear, back = min(_TRAVEL, self._feed(group)), to_unit(cycle.clear, "mm"), to_unit(cycle.back, "mm")
+        seconds = 60 * (clear / fast + back * (1 / fast + 1 / slow) + clear / travel)
+        for number, touch in enumerate(touches(self.machine, np.array(place.pose), cycle), start=1):
+            *way, beside, into = (self._reached(setup, each, target) for each in (*touch.way, touch.beside, touch.into))
+            steps = [
+                exact(to_unit(each, "mm")).quantize(s.step) for each, s in zip(touch.back, self.scales, strict=True)
+            ]
+            yield from self.along(standing, [*way, beside])
+            ends, backs, begins = (tuple(f"{values[k] + 0:f}" for k in group) for values in (into, steps, beside))
+            where = self._names(group), ends, backs, begins
+            yield Touched(target.number, number, *where, fast, slow, travel, seconds)
+            yield from self.along(beside, way[::-1])
+            standing = way[0]
+        yield from self.moves(standing, target.position)
+
+    def _reached(self, setup: Setup, pose: Array, target: ReadingTarget) -> Decimals:
+        """Return a pose in the numbers of the program, the rotary axes as they stand; raises TravelError."""
+        numbers = []
+        for k, (scale, value) in enumerate(zip(self.scales, pose.tolist(), strict=True)):
+            number = target.position[k] if scale.axis.rotary else scale.nearest(value)
+            if number is None:
+                what = "reading {number} of {setup}: touching leaves the travel of {axis}"
+                remedy = "Put the sphere nearer to the middle of the travels"
+                raise TravelError(what, remedy, number=target.number, setup=shown(setup.name), axis=scale.axis.name)
+            numbers.append(number)
+        return tuple(numbers)
 
 
 def dwells(seconds: float) -> Iterator[Dwell]:
@@ -276,20 +289,18 @@ def dwells(seconds: float) -> Iterator[Dwell]:
     yield from [Dwell(seconds / max(parts, 1))] * parts
 
 
-def clearance_of(machine: Machine, scales: Sequence[AxisScale], setup: Setup) -> Clearance | None:
+def _clearance(machine: Machine, scales: Sequence[AxisScale], setup: Setup) -> tuple[int, Decimal] | None:
     """Return the axis that goes clear and where; raises ProgramError for a place outside its travel.
 
     For balls on the table that axis is Z at its upper end, unless another is stated.
     """
     if setup.driving.clearance is None:
-        high = {k: scales[k].last if axis.direction[2] > 0 else scales[k].first for k, axis in enumerate(machine.axes)}
-        over = (k for k, axis in enumerate(machine.axes) if axis.name == "Z" and setup.contact != "free")
-        return next(((k, high[k]) for k in over), None)
+        over = [k for k, axis in enumerate(machine.axes) if axis.name == "Z" and setup.contact != "free"]
+        return next(((k, scales[k].last if machine.axes[k].direction[2] > 0 else scales[k].first) for k in over), None)
     name, place = setup.driving.clearance
     index = machine.index(name)
-    number = scales[index].nearest(place)
+    number, scale = scales[index].nearest(place), scales[index]
     if number is None:
-        scale, what = scales[index], "{name} is to go clear at {place}, outside its travel"
-        shown = format_quantity(place, scale.unit)
-        raise ProgramError(what, "Choose a place within {travel}", name=name, place=shown, travel=scale.travel)
+        what, at = "{name} is to go clear at {place}, outside its travel", format_quantity(place, scale.unit)
+        raise ProgramError(what, "Choose a place within {travel}", name=name, place=at, travel=scale.travel)
     return index, number

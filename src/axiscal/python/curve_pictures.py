@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from axiscal.present.rendering import curve_pictures
-from axiscal.python.own_report import document_of
+from axiscal.python.own_report import result_of
 from axiscal_core import refusals
 from axiscal_core.known import Known
 from axiscal_core.normal import Normal
@@ -32,7 +32,7 @@ class NotebookPicture:
 def plot(known: Known) -> NotebookPicture:
     """Return a picture of every curve with its 95 % band; raises axiscal_core.InputError."""
     one("plot", "known", known, Known, "what `case.estimate` returns")
-    return NotebookPicture(tuple(curve_pictures(document_of(known, "Machine"))))
+    return NotebookPicture(tuple(curve_pictures(result_of(known, "Machine"))))
 
 
 def to_xarray(known: Known) -> Any:

@@ -33,7 +33,7 @@ class Created:
 
     machine_text, campaign_text : the two descriptions, word for word
     machine_source, campaign_source : where they were read; versions : of axiscal and of what it computes with
-    prior_text : the campaign whose result is its prior, as `heritage` writes it; by : who wrote it; "" for none
+    prior_text : the campaign whose result is its prior, as `heritage` writes it; "" for none
     usual_doubts, fine_knots, whole_lengths : what nothing is stated of is doubted as is usual, knots are as close as
         is cheap, and a length is one reading, not one at each end; records of before could not say these
     """
@@ -47,7 +47,6 @@ class Created:
     usual_doubts: bool = False
     fine_knots: bool = False
     whole_lengths: bool = False
-    by: str = field(default="", compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,17 +191,6 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True)
-class Undoable:
-    """What can be taken back, and what was before it: question, highest number; readings before a mistake."""
-
-    number: int
-    event: Done
-    pending: Asked | None
-    highest: int
-    readings: tuple[Reading, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
 class State:
     """Where the campaign stands.
 
@@ -227,7 +215,7 @@ class State:
     plan: tuple[Place, ...] = ()
     plan_basis: str = ""
     renew: bool = False
-    undo: tuple[Undoable, ...] = ()
+    undo: tuple[Stored, ...] = ()
     notes: tuple[Note, ...] = ()
     mounted: tuple[Mounted, ...] = ()
     last: int = 0
@@ -241,6 +229,12 @@ class State:
         """The number of the next reading: readings and skips have one each, and keep it while they stand."""
         taken = (*(reading.number or 0 for reading in self.written), *(gap.asked.reading for gap in self.skipped))
         return max(taken, default=0) + 1
+
+    @property
+    def result(self) -> KeptResult:
+        """What a campaign that has ended came to."""
+        last = self.undo[-1].event if self.undo else None
+        return last.result if isinstance(last, Finished) else KeptResult()
 
     @property
     def coming(self) -> tuple[Place, ...]:
@@ -277,9 +271,10 @@ def fold(events: Iterable[Stored]) -> State:
 
 @dataclass(eq=False, slots=True)
 class Folding:
-    """The state while events are added to it, in time proportional to their number; fields as of `State`.
+    """The state while events are added to it; fields as of `State`.
 
-    highest : number of a reading or a skip so far.  `add` raises EventOrderError, and then nothing has happened
+    highest : number of a reading or a skip so far; story : the events that stand
+    `add` raises EventOrderError, and then nothing has happened
     """
 
     created: Created | None = None
@@ -292,10 +287,11 @@ class Folding:
     plan_basis: str = ""
     renew: bool = False
     continued: str | None = None
-    undo: list[Undoable] = field(default_factory=list)
+    undo: list[Stored] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)
     mounted: list[Mounted] = field(default_factory=list)
     bumps: list[Bumped] = field(default_factory=list)
+    story: list[Stored] = field(default_factory=list)
     highest: int = 0
     last: int = 0
 
@@ -328,20 +324,21 @@ class Folding:
             self._take_back(event)
         elif isinstance(event, (Noted, Warmed)):
             after = self.readings[-1].number or len(self.readings) if self.readings else 0
-            warm = event if isinstance(event, Warmed) else None
-            self.notes.append(Note(event.text, stored.at, after, warm))
-            self.undo += [Undoable(stored.number, warm, self.pending, self.highest)] if warm else []
+            self.notes.append(Note(event.text, stored.at, after, event if isinstance(event, Warmed) else None))
         elif isinstance(event, Mounted):
             self.mounted.append(event)
         elif isinstance(event, Bumped):
             self.bumps.append(event)
-        elif not isinstance(event, (Signed, Continued, Lost)):
-            before = tuple(self.readings) if isinstance(event, Accepted) else ()
-            step = Undoable(stored.number, event, self.pending, self.highest, before)
-            self._accept(event) if isinstance(event, Accepted) else self._take(event)
-            self.undo.append(step)
+        elif isinstance(event, Accepted):
+            self._accept(event)
+        elif isinstance(event, (Recorded, Skipped, Finished)):
+            self._take(event)
         if not isinstance(event, _SILENT):
             self.continued = event.grounds if isinstance(event, Continued) else None
+        if not isinstance(event, Undone):
+            self.story.append(stored)
+        if isinstance(event, Done):
+            self.undo.append(stored)
         self.last = stored.number
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
@@ -349,7 +346,7 @@ class Folding:
             asked = self.pending.reading if self.pending else self.highest + 1
             number = asked if event.reading.number is None else event.reading.number
             self.highest = max(self.highest, number)
-            self.written.append(event.reading.under(number, self.created.by if self.created else ""))
+            self.written.append(event.reading.under(number))
             self.readings.append(self.written[-1])
             self.renew |= self.pending is None or event.reading.place != self.pending.place
         elif isinstance(event, Finished):
@@ -377,22 +374,15 @@ class Folding:
         self.renew = True
 
     def _take_back(self, event: Undone) -> None:
+        """Tell the story anew without what is taken back, and what was asked since."""
         if not self.undo or self.undo[-1].number != event.event:
             raise EventOrderError(f"event {event.event} was taken back, but it was not the last one that can be")
-        step = self.undo.pop()
-        if self.pending is not None and self.pending != step.pending:
-            self.plan.insert(0, self.pending.place)  # it was asked for and never taken
-        if isinstance(step.event, Recorded):
-            self.readings.pop()
-            self.written.pop()
-        elif isinstance(step.event, Accepted):
-            self.readings = list(step.readings)
-            self.mounted = [each for each in self.mounted if each.branch or each.name != step.event.name]
-        elif isinstance(step.event, Skipped):
-            self.plan = [] if self.skipped.pop().whole else self.plan  # a plan without the set-up is none to go on from
-        elif isinstance(step.event, Warmed):
-            self.notes.remove(next(note for note in reversed(self.notes) if note.warmed is not None))
-        else:
-            self.finished = None
-        self.pending, self.highest = step.pending, step.highest
-        self.renew |= not isinstance(step.event, Warmed)  # places do not depend on it
+        step, renew, anew = self.undo[-1].event, self.renew, Folding()
+        for each in self.story:
+            if each.number < event.event or not (each.number == event.event or isinstance(each.event, Asked)):
+                anew.add(each)
+        for name in [each.name for each in fields(self)]:
+            setattr(self, name, getattr(anew, name))
+        if isinstance(step, Skipped) and step.rest:
+            self.plan = []  # a plan without the set-up is none to go on from
+        self.renew = renew or not isinstance(step, Warmed)  # places do not depend on it

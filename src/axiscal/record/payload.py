@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, fields
 from datetime import datetime
 from functools import cache
 from typing import Annotated, Any, Literal, get_args
@@ -60,8 +60,8 @@ def decode(kind: str, text: str) -> events.Event:
         if not needed <= found.keys():
             raise ValueError(f"it lacks {', '.join(sorted(needed - found.keys()))}")
         read = reader.validate_json(text)
-        event = _READ[type(read)](read) if type(read) in _READ else read
-        return replace(event, by=beside["person"]) if isinstance(event, events.Created) else event
+        event: events.Event = _READ[type(read)](read) if type(read) in _READ else read
+        return event
     except ValidationError as error:
         wrong = error.errors(include_url=False)[0]
         where = ".".join(map(str, wrong["loc"]))
@@ -99,8 +99,7 @@ def _fields(event: events.Event) -> dict[str, object]:
             circumstances = {"accepted": reading.accepted, "time": reading.time}
             numbered = {} if reading.number is None else {"reading": reading.number}
             return {**numbered, **_place_fields(reading.place), **of_value, **circumstances}
-    said = {name: value for name, value in asdict(event).items() if name != "by"}
-    return {name: value for name, value in said.items() if value or name not in _QUIET}
+    return {name: value for name, value in asdict(event).items() if value or name not in _QUIET}
 
 
 _QUIET = "rest", "last"
@@ -145,12 +144,11 @@ class _Recorded(_At):
     accepted: bool = False  # this and what follows were not in older records
     time: float | None = None
     reading: int | None = None
-    person: str = ""
 
 
 def _reading(said: _Recorded) -> Reading:
     at, of_value = said.place(), (said.value, said.std, None, said.accepted, said.others, said.time, said.reading)
-    return Reading(at.setup, at.pose, at.approach, *of_value, at.check, said.person)
+    return Reading(at.setup, at.pose, at.approach, *of_value, at.check)
 
 
 _READ: Mapping[type, Callable[[Any], events.Event]] = {
@@ -174,7 +172,7 @@ def _reader(name: str) -> tuple[frozenset[str], frozenset[str], TypeAdapter[Any]
     kind: Any = _KINDS[name]
     if kind in _READ:
         return frozenset(kind.model_fields), frozenset(), TypeAdapter(kind)
-    names = frozenset(field.name for field in fields(kind)) - {"by"}
+    names = frozenset(field.name for field in fields(kind))
     return names, names - _LATER, TypeAdapter(with_config(_Strict.model_config)(kind))
 
 

@@ -13,8 +13,7 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterator, Mapping, Sequence
-from contextvars import ContextVar
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -39,28 +38,6 @@ class Hand(NamedTuple):
     computer: str
 
 
-_STEP: ContextVar[str] = ContextVar("step", default="")
-
-
-@contextlib.contextmanager
-def writing(step: str) -> Iterator[None]:
-    """Let all that is written in the block be of a step.  step : its id"""
-    before = _STEP.set(step)
-    try:
-        yield
-    finally:
-        _STEP.reset(before)
-
-
-class Signature(NamedTuple):
-    """Who answers for something: public key and signature in hex."""
-
-    person: str
-    computer: str
-    key: str
-    signature: str
-
-
 def own_hand() -> Hand:
     """Return who writes here: the user of this computer, unless AXISCAL_PERSON names somebody."""
     try:
@@ -70,15 +47,10 @@ def own_hand() -> Hand:
     return Hand(*(name.encode("utf-8", "replace").decode() for name in (person, platform.node())))
 
 
-def step_now() -> str:
-    """Return the id of the step that is taken now, "" for none."""
-    return _STEP.get()
-
-
 def rows_of(events: Sequence[Event]) -> list[EventText]:
     """Return events as this person writes them now; raises ValueError for one that cannot be kept."""
-    at, by, step = now(), own_hand()._asdict(), step_now()
-    return [EventText(at, *encode(event, **by, **({"step": step} if step else {}))) for event in events]
+    at, by = now(), own_hand()._asdict()
+    return [EventText(at, *encode(event, **by)) for event in events]
 
 
 def now() -> str:
@@ -103,7 +75,7 @@ def is_own(key: str) -> bool:
     """Return whether a public key is this person's."""
     with contextlib.suppress(RecordError):
         own = _own_key()
-        return own is not None and own.public_key().public_bytes_raw().hex() == key
+        return own is not None and _public(own) == key
     return False
 
 
@@ -123,33 +95,50 @@ def make_key() -> None:
         file.write(secret)
 
 
-def signature(document: Mapping[str, object]) -> Signature | None:
-    """Return the signature of this person over a document, None without a key; raises RecordError for a bad one."""
-    key = _own_key()
-    if key is None:
+def signed_row(rows: Sequence[EventText]) -> EventText | None:
+    """Return the event by which this person answers for all events so far; None without a key, or if that is the last.
+
+    Raises RecordError for a key that is none
+    """
+    if (key := _own_key()) is None:
         return None
-    public = key.public_key().public_bytes_raw().hex()
-    unsigned = Signature(*own_hand(), public, "")
-    return unsigned._replace(signature=key.sign(_message(document, unsigned)).hex())
+    at, hand, public = now(), own_hand(), _public(key)
+    if rows[-1].kind == "signed" and public in rows[-1].payload:
+        return None
+    event = Signed(public, key.sign(_message(at, rows, hand, public)).hex())
+    return EventText(at, *encode(event, **hand._asdict()))
 
 
-def holds(document: Mapping[str, object], signed: Signature) -> bool:
-    """Return whether a signature is of this document."""
+def holds(row: EventText, event: Signed, before: Sequence[EventText]) -> bool:
+    """Return whether a signature is of the events before it.  row : the event as it was written"""
     from cryptography.exceptions import InvalidSignature
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
 
     try:
-        public = Ed25519PublicKey.from_public_bytes(bytes.fromhex(signed.key))
-        public.verify(bytes.fromhex(signed.signature), _message(document, signed))
+        public, message = bytes.fromhex(event.key), _message(row.at, before, _signer(row), event.key)
+        Ed25519PublicKey.from_public_bytes(public).verify(bytes.fromhex(event.signature), message)
     except (InvalidSignature, ValueError):
         return False
     return True
 
 
-def _message(document: Mapping[str, object], by: Signature) -> bytes:
-    whole = {**document, "person": by.person, "computer": by.computer, "key": by.key}
+def _signer(row: EventText) -> Hand:
+    return hand_of(row.payload) or Hand("", "")
+
+
+def _message(at: str, rows: Sequence[EventText], hand: Hand, key: str) -> bytes:
+    """Return what is signed: who signs and when, and time and chain of all events before it."""
+    digest, chain = hashlib.sha256(), EMPTY
+    for row in rows:
+        chain = chained(chain, row)
+        digest.update(f"{row.at} {chain}\n".encode())
+    whole = {"at": at, "before": digest.hexdigest(), "key": key, **hand._asdict()}
     text = json.dumps(whole, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
     return f"axiscal-signature/1\n{text}".encode()
+
+
+def _public(key: Ed25519PrivateKey) -> str:
+    return key.public_key().public_bytes_raw().hex()
 
 
 def _own_key() -> Ed25519PrivateKey | None:
@@ -173,11 +162,14 @@ def _own_key() -> Ed25519PrivateKey | None:
 class SignedUntil(NamedTuple):
     """How far a log is signed: the number of the event, whose it is, whether every signature is of what was before.
 
-    reading : the number of the last reading that stood then
+    key, signature : in hex; reading : the number of the last reading that stood then
     """
 
     number: int
-    by: Signature
+    person: str
+    computer: str
+    key: str
+    signature: str
     holds: bool
     reading: int
 
@@ -186,25 +178,11 @@ def signed_until(events: Sequence[Stored], rows: Sequence[EventText]) -> SignedU
     """Return the last signature of a record, or the first that does not hold; None where nobody has signed."""
     found = None
     for number, event in ((each.number, each.event) for each in events if isinstance(each.event, Signed)):
-        found = number, *signed_by(rows[number - 1], event, rows[: number - 1])
-        if not found[2]:
+        row = rows[number - 1]
+        found = number, *_signer(row), event.key, event.signature, holds(row, event, rows[: number - 1])
+        if not found[-1]:
             break
     if found is None:
         return None
     readings = fold(events[: found[0]]).readings
     return SignedUntil(*found, readings[-1].numbered(len(readings) - 1) if readings else 0)
-
-
-def signed_by(row: EventText, event: Signed, before: Sequence[EventText]) -> tuple[Signature, bool]:
-    """Return whose signature one is, and whether it is of the events before it."""
-    by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
-    return by, holds(signable(row.at, before), by)
-
-
-def signable(at: str, rows: Sequence[EventText]) -> dict[str, object]:
-    """Return the document that a signature is of: its time, and time and chain of all events before it."""
-    digest, chain = hashlib.sha256(), EMPTY
-    for row in rows:
-        chain = chained(chain, row)
-        digest.update(f"{row.at} {chain}\n".encode())
-    return {"at": at, "before": digest.hexdigest()}

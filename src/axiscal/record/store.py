@@ -23,7 +23,7 @@ from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said
 from axiscal.record.door import ALL, BINARY, opened, record_errors, refuse_other_form, repairing
 from axiscal.record.earlier import told_anew
-from axiscal.record.events import Created, Event, EventOrderError, Folding, Signed, State, Stored
+from axiscal.record.events import Created, Event, EventOrderError, Folding, State, Stored
 from axiscal.record.lines import (
     EMPTY,
     HEAD,
@@ -39,18 +39,8 @@ from axiscal.record.lines import (
     is_earlier,
     whole_lines,
 )
-from axiscal.record.payload import PayloadError, encode, stored
-from axiscal.record.signing import (
-    Hand,
-    SignedUntil,
-    hand_of,
-    key_file,
-    now,
-    rows_of,
-    signable,
-    signature,
-    signed_until,
-)
+from axiscal.record.payload import PayloadError, stored
+from axiscal.record.signing import Hand, SignedUntil, hand_of, rows_of, signed_row, signed_until
 
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
@@ -103,7 +93,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
         if signed is not None and not signed.holds:
             what = "The record was changed since {person} signed it at event {number}"
             remedy = "Go on with a copy of before; tools/check_record.py says what was changed"
-            raise RecordError(what, remedy, record.path, person=signed.by.person, number=signed.number)
+            raise RecordError(what, remedy, record.path, person=signed.person, number=signed.number)
         return record
 
     def append(self, *events: Event, after: int | None = None) -> int:
@@ -173,14 +163,9 @@ class Record(contextlib.AbstractContextManager["Record"]):
 
         Raises OvertakenError if another process writes meanwhile.
         """
-        if not key_file().exists():
-            return False
         self.last()
-        at, last = now(), self.lines[-1].row
-        by = signature(signable(at, self.rows))
-        if by is None or (last.kind == "signed" and by.key in last.payload):
+        if (row := signed_row(self.rows)) is None:
             return False
-        row = EventText(at, *encode(Signed(by.key, by.signature), person=by.person, computer=by.computer))
         self.extend([row], after=len(self.lines))
         return True
 
@@ -213,14 +198,6 @@ class Record(contextlib.AbstractContextManager["Record"]):
         """Return the state folded from all events."""
         self.last()
         return replace(self._story.state(), name=self.name)
-
-    def holds(self, step: str) -> bool:
-        """Return whether a step wrote more than a plan.  step : its id, hex digits; "" for none"""
-        self.last()
-        mark = f'"step":"{step}"'  # in what a person wrote it would stand with backslashes
-        return step != "" and any(
-            mark in row.payload and row.kind not in ("planned", "continued", "asked") for row in self.rows
-        )
 
     def copy_to(self, path: Path) -> None:
         """Write a copy, in the place of an earlier copy if there is one; raises as `refuse_other`."""

@@ -11,11 +11,10 @@ remain, of spline rows against the Lagrange functions of those nodes: a small te
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.errors.volume import Box
 from axiscal.numerics import Array
@@ -23,32 +22,16 @@ from axiscal_core.machine import Machine
 from axiscal_core.splines import gauss
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _AlongAxis:
+class _AlongAxis(NamedTuple):
     """What a mean along one axis needs.
 
     nodes : (k,) of the levers; positions : (p,) of a quadrature
-    weighted : (k, p) its weights times the Lagrange functions ℓ_i of the nodes; plain : (k,) their sums, E[ℓ_i]
+    weighted : (k, p) its weights times the Lagrange functions ℓ_i of the nodes
     """
 
     nodes: Array
     positions: Array
     weighted: Array
-    plain: Array
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _SameAxes:
-    """Terms of the same axes.
-
-    terms : indices of these; owner : (n,) per column the position in `terms`; columns : (n,) where they stand in A
-    rows : by axis what of each column runs along it, (p, n); a row is its lever times the product of these
-    """
-
-    terms: list[int]
-    owner: NDArray[np.intp]
-    columns: NDArray[np.intp]
-    rows: Mapping[int, Array]
 
 
 def mean_along(model: Machine, box: Box, moved: Sequence[int], over: int, positions: Array, sign: int) -> Array:
@@ -59,29 +42,26 @@ def mean_along(model: Machine, box: Box, moved: Sequence[int], over: int, positi
     """
     nodes, shares = _lagrange(positions, (positions[0], positions[-1]), rotary=False)
     axes = [_along(model, k, bounds) for k, bounds in enumerate(box)]
-    axes[over] = _AlongAxis(nodes, positions, shares.T, np.ones(len(nodes)))
+    axes[over] = _AlongAxis(nodes, positions, shares.T)
     levers = np.moveaxis(_levers_along(model, axes, moved, over, sign), 2 + over, 2)
-    others = [k for k in range(len(axes)) if k != over]
     rows = np.zeros((len(moved), len(positions), model.size))
-    for group in _terms_by_axes(model, axes):
-        own = [k for k in others if k in group.rows]
-        kept = tuple(others.index(k) for k in own)
-        left = _averaged([axes[k].plain for k in others], levers[group.terms], kept)[group.owner]
-        for k in own:
-            left = np.einsum("noij...,jn->noi...", left, axes[k].weighted @ group.rows[k])
-        rows[:, :, group.columns] = np.einsum("noi,pi->opn", left, shares) * group.rows.get(over, 1.0)
+    for term, lever in zip(model.terms, levers, strict=True):
+        sides, left = {side.axis: side for side in term.sides}, lever[..., None]
+        for k, axis in ((k, axis) for k, axis in enumerate(axes) if k != over):  # one axis of the grid after another
+            along = axis.weighted @ sides[k].rows(axis.positions) if k in sides else axis.weighted.sum(axis=1)[:, None]
+            left = np.einsum("oij...n,jn->oi...n", left, along)
+        own = sides[over].rows(positions) if over in sides else 1.0
+        rows[:, :, term.columns] = np.einsum("oin,pi->opn", left, shares) * own
     return rows
 
 
 def _along(model: Machine, axis: int, bounds: tuple[float, float]) -> _AlongAxis:
     """Return one axis of a mean, also where it stands."""
     if bounds[0] == bounds[1]:
-        place, one = np.array(bounds[:1]), np.ones(1)
-        return _AlongAxis(place, place, one[:, None], one)
+        return _AlongAxis(np.array(bounds[:1]), np.array(bounds[:1]), np.ones((1, 1)))
     positions, weights = _quadrature(model.knots_along(axis), bounds)
     nodes, shares = _lagrange(positions, bounds, model.axes[axis].rotary)
-    weighted = shares.T * weights
-    return _AlongAxis(nodes, positions, weighted, weighted.sum(axis=1))
+    return _AlongAxis(nodes, positions, shares.T * weights)
 
 
 def _levers_along(model: Machine, axes: Sequence[_AlongAxis], moved: Sequence[int], over: int, sign: int) -> Array:
@@ -129,23 +109,6 @@ def taken_by_rotor(model: Machine, index: int) -> bool:
     return axis.rotary and function.angular and bool(abs(axis.direction[function.component % 3]) > 0.5)
 
 
-def _terms_by_axes(model: Machine, axes: Sequence[_AlongAxis]) -> list[_SameAxes]:
-    """Return the terms with the same axes together."""
-    found = dict[tuple[int, ...], list[int]]()
-    for index, term in enumerate(model.terms):
-        found.setdefault(tuple(sorted(term.axes)), []).append(index)
-    return [_same_axes(model, axes, *each) for each in found.items()]
-
-
-def _same_axes(model: Machine, axes: Sequence[_AlongAxis], own: tuple[int, ...], terms: list[int]) -> _SameAxes:
-    each = [model.terms[i] for i in terms]
-    columns = [np.arange(term.columns.start, term.columns.stop) for term in each]
-    owner = np.repeat(np.arange(len(terms)), [len(mine) for mine in columns])
-    sides = [{side.axis: side for side in term.sides} for term in each]
-    rows = {axis: np.hstack([mine[axis].rows(axes[axis].positions) for mine in sides]) for axis in own}
-    return _SameAxes(terms, owner, np.concatenate(columns), rows)
-
-
 _GAUSS = 10
 """Points of Gauss: exact for degree 19, and squares of cubics times levers have 8."""
 _SHORT_TURN = 1.0
@@ -185,12 +148,3 @@ def _lagrange(points: Array, bounds: tuple[float, float], rotary: bool) -> tuple
 def _trigonometric(angle: Array, order: int) -> Array:
     harmonics = [f(n * angle) for n in range(1, order // 2 + 1) for f in (np.cos, np.sin)]
     return np.stack([np.ones_like(angle), *harmonics], axis=1)
-
-
-def _averaged(plain: Sequence[Array], values: Array, kept: tuple[int, ...]) -> Array:
-    """Average an array (..., grid) over every axis that is not kept.  plain : of each axis E[ℓ_i] (k,)"""
-    lead = values.ndim - len(plain)
-    for k in reversed(range(len(plain))):
-        if k not in kept:
-            values = np.tensordot(values, plain[k], axes=([lead + k], [0]))
-    return values

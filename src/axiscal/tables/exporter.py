@@ -29,23 +29,28 @@ from axiscal.tables.surface import Control, sum_of, with_height
 from axiscal.tables.table import CompensationTable
 from axiscal_core.machine import Machine
 
-_KINDS = "a table, backlash, pitch or sag compensation, a bed mesh or skew correction"
+REPORTS = ("csv",)
+"""What is read by people or other programs, not loaded in place of something."""
+OFF = later("measure again with the compensation of the control switched off")
+"""In place of old files, for controls whose files are not added to."""
 _BEGINNING = later(
     "Is a compensation active on the control while it is measured (a table, backlash, pitch or sag compensation, a bed "
     "mesh or skew correction)? Switch it off, or say so: compensation_active = false, = true or its files in "
     "campaign.toml. Tables of linuxcnc and sinumerik go on top of what was active; until it is said all are written as "
     "if nothing was, and ask."
 )
-REPORTS = ("csv",)
-"""What is read by people or other programs, not loaded in place of something."""
 _QUESTION = (
-    f"WAS A COMPENSATION ACTIVE WHILE MEASURING ({_KINDS})? campaign.toml does not say. If one was, these files loaded "
-    "in its place bring back all that it took away: {way}. If none was, write compensation_active = false into "
-    "campaign.toml, and this question is gone."
+    "WAS A COMPENSATION ACTIVE WHILE MEASURING (a table, backlash, pitch or sag compensation, a bed mesh or skew "
+    "correction)? campaign.toml does not say. If one was, these files loaded in its place bring back all that it took "
+    "away: {way}. If none was, write compensation_active = false into campaign.toml, and this question is gone."
 )
-_AGAIN = "export again with --on-top-of OLD, the files that were active"
-OFF = later("measure again with the compensation of the control switched off")
-"""In place of old files, for controls whose files are not added to."""
+_ON_TOP = later("give the files that were active: axiscal export ... --on-top-of OLD")
+_LARGEST_MESH = 50
+"""Points a side; more is a slip, for no probe of a printer takes them."""
+_USUAL = "XYZABCUVWPQR"
+_OPTIONS = {name: f"--{name}" for name in ("spacing", "unit", "template", "mesh", "zero")}
+_OPTIONS |= {"numbers": "--number", "encoder": "--measuring-system", "old_files": "--on-top-of"}
+"""Field of the choices -> option of the command line, as `Exporter.takes` names it."""
 
 
 def informed(options: ExportOptions, description: CampaignDescription, controller: str) -> ExportOptions:
@@ -57,12 +62,12 @@ def informed(options: ExportOptions, description: CampaignDescription, controlle
     """
     if (bump := description.bump_of(controller)) is not None:
         options = replace(options, flip=bump.moved > 0, sign_day=bump.day)
-    options, said = replace(options, zero=options.zero or description.zero_at), description.compensation_active
-    if said is None or isinstance(said, bool):
-        return replace(options, active=said)
-    if options.old_files or controller in REPORTS:
-        return replace(options, active=True)
-    return replace(options, active=True, old_files=read_old(said, Path(description.source).parent))
+    options, active = replace(options, zero=options.zero or description.zero_at), description.compensation_active
+    if active is None or isinstance(active, bool):
+        return replace(options, active=active)
+    named = () if options.old_files or controller in REPORTS else active
+    old = options.old_files or read_old(named, Path(description.source).parent)
+    return replace(options, active=True, old_files=old)
 
 
 def sign_said(options: ExportOptions, text: str) -> tuple[str]:
@@ -115,25 +120,12 @@ def asked_about(controller: str, control: Exporter, draft: Draft, options: Expor
     if options.active and controller not in REPORTS:
         what = "a compensation was active while measuring (compensation_active), and these files would take its place"
         raise TableError(what, _ON_TOP if adds else control.instead.get("--on-top-of", OFF))
-    if options.active:
-        note = "The deviations are those that were left by the compensation that was active while measuring."
-        return replace(draft, notes=(note, *draft.notes))
-    question = _QUESTION.format(way=_AGAIN if adds else OFF)
-    return draft if options.active is False else replace(draft, notes=(question, *draft.notes))
-
-
-_ON_TOP = later("give the files that were active: axiscal export ... --on-top-of OLD")
-_HASH = re.compile(r"[0-9a-f]{0,128}")
-_LARGEST_MESH = 50
-"""Points a side; more is a slip, for no probe of a printer takes them."""
-_USUAL = "XYZABCUVWPQR"
-_ALIKE = ("spacing", "unit", "template", "mesh", "zero")
-_OPTIONS = {name: f"--{name}" for name in _ALIKE} | {
-    "numbers": "--number",
-    "encoder": "--measuring-system",
-    "old_files": "--on-top-of",
-}
-"""Field of the choices -> option of the command line, as `Exporter.takes` names it."""
+    if options.active is False:
+        return draft
+    again = "export again with --on-top-of OLD, the files that were active"
+    note = "The deviations are those that were left by the compensation that was active while measuring."
+    note = note if options.active else _QUESTION.format(way=again if adds else OFF)
+    return replace(draft, notes=(note, *draft.notes))
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +159,16 @@ class ExportOptions:
     old: Loaded = field(default_factory=Loaded)
     active: bool | None = None
     origin: str = ""
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"[0-9a-f]{0,128}", self.origin):
+            raise TableError("{origin} is not the hash of a record", "Leave it out", origin=shown(self.origin))
+        if self.unit not in ("", "mm", "in"):
+            raise TableError("{unit} is not the unit of a machine", "It can be mm or in", unit=shown(self.unit))
+        if self.mesh is not None and not 2 <= self.mesh <= _LARGEST_MESH:
+            raise TableError("a mesh of {count} points a side", "Take 2 to {most}", count=self.mesh, most=_LARGEST_MESH)
+        if self.encoder not in (1, 2):
+            raise TableError("measuring system {number}", "An axis has measuring systems 1 and 2", number=self.encoder)
 
     @property
     def sign(self) -> int:
@@ -209,43 +211,32 @@ class ExportOptions:
         An axis without a given number has the place behind those before it, in the order X Y Z A B C and so on.
         Raises TableError for a number that is there twice or below `first`, and for an axis that is not there.
         """
+        found, place = dict[str, tuple[int, ...]](), first
         for name, numbers in self.numbers.items():
             machine.index(name)
             if min(numbers) < first:
                 what, remedy = "{name} is given the number {number}", "This control counts its axes from {first}"
                 raise TableError(what, remedy, name=name, number=min(numbers), first=first)
-        _refuse_twice(self.numbers)
-        found, place = dict[str, tuple[int, ...]](), first
         for name in sorted((a.name for a in machine.axes), key=lambda name: (_USUAL.index(name[0]), name)):
             found[name] = self.numbers.get(name, (place,))
             place += len(found[name])
-        _refuse_twice(found)
+        for each in (self.numbers, found):
+            _refuse_twice(each)
         return found
-
-    def __post_init__(self) -> None:
-        if not _HASH.fullmatch(self.origin):
-            raise TableError("{origin} is not the hash of a record", "Leave it out", origin=shown(self.origin))
-        if self.unit not in ("", "mm", "in"):
-            raise TableError("{unit} is not the unit of a machine", "It can be mm or in", unit=shown(self.unit))
-        if self.mesh is not None and not 2 <= self.mesh <= _LARGEST_MESH:
-            raise TableError("a mesh of {count} points a side", "Take 2 to {most}", count=self.mesh, most=_LARGEST_MESH)
-        if self.encoder not in (1, 2):
-            raise TableError("measuring system {number}", "An axis has measuring systems 1 and 2", number=self.encoder)
 
 
 def _refuse_twice(found: Mapping[str, tuple[int, ...]]) -> None:
     """Raise TableError when two axes have the same number, or one has it twice."""
-    owner = dict[int, str]()
-    for name, numbers in found.items():
-        for number in numbers:
-            if number in owner:
-                known = ", ".join(f"{axis}={each}" for axis, own in found.items() for each in own)
-                what = "{name} is given twice the same number {number} (numbers are {known})"
-                if owner[number] != name:
-                    what = "{other} and {name} have the same number {number} (numbers are {known})"
-                remedy = "Give each axis its own: --number X=3; an axis of two joints --number Y=1 --number Y=2"
-                raise TableError(what, remedy, name=name, other=owner[number], number=number, known=known)
-            owner[number] = name
+    pairs, owner = [(name, number) for name, numbers in found.items() for number in numbers], dict[int, str]()
+    for name, number in pairs:
+        if number in owner:
+            what = "{name} is given twice the same number {number} (numbers are {known})"
+            if owner[number] != name:
+                what = "{other} and {name} have the same number {number} (numbers are {known})"
+            remedy = "Give each axis its own: --number X=3; an axis of two joints --number Y=1 --number Y=2"
+            known = ", ".join(f"{axis}={each}" for axis, each in pairs)
+            raise TableError(what, remedy, name=name, other=owner[number], number=number, known=known)
+        owner[number] = name
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,6 @@ from axiscal.measurement.readers.text_file import read_text
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, Mesh, Skew, mesh_control, skew_control, sum_of
 from axiscal.tables.table import CompensationTable
-from axiscal.tables.volumetric import SampledError, tip_control
 from axiscal_core.machine import Machine
 
 _SECTION = re.compile(r"^\s*\[\w+\]", re.MULTILINE)
@@ -147,15 +146,13 @@ def lost_motion(machine: Machine, play: Mapping[str, float]) -> tuple[Compensati
 class Loaded:
     """An old compensation as its control understood it.
 
-    tables : what it takes away; meshes : height maps; skew : tangents by plane, as set
-    errors : by name, to a control that knows the chain; others : what does more than that
+    tables : what it takes away; meshes : height maps; skew : tangents by plane, as set; others : what does more
     untaken : entries that its reader has no use for, a failure each, with file and line
     """
 
     tables: tuple[CompensationTable, ...] = ()
     meshes: tuple[Mesh, ...] = ()
     skew: Skew = field(default_factory=dict)
-    errors: Mapping[str, SampledError] = field(default_factory=dict)
     others: tuple[Control, ...] = ()
     untaken: tuple[InputError, ...] = ()
 
@@ -163,7 +160,6 @@ class Loaded:
         """Return what it adds to commands."""
         parts = [table_control(machine, self.tables), *self.others]
         parts += [mesh_control(machine, mesh) for mesh in self.meshes]
-        parts += [tip_control(machine, self.errors)] if self.errors else []
         return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew else []))
 
     def alone(self, within: bool) -> Loaded:

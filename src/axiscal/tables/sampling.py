@@ -20,6 +20,7 @@ bend of a spline differs on both sides.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -68,20 +69,14 @@ def axis_tables(
     spacing, most : as for `points`; multiples : the multiple of a linear axis, m, and of a rotary one, rad
     Raises TableError for a spacing that does not divide a travel, or needs more points than fit.
     """
-    return tuple(table for table, told in _own_tables(estimate, spacing, most, multiples) if told)
+    return tuple(table for table in _own_tables(estimate, spacing, most, multiples) if table.told)
 
 
-def _own_tables(
-    estimate: Estimate, spacing: Spacing, most: int, multiples: Multiples
-) -> Iterator[tuple[CompensationTable, bool]]:
-    """Yield the table of every axis with an error, and whether readings tell what it holds."""
-    model = estimate.model
-    known = {function.axis for function in model.curves}
-    axes = [(k, axis.rotary) for k, axis in enumerate(estimate.machine.axes) if k in known]
-    grids = ((k, points(model, k, spacing, most, multiples[rotary])) for k, rotary in axes)
-    for k, positions in grids:
-        table = own_table(estimate, k, positions)
-        yield table, _told(estimate, table)
+def _own_tables(estimate: Estimate, spacing: Spacing, most: int, multiples: Multiples) -> Iterator[CompensationTable]:
+    """Yield the table of every axis with an error."""
+    known = {function.axis for function in estimate.model.curves}
+    for k, axis in ((k, axis) for k, axis in enumerate(estimate.machine.axes) if k in known):
+        yield own_table(estimate, k, points(estimate.model, k, spacing, most, multiples[axis.rotary]))
 
 
 def cross_tables(
@@ -96,28 +91,27 @@ def cross_tables(
     Where no reading has seen how one moves over another there is no table.  Arguments and failures as for `points`.
     uneven : points may stand anywhere, and stand where the line is nearest to the curve
     """
-    return tuple(table for table, told in _over_others(estimate, spacing, most, multiple, uneven) if told)
+    return tuple(table for table in _over_others(estimate, spacing, most, multiple, uneven) if table.told)
 
 
 def untold(estimate: Estimate) -> tuple[CompensationTable, ...]:
     """Return the tables that there are not, since they would take away less than a tenth."""
     found = *_own_tables(estimate, None, MOST_POINTS, (None, None)), *_over_others(estimate, None, MOST_POINTS)
-    return tuple(table for table, told in found if not told)
+    return tuple(table for table in found if not table.told)
 
 
 def _over_others(
     estimate: Estimate, spacing: Spacing, most: int, multiple: float | None = None, uneven: bool = False
-) -> Iterator[tuple[CompensationTable, bool]]:
-    """Yield the table of every linear axis over every other one, and whether readings tell what it holds."""
+) -> Iterator[CompensationTable]:
+    """Yield the table of every linear axis over every other one."""
     axes = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary]
     for over in axes:
         hats = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple))
         moved = [k for k in axes if k != over]
         for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
-            bends = np.ptp(rows @ estimate.mean) > _NOTHING  # no table over another axis holds a constant
-            if bends:
+            if np.ptp(rows @ estimate.mean) > _NOTHING:  # no table over another axis holds a constant
                 table = (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
-                yield table, _told(estimate, table) and estimate.sees(rows.mean(axis=0))
+                yield replace(table, told=table.told and estimate.sees(rows.mean(axis=0)))
 
 
 def backlash(estimate: Estimate) -> dict[str, float]:
@@ -199,11 +193,6 @@ def _read_at(estimate: Estimate, axis: int, positions: Array) -> Array:
     return np.clip(positions, *estimate.read[axis]) if estimate.read else positions
 
 
-def _told(estimate: Estimate, table: CompensationTable) -> bool:
-    """Return whether readings tell what a table holds: by a row of the answer, or over the volume where that counts."""
-    return (table.axis, table.over) in estimate.told or (estimate.whole and table.told)
-
-
 def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:
     """Return the sides from which a position of an axis is reached: one where they make no difference."""
     return (1, -1) if over in estimate.model.reversing else (1,)
@@ -239,6 +228,7 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     values = values + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
     rest = float(sum(estimate.model.curves[index].rest for index in _followed(estimate, axis, over)))
+    by_row = (own.name, looked_up.name) in estimate.told  # of the answer; over the volume only where that counts
     return CompensationTable(
         own.name,
         hats.points,
@@ -249,7 +239,7 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
         _silent(before, known),
         departure,
         float(np.hypot(np.sqrt(np.mean(known.shape**2)), rest)),
-        read.tell(values, hats.points, rest),
+        by_row or (estimate.whole and read.tell(values, hats.points, rest)),
     )
 
 

@@ -162,22 +162,12 @@ class CompensationTable:
             values = np.array(getattr(self, name), dtype=np.float64)
             values.setflags(write=False)
             object.__setattr__(self, name, values)
-            self._check(name, values)
+            fits = values.ndim == 1 and 0 < len(values) == len(self.positions) and np.all(np.isfinite(values))
+            if not fits or (name == "positions" and np.any(np.diff(values) <= 0)):
+                what = "{name} of {axis} are no row of numbers, as many as its positions, which increase"
+                raise TableError(what, "leave out what is not known, and sort the rest", name=name, axis=self.axis)
         if self.prior_only.shape != self.positions.shape:
             object.__setattr__(self, "prior_only", np.zeros(len(self.positions), dtype=bool))
-        if np.any(np.diff(self.positions) <= 0):
-            raise TableError("the positions of {axis} do not increase", "sort them, and give each once", axis=self.axis)
-
-    def _check(self, name: str, values: Array) -> None:
-        if values.ndim != 1 or values.size == 0 or values.shape != np.shape(self.positions):
-            what = "the table of {axis} has {name} of shape {shape} for {places} positions"
-            shape, places = np.shape(values), np.shape(self.positions)
-            remedy = "give one number for each position"
-            raise TableError(what, remedy, axis=self.axis, name=name, shape=shape, places=places)
-        if not np.all(np.isfinite(values)):
-            where = self.positions[int(np.argmin(np.isfinite(values)))]
-            what = "{name} of {axis} is not finite at {where:g} m or rad"
-            raise TableError(what, "leave that position out", name=name, axis=self.axis, where=where)
 
     def deviation(self, position: Array, direction: Array | int) -> Array:
         """Return the deviation at positions (m,): linear between, constant outside.

@@ -1,14 +1,18 @@
 """From an estimate to a file of the component: every curve as the cubics that it is, on all knots of its axis.
 
-A file of the component, read as the component reads it, from the layout of the file and not from the writer.
+What a control does with it: rotary axes turn their own error back, linear ones the tip,
+
+    Δ_k = -s_k ε_kk of a rotary axis;  [u_x u_y u_z] Δ = -δp without these for the linear axes
+
+and the same once more at the positions to which the axes are sent. The component's own core is held to that in tests,
+over random chains.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import ClassVar
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -17,48 +21,61 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
+from axiscal.tables.conditional import taken_by_rotor
 from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import spread_poses
-from axiscal.tables.vcomp_applying import (
-    KNOTS,
-    MOTIONS,
-    VcompAxis,
-    VcompFile,
-    at_zero,
-    component_control,
-    fnv1a,
-    whole_control,
-)
-from axiscal.units import to_unit
+from axiscal.tables.surface import Control, by_linear_axes
+from axiscal.units import from_unit, to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 from axiscal_core.terms import Term
 
+CORE = "axiscal_vcomp_core.h"
+"""The component's core in C, beside this file: what LinuxCNC's component and grblHAL's plugin include."""
 _FORM = "axiscal-vcomp 1"
-_AGAIN = "export it again; nothing in it may be changed"
+_KNOTS, _MOTIONS = 96, 6
+"""By the component's source: knots of an axis, error motions of an axis."""
+_FADE_MM, _FADE_DEG = 5.0, 5.0
+"""By the component's source: over so much beyond the last knot a curve's slope fades to nothing."""
 _NOTHING = 1e-12
 """m or rad: rounding."""
+_MARGIN, _LEAST = 1.5, 5e-6
+"""Share and m or rad beyond the largest correction over the volume at which a control refuses it."""
+_APART = 1e-9
+"""Share of the travel: knots nearer than this are one, by rounding."""
 
 
-def read(text: str, name: str = "axiscal.vcomp") -> VcompFile:
-    """Return what a file holds; raises TableError where its checksum, or its form, is another.
+class VcompFile(NamedTuple):
+    """A whole file.
 
-    The checksum guards all that `text_of` wrote; what else a file must not hold the component says when it is loaded.
+    campaign : the beginning of its record's hash; unit : mm or inch
+    limit, limit_deg : the largest correction of a linear and of a rotary joint; tool : (3,) from the spindle nose
+    axes : in chain order, from the workpiece to the tool, as `_axis` says them
     """
+
+    campaign: str
+    unit: str
+    limit: float
+    limit_deg: float
+    tool: Array
+    axes: Sequence[Mapping[str, Any]]
+
+
+def fnv1a(data: bytes) -> int:
+    """Return the 32-bit FNV-1a hash of bytes (Fowler, Noll, Vo): any single changed byte changes it."""
+    found = 2166136261
+    for byte in data:
+        found = (found ^ byte) * 16777619 & 0xFFFFFFFF
+    return found
+
+
+def refuse_changed(text: str, name: str) -> None:
+    """Raise TableError where the checksum of a file is another."""
     body, _, end = text.rpartition("end ")
     if end != f"{fnv1a(body.encode()):08x}\n":
-        raise TableError("the checksum is wrong: the file was changed", _AGAIN, name)
-    lines = _Lines(line.split(" ") for line in body.splitlines() if not line.startswith("#"))
-    try:
-        lines.after(_FORM)
-        (campaign,), (unit,) = lines.after("campaign"), lines.after("units")
-        limit, limit_deg = lines.numbers("limits").tolist()
-        tool, (count,) = lines.numbers("tool"), lines.after("axes")
-        axes = tuple(_axis(lines) for _ in range(int(count)))
-        return VcompFile(campaign, unit, limit, limit_deg, tool, axes)
-    except (ValueError, LookupError):
-        raise TableError("this is no file of the form {form}", _AGAIN, name, form=_FORM) from None
+        remedy = "export it again; nothing in it may be changed"
+        raise TableError("the checksum is wrong: the file was changed", remedy, name)
 
 
 class VolumetricFormat(Exporter):
@@ -89,72 +106,12 @@ class VolumetricFormat(Exporter):
         given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, self.seconds(estimate), strict=True)]
         written = self.write(content_of(estimate, given, unit, largest, options.origin))
         steps = {axis.name: self.step for axis in machine.axes}
-        return self.draft(replace(written, steps=steps), wanted, machine, options)
+        told = written.notes, self.holds, self.left_out, written.first
+        return Draft(written.files, steps, *told, control=wanted, wanted=wanted, tried=self.tried)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what the control makes of files that are called .vcomp; raises TableError where none is."""
-        own = [read(file.text, file.name) for file in files if file.name.lower().endswith(".vcomp")]
-        if not own:
-            names = ", ".join(dict.fromkeys(file.name for file in files))
-            raise TableError("{names} is no file of the whole correction", "give axiscal.vcomp", names=names)
-        return Loaded(others=tuple(component_control(each, machine) for each in own))
-
-
-class _Lines:
-    """The lines of a file that are no comment, one after the other; raises ValueError for another than is expected."""
-
-    def __init__(self, rest: Iterator[list[str]]) -> None:
-        self._rest = rest
-
-    def after(self, key: str) -> list[str]:
-        """Return the words behind the key of the next line."""
-        words, wanted = next(self._rest, []), key.split(" ")
-        if words[: len(wanted)] != wanted:
-            raise ValueError(f"a line {key} is expected")
-        return words[len(wanted) :]
-
-    def numbers(self, key: str = "") -> Array:
-        """Return the numbers of the next line."""
-        return np.array([float(word) for word in (self.after(key) if key else next(self._rest, []))])
-
-
-def _axis(lines: _Lines) -> VcompAxis:
-    name, along, _, rotary, _, side, _, sense, _, *joints = lines.after("axis")
-    origin, place, tilt = (lines.numbers(key) for key in ("origin", "location", "travel-tilt"))
-    count, _, cyclic, _, reverses, seconds = lines.after("knots")
-    knots, curves = _curves(lines, int(count), 2 * MOTIONS if reverses == "1" else MOTIONS)
-    return VcompAxis(
-        name,
-        "xyz".index(along),
-        rotary == "1",
-        int(side),
-        int(sense),
-        tuple(int(joint) for joint in joints if joint != "-1"),
-        origin,
-        place,
-        tilt,
-        cyclic == "1",
-        float(seconds),
-        knots,
-        curves[:, :MOTIONS],
-        curves[:, MOTIONS:],
-    )
-
-
-def _curves(lines: _Lines, count: int, curves: int) -> tuple[Array, Array]:
-    """Return the knots (n,) and the coefficients (n - 1, curves, 4); the last knot has none."""
-    knots, found = np.empty(count), np.empty((count - 1, curves, 4))
-    for i in range(count):
-        (knots[i],) = lines.numbers("knot")
-        if i < count - 1:
-            found[i] = [lines.numbers() for _ in range(curves)]
-    return knots, found
-
-
-_MARGIN, _LEAST = 1.5, 5e-6
-"""Share and m or rad beyond the largest correction over the volume at which a control refuses it."""
-_APART = 1e-9
-"""Share of the travel: knots nearer than this are one, by rounding."""
+        """Raise TableError: nothing goes on top of a whole correction."""
+        raise TableError("{name} reads no old files", self.instead["--on-top-of"], name=type(self).__name__)
 
 
 def content_of(
@@ -166,53 +123,58 @@ def content_of(
     largest : (q,) m or rad, that each axis is corrected by; origin : hash of the record
     """
     model, mean, axes = estimate.machine, estimate.mean, estimate.machine.axes
-    own = [axis_content(model, mean, k, joints, unit, seconds) for k, (joints, seconds) in enumerate(given)]
+    own = [_axis(model, mean, k, joints, unit) | {"seconds": seconds} for k, (joints, seconds) in enumerate(given)]
     turning = [axis.rotary for axis in axes]
-    if not any(turning):
-        own = list(anchored(own, to_unit(1.0, unit) * at_zero(model, mean)))
+    if not any(turning):  # a constant deviation is taken off, as a displacement of the last axis
+        own[-1]["place"][:3] -= own[-1]["side"] * to_unit(1.0, unit) * _at_zero(model, mean)
     furthest = max(_MARGIN * float(np.max(largest[~np.array(turning)])), _LEAST)
     turned = max(_MARGIN * float(np.max(largest[turning], initial=0.0)), _LEAST)
     tool = np.array([0.0, 0.0, -to_unit(model.tool_length, unit)])
     limits = float(to_unit(furthest, unit)), float(to_unit(turned, "deg"))
-    return VcompFile(origin[:16] or "none", {"mm": "mm", "in": "inch"}[unit], *limits, tool, tuple(own))
+    return VcompFile(origin[:16] or "none", {"mm": "mm", "in": "inch"}[unit], *limits, tool, own)
 
 
-def axis_content(
-    model: Machine, mean: Array, index: int, joints: Sequence[int], unit: str, seconds: float
-) -> VcompAxis:
-    """Return one axis.  mean : (size,) control values; unit : mm or in; seconds : that a reversal takes
+def _axis(model: Machine, mean: Array, index: int, joints: Sequence[int], unit: str) -> dict[str, Any]:
+    """Return one axis; positions are those by ISO 841, `sense` times what its joints count.
 
+    mean : (size,) control values; unit : mm or in
+    along : 0, 1, 2 for x, y, z; side : 1 tool, -1 workpiece; joints : its numbers, two of a gantry
+    origin : (3,) of a rotary axis; place : (6,) location errors; tilt : (3,) rad, of the travel of a linear axis
+    knots : (n,); motions : (n - 1, 6, 4), a b c d of x y z and about x y z from each knot on
+    reversals : (n - 1, r, 4), r 6 or, where there are none, 0
     Raises TableError for an axis that the file cannot hold.
     """
     axis = model.axes[index]
-    _refuse_axis(axis, joints)
+    if len(axis.name) != 1:
+        raise TableError("LinuxCNC has no axis {axis}", "Its axes are X Y Z A B C U V W", axis=axis.name)
+    if len(joints) > 2:
+        remedy = "The component takes two for an axis"
+        raise TableError("{axis} has {count} joints", remedy, axis=axis.name, count=len(joints))
     own = [function for function in model.curves if function.axis == index]
     per_m, at = float(to_unit(1.0, unit)), float(to_unit(1.0, "deg" if axis.rotary else unit))
     scale = np.array([per_m] * 3 + [1.0] * 3)
-    place, sense = np.zeros(MOTIONS), -1 if axis.reversed else 1
+    place, sense = np.zeros(_MOTIONS), -1 if axis.reversed else 1
     for function in own:
         if function.kind == "location":
             place[function.component] += mean[function.columns][0]
     knots = _knots(axis, own)
     kinds = [[f for f in own if f.kind == kind] for kind in ("motion", "reversal")]
     motions, reversals = (_cubics(functions, mean, knots, sense, at) * scale[:, None] for functions in kinds)
-    straight = not axis.rotary
-    return VcompAxis(
-        axis.name,
-        letter_direction(axis.letter),
-        axis.rotary,
-        axis.sign,
-        sense,
-        tuple(joints),
-        np.array(axis.origin) * per_m * axis.rotary,
-        np.zeros(MOTIONS) if straight else place * scale,
-        place[3:] if straight else np.zeros(3),
-        axis.cyclic,
-        seconds,
-        np.sort(sense * knots * at),
-        motions,
-        sense * reversals if kinds[1] else np.zeros((len(knots) - 1, 0, 4)),
-    )
+    return {
+        "name": axis.name,
+        "along": letter_direction(axis.letter),
+        "rotary": axis.rotary,
+        "side": axis.sign,
+        "sense": sense,
+        "joints": tuple(joints),
+        "origin": np.array(axis.origin) * per_m * axis.rotary,
+        "place": place * scale * axis.rotary,
+        "tilt": place[3:] * (not axis.rotary),
+        "cyclic": axis.cyclic,
+        "knots": np.sort(sense * knots * at),
+        "motions": motions,
+        "reversals": sense * reversals[:, : _MOTIONS * bool(kinds[1])],
+    }
 
 
 def text_of(file: VcompFile, statement: str) -> str:
@@ -226,22 +188,14 @@ def _row(numbers: Array | Sequence[float]) -> str:
     return " ".join(f"{float(number) + 0.0:.12g}" for number in numbers)
 
 
-def _refuse_axis(axis: Axis, joints: Sequence[int]) -> None:
-    if len(axis.name) != 1:
-        raise TableError("LinuxCNC has no axis {axis}", "Its axes are X Y Z A B C U V W", axis=axis.name)
-    if len(joints) > 2:
-        remedy = "The component takes two for an axis"
-        raise TableError("{axis} has {count} joints", remedy, axis=axis.name, count=len(joints))
-
-
 def _knots(axis: Axis, own: Sequence[Term]) -> Array:
     """Return the union of the knots of all curves of an axis, m or rad, ends of the travel included."""
     both = np.sort(np.concatenate([np.array(axis.travel), *(f.spline.knots for f in own if f.kind != "location")]))
     knots = both[np.r_[True, np.diff(both) > _APART * axis.length]]
-    if len(knots) > KNOTS:
+    if len(knots) > _KNOTS:
         what = "the curves of {axis} have {count} knots together, the component holds {most}"
         remedy = "describe them with fewer, or with the same knots, and evaluate the readings again"
-        raise TableError(what, remedy, axis=axis.name, count=len(knots), most=KNOTS)
+        raise TableError(what, remedy, axis=axis.name, count=len(knots), most=_KNOTS)
     return knots
 
 
@@ -252,7 +206,7 @@ def _cubics(functions: Sequence[Term], mean: Array, knots: Array, sense: int, at
     counts the other way is mirrored.
     """
     middle, half = (knots[1:] + knots[:-1]) / 2, np.diff(knots) / 2
-    total = np.zeros((len(middle), MOTIONS, 4))
+    total = np.zeros((len(middle), _MOTIONS, 4))
     for function in functions:
         control = mean[function.columns]
         f, f1, f2, f3 = (
@@ -266,9 +220,53 @@ def _cubics(functions: Sequence[Term], mean: Array, knots: Array, sense: int, at
     return (total if sense > 0 else total[::-1]) / at ** np.arange(4)
 
 
-def anchored(axes: Sequence[VcompAxis], constant: Array) -> tuple[VcompAxis, ...]:
-    """Return the axes with a constant deviation (3,) taken off, as a displacement of the last one."""
-    last = axes[-1]
-    place = last.place.copy()
-    place[:3] -= last.side * constant
-    return *axes[:-1], replace(last, place=place)
+def _faded(beyond: Array, fade: float) -> Array:
+    """Return how far curves go on straight beyond a travel: ever less, until they stay as they are at `fade`."""
+    far = np.minimum(np.abs(beyond), fade)
+    return np.sign(beyond) * (far - far**2 / (2 * fade))
+
+
+def whole_control(model: Machine, mean: Array) -> Control:
+    """Return the control that takes the deviation of these errors away.  mean : (size,) control values
+
+    Without rotary axes it adds nothing at machine zero, the mean of both directions: a constant is a matter of the
+    workpiece's zero. Errors of two axes together are left, and with two linear axes what leads out of their plane.
+    Raises TableError when the machine has not two or three linear axes, each along a direction of its own.
+    """
+    axes = model.axes
+    taken, constant = by_linear_axes(model, fewest=2), _at_zero(model, mean)
+
+    def once(poses: Array, approaches: Array) -> Array:
+        values = _values(model, mean, poses, approaches)
+        levers, turned = model.levers(poses)[: len(model.curves)], np.zeros_like(poses)
+        for k in (k for k, axis in enumerate(axes) if axis.rotary):
+            own = [i for i, f in enumerate(model.curves) if f.axis == k and taken_by_rotor(model, i)]
+            turned[:, k] = -axes[k].sign * np.sum(axes[k].direction) * values[own].sum(axis=0)
+            levers[own] = 0.0
+        return turned + taken(poses, np.einsum("fmc,fm->mc", levers, values) - constant)
+
+    return lambda poses, approaches: once(poses + once(poses, approaches), approaches)
+
+
+def _at_zero(model: Machine, mean: Array) -> Array:
+    """Return the constant deviation that is not corrected, (3,) m: that at machine zero, none where axes turn."""
+    if any(axis.rotary for axis in model.axes):
+        return np.zeros(3)
+    zero = np.array([model.zero])
+    values = _values(model, mean, zero, np.zeros_like(zero))
+    deviation: Array = np.einsum("fmc,fm->mc", model.levers(zero)[: len(model.curves)], values)[0]
+    return deviation
+
+
+def _values(model: Machine, mean: Array, poses: Array, approaches: Array) -> Array:
+    """Return what every error of one axis is at poses, as the component has it, (functions, m); reversals by side."""
+    found, reached = [], poses.copy()
+    for k, axis in enumerate(model.axes):
+        if not axis.cyclic:
+            fade = from_unit(_FADE_DEG, "deg") if axis.rotary else from_unit(_FADE_MM, "mm")
+            inside = np.clip(poses[:, k], *axis.travel)
+            reached[:, k] = inside + _faded(poses[:, k] - inside, fade)
+    for function in model.curves:
+        value = function.rows(reached[:, function.axis]) @ mean[function.columns]
+        found.append(value * (0.5 * approaches[:, function.axis]) if function.kind == "reversal" else value)
+    return np.array(found).reshape(len(model.curves), len(poses))

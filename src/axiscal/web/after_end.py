@@ -1,6 +1,9 @@
-"""After the end: tables for a control as texts, and whether they work once they are loaded."""
+"""After the end: tables for a control, and whether they work once they are loaded."""
 
 from __future__ import annotations
+
+import io
+import zipfile
 
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.evaluation.check import Check
@@ -9,20 +12,28 @@ from axiscal.language.spoken import said
 from axiscal.present.guide.checking import CheckJudged
 from axiscal.tables import registry
 from axiscal.web.desk import Desk
-from axiscal.web.shapes import CheckedRequest, TextsShape
+from axiscal.web.shapes import CheckedRequest
 
 
-def table_texts(desk: Desk, control: str) -> TextsShape:
-    """Return the files for a control as they were written, or made now with its sign; raises InputError, TableError."""
+def tables_packed(desk: Desk, control: str) -> bytes:
+    """Return the files for a control as one, as they were written, or made now with its sign.
+
+    Raises InputError, TableError.
+    """
     desk.look()
     if control in desk.state.tables and desk.campaign.description.bump_of(control) is None:
-        folder = desk.results / "tables" / control
-        return TextsShape(control=control, files={file.name: file.read_text() for file in sorted(folder.iterdir())})
-    known = desk.campaign.estimate(ended=True)
-    if known.agreement.withheld:
-        raise TableError(agreement_words(known), said("Take readings again"))
-    offered = registry.offered(known, control)
-    return TextsShape(control=offered.controller, files={**offered.files, "README.txt": offered.readme})
+        files = {file.name: file.read_text() for file in sorted((desk.results / "tables" / control).iterdir())}
+    else:
+        known = desk.campaign.estimate(ended=True)
+        if known.agreement.withheld:
+            raise TableError(agreement_words(known), said("Take readings again"))
+        offered = registry.offered(known, control)
+        files = {**offered.files, "README.txt": offered.readme}
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in files.items():
+            archive.writestr(f"{control}/{name}", text)
+    return packed.getvalue()
 
 
 def volume_picture(desk: Desk, width: float) -> str:

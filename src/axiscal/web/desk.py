@@ -24,7 +24,6 @@ from axiscal.present.plan_answer import coming_answer
 from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
-from axiscal.record.signing import step_now
 from axiscal.tables import registry
 from axiscal.web.shapes import AnswerShape, StateShape
 
@@ -87,12 +86,10 @@ class Desk:
         return state.readings, state.plan, state.finished, state.warmed
 
     def once(self, step: Callable[[Desk], str], after: int | None = None) -> str:
-        """Do a step, unless the record has it: where its answer got lost on the way it is sent again.
+        """Do a step.
 
         after : `last` of the state that it answers, None for what answers none; OvertakenError if that has changed
         """
-        if self.campaign.log.holds(step_now()):
-            return said("That is kept already.")
         if self._moved_on():
             self._show()
         if after is not None and self.campaign.state.last != after and after not in self._alike:

@@ -22,7 +22,7 @@ from axiscal.campaign.listing import standings
 from axiscal.campaign.sources import virtual_note
 from axiscal.description import first_files
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.first_campaign import OFFERED, UNSAID, Purpose
+from axiscal.description.first_campaign import UNSAID, Beginning, Purpose, setups_of
 from axiscal.description.target import RowName, rows_of
 from axiscal.document.durable import write_whole
 from axiscal.estimation.case import Case
@@ -133,13 +133,14 @@ def _evaluate(record: Path, described: CampaignDescription, draft: shapes.DraftS
     """Make a record of the readings that were dropped, with its results beside it; raises InputError."""
     from axiscal.present.delivery import deliver, read_in  # pictures and tables, which no draft else waits for
     from axiscal.present.findings import of_readings
+    from axiscal.present.result_of_campaign import Extras
 
     found = read_in(described, record.with_name(draft.file), along=draft.along)
     with Campaign.create(record, found.description) as campaign:
         campaign.adopt(found.readings, found.told)
         campaign.finish("all readings evaluated")
         warnings = of_readings(found.readings, described.setups, described.machine.axes)
-        extras = replace(found.extras, warnings=warnings, spoken=spoken_now())
+        extras = Extras(warnings=warnings, spoken=spoken_now())
         deliver(campaign, campaign.estimate(ended=True), results_beside(record), extras)
 
 
@@ -152,13 +153,16 @@ def record_of(here: Path, name: str) -> Path:
     return here / name
 
 
-def picture(here: Path, query: shapes.MachineQuery) -> str:
-    """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none."""
-    begun = first_files.of_builtin(query.machine) if query.machine else _beginning(here, kept(here), {})
-    if not query.instrument:
-        return setup_picture(machine_schematic(machine_from_text(begun.text), lengths=not query.small), query.width)
-    campaign = _with(begun, query.instrument)
-    return setup_picture(setup_schematic(campaign, campaign.setups[0], ()), query.width)
+def picture(here: Path, width: float, machine: str, instrument: str, *, lengths: bool) -> str:
+    """Return the machine, with an instrument on it if one is named, as SVG; raises InputError where there is none.
+
+    machine : built-in, "" for that of the draft; lengths : whether its axes say how far they travel
+    """
+    begun = first_files.of_builtin(machine) if machine else _beginning(here, kept(here), {})
+    if not instrument:
+        return setup_picture(machine_schematic(machine_from_text(begun.text), lengths=lengths), width)
+    campaign = _with(begun, instrument)
+    return setup_picture(setup_schematic(campaign, campaign.setups[0], ()), width)
 
 
 def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:
@@ -186,13 +190,13 @@ def curve(here: Path) -> shapes.CurveShape:
     return shapes.CurveShape(marks=minutes_curve(_planned(here)))
 
 
-def _with(begun: first_files.Beginning, instrument: str) -> CampaignDescription:
+def _with(begun: Beginning, instrument: str) -> CampaignDescription:
     if instrument not in (known := first_files.offered_names(begun.folder)):
         raise DescriptionError("There is no such instrument", "Known are {known}", known=", ".join(known))
     return _ALONE.answer((repr(begun), instrument), lambda: first_files.first_described(begun, [instrument], Purpose()))
 
 
-def _shown_by(begun: first_files.Beginning, instrument: str) -> tuple[RowName, ...]:
+def _shown_by(begun: Beginning, instrument: str) -> tuple[RowName, ...]:
     def shown() -> tuple[RowName, ...]:
         described = _with(begun, instrument)
         return rows_shown(described, rows_of(described.machine))
@@ -236,7 +240,7 @@ def _written(here: Path) -> tuple[Path, CampaignDescription]:
     return folder / f"{name}.axiscal", described
 
 
-def _beginning(here: Path, draft: shapes.DraftShape, faults: dict[str, InputError]) -> first_files.Beginning:
+def _beginning(here: Path, draft: shapes.DraftShape, faults: dict[str, InputError]) -> Beginning:
     """Return the machine of a draft with the travels that can be; raises InputError.  faults : takes the others"""
     if draft.machine:
         begun = first_files.of_builtin(draft.machine)
@@ -293,11 +297,7 @@ def _shown(here: Path, draft: shapes.DraftShape) -> shapes.MachineShape:
         carried=[axis.name for axis in machine.axes if axis.workpiece_side],
         radii=[axis.name for axis in machine.axes if axis.diameters],
         look=begun.look,
-        offered=[
-            name
-            for name in first_files.offered_names(here)
-            if name not in OFFERED or next(OFFERED[name].setups(machine), None) is not None
-        ],
+        offered=[name for name in first_files.offered_names(here) if setups_of(machine, name)],
         asks=begun.active in (UNSAID, *_ACTIVE.values()),
     )
 
@@ -318,9 +318,9 @@ def _records(here: Path) -> tuple[list[shapes.BegunShape], list[str]]:
             record=str(each.file.relative_to(here)),
             machine=each.machine,
             at=each.at,
-            finished=each.finished is not None,
-            taken=each.taken,
-            coming=each.coming,
+            finished=each.state.finished is not None,
+            taken=len(each.state.readings),
+            coming=len(each.state.coming),
         )
         for each in found
     ]

@@ -4,19 +4,17 @@ A page from elsewhere that is open in the same browser can reach the port. Three
 renamed itself (rebinding), its Origin, and the token, which each request carries in its head. A browser would send a
 cookie to every port of this computer; what a page keeps for itself, other ports cannot read.
 
-Pictures, downloads and the report are fetched by the browser, which adds no head. Each has an address for one request.
-
 Then the page answers: by files, documents that FastAPI describes, refusals as documents, defects that hide nothing.
 """
 
 from __future__ import annotations
 
 import hmac
+import json
 import secrets
 from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 from fastapi import Depends, FastAPI, Request, Response, Security
@@ -29,7 +27,6 @@ from starlette.requests import HTTPConnection
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from axiscal.answers.answer import AnswerDocument
 from axiscal.document.ports import culprit
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import messages, spoken_now
@@ -73,6 +70,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
         exception_handlers={
             RequestValidationError: _malformed, AxiscalError: _refused, HTTPException: _not_here, Exception: _defect
         },
+        default_response_class=PageDocument,
         responses=_REFUSALS,
         dependencies=[Security(token), Depends(_refuse_unknown)],
         docs_url=None,
@@ -83,15 +81,17 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
     )  # fmt: skip
 
 
-def document(shape: AnswerDocument | None, status: int = 200) -> Response:
-    """Return an answer that is a document, or null."""
-    text = "null" if shape is None else shape.model_dump_json()
-    return Response(text.encode("utf-8", "replace"), status, media_type="application/json")
+class PageDocument(JSONResponse):
+    """A document; signs that no text holds, which a person can send, become question marks."""
+
+    def render(self, content: Any) -> bytes:
+        """Return the document as UTF-8."""
+        return json.dumps(content, ensure_ascii=False, allow_nan=False).encode("utf-8", "replace")
 
 
 def problem(status: int, code: str, sentence: str) -> Response:
     """Return an answer that says what is wrong: by a code for programs and a sentence for people."""
-    return document(ProblemShape(problem=code, sentence=sentence), status)
+    return PageDocument({"problem": code, "sentence": sentence}, status)
 
 
 async def _words(request: Request) -> Response:
@@ -100,9 +100,9 @@ async def _words(request: Request) -> Response:
 
 
 async def _refuse_unknown(request: Request) -> None:
-    """Raise RequestValidationError for a query that the path does not take; a `query` that is a document does so."""
+    """Raise RequestValidationError for a query that the path does not take."""
     taken = {each.alias for each in request.scope["route"].dependant.query_params}
-    for name in sorted(set(request.query_params) - taken if taken != {"query"} else ()):
+    for name in sorted(set(request.query_params) - taken):
         raise RequestValidationError([{"loc": ("query", name), "msg": "Extra inputs are not permitted"}])
 
 
@@ -133,10 +133,8 @@ async def _defect(request: Request, failure: Exception) -> Response:
 
 
 _TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses
-_WITHIN = 60.0
-"""s in which an address that answers once has to be asked for: a browser does it at once, a busy one within seconds."""
 _POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 _HEADERS = {
@@ -148,26 +146,6 @@ _HEADERS = {
 }
 
 
-class Addresses:
-    """Addresses that answer one request, for what a browser fetches without the token; path and query of each."""
-
-    def __init__(self) -> None:
-        self._kept = dict[str, tuple[str, str, float]]()
-
-    def once(self, path: str) -> str:
-        """Return an address that answers one request for `path`, with its query, within a minute."""
-        plain, _, query = path.partition("?")
-        now, secret = monotonic(), f"/once/{secrets.token_urlsafe(_TOKEN_BYTES)}/{plain.rpartition('/')[2]}"
-        self._kept = {each: kept for each, kept in self._kept.items() if kept[2] > now}
-        self._kept[secret] = plain, query, now + _WITHIN
-        return secret
-
-    def redeem(self, address: str) -> tuple[str, str] | None:
-        """Return path and query that an address stands for, and forget it; None for one that stands for nothing."""
-        path, query, until = self._kept.pop(address, ("", "", 0.0))
-        return (path, query) if until > monotonic() else None
-
-
 class Guard:
     """Lets a request through to `app`, or refuses it with its reason; sets the headers of every answer.
 
@@ -175,8 +153,8 @@ class Guard:
     The token stands behind the #, which a browser sends to nobody.
     """
 
-    def __init__(self, app: ASGIApp, port: int, addresses: Addresses) -> None:
-        self._app, self._addresses = app, addresses
+    def __init__(self, app: ASGIApp, port: int) -> None:
+        self._app = app
         self._token, self._hosts = secrets.token_urlsafe(_TOKEN_BYTES), (f"127.0.0.1:{port}", f"localhost:{port}")
         self.address = f"http://{self._hosts[0]}/#{self._token}"
 
@@ -209,18 +187,10 @@ class Guard:
             return problem(403, "forbidden", "This request comes from another page")
         scheme, _, token = headers.get("authorization", "").partition(" ")
         ours = hmac.compare_digest(token.encode("utf-8", "replace"), self._token.encode())
-        if (scheme.lower() == "bearer" and ours) or self._is_free(asked.scope):
+        free = asked.scope["method"] in ("GET", "HEAD") and asked.scope["path"] in FREE
+        if (scheme.lower() == "bearer" and ours) or free:
             return None
         return problem(403, "forbidden", "Open the address that axiscal serve has printed: it holds the token")
-
-    def _is_free(self, scope: Scope) -> bool:
-        """Return whether a request needs no token; one for an address that answers once is led to what that means."""
-        if scope["method"] not in ("GET", "HEAD"):
-            return False
-        meant = self._addresses.redeem(scope["path"])
-        if meant is not None:
-            scope["path"], scope["raw_path"], scope["query_string"] = meant[0], meant[0].encode(), meant[1].encode()
-        return meant is not None or scope["path"] in FREE
 
 
 def _bounded(receive: Receive) -> Receive:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-import io
 import logging
 import os
 import socket
-import zipfile
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
-from functools import partial, wraps
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Annotated, TypeVar
 
 import uvicorn
-from fastapi import Body, FastAPI, Query, Response
+from fastapi import Body, FastAPI, Response
 from fastapi.responses import FileResponse
 
 from axiscal.answers.answer import AnswerDocument
@@ -25,11 +23,10 @@ from axiscal.exceptions import InputError, OvertakenError
 from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
 from axiscal.present.sentences import spelt
-from axiscal.record.signing import writing
 from axiscal.web import after_end, draft, shapes
 from axiscal.web.counter import Counter, lost_interruptions
 from axiscal.web.desk import Desk
-from axiscal.web.guard import ROOT, Addresses, Guard, document, page_application, problem
+from axiscal.web.guard import ROOT, Guard, page_application, problem
 
 _STEPS: dict[str, tuple[type[AnswerDocument], Callable[..., str]]] = {
     "readings": (shapes.KeepRequest, Desk.keep),
@@ -47,8 +44,7 @@ _STEPS: dict[str, tuple[type[AnswerDocument], Callable[..., str]]] = {
 
 def application(counter: Counter, port: int, here: Path) -> Guard:
     """Return the whole page behind its guard.  here : the folder of what begins on it"""
-    addresses = Addresses()
-    api = _Api(counter, here, addresses)
+    api = _Api(counter, here)
 
     @asynccontextmanager
     async def watching(app: FastAPI) -> AsyncIterator[None]:
@@ -66,15 +62,15 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     for file in ("report.pdf", "tables.zip", "setup.svg", "volume.svg", "machine.svg"):
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "planned", "rows"):
-        app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
-    for name in ("state", "typed", "cost", "texts", "check"):
-        app.get(f"{ROOT}/{name}")(_documented(getattr(api, name)))
-    for name in ("addresses", "draft", "open", "leave"):
-        app.post(f"{ROOT}/{name}")(_documented(getattr(api, name)))
-    app.post(f"{ROOT}/check")(_documented(api.judge))
+        app.get(f"{ROOT}/{name}")(getattr(api, name))
+    for name in ("state", "typed", "cost", "check"):
+        app.get(f"{ROOT}/{name}")(getattr(api, name))
+    for name in ("draft", "open", "leave"):
+        app.post(f"{ROOT}/{name}")(getattr(api, name))
+    app.post(f"{ROOT}/check")(api.judge)
     for name, (request, step) in _STEPS.items():
-        app.post(f"{ROOT}/{name}")(_documented(api.doing(request, step)))
-    return Guard(app, port, addresses)
+        app.post(f"{ROOT}/{name}")(api.doing(request, step))
+    return Guard(app, port)
 
 
 _picture = partial(Response, media_type="image/svg+xml")
@@ -88,26 +84,21 @@ _Made = TypeVar("_Made")
 class _Api:
     """What the routes answer; the description of the API says of each what stands here."""
 
-    def __init__(self, counter: Counter, here: Path, addresses: Addresses) -> None:
-        self._counter, self._here, self._addresses = counter, here, addresses
+    def __init__(self, counter: Counter, here: Path) -> None:
+        self._counter, self._here = counter, here
 
     def doing(self, request: type[AnswerDocument], step: Callable[..., str]) -> _Answering:
         """Return what answers requests for a step of the desk with the state after it."""
 
         async def done(asked: AnswerDocument) -> shapes.DoneShape:
             fields = dict(asked)
-            own, after = fields.pop("step", ""), fields.pop("after", None)
-            with writing(step=own):
-                sentence = await self._counter.do(lambda desk: desk.once(partial(step, **fields), after))
+            after = fields.pop("after", None)
+            sentence = await self._counter.do(lambda desk: desk.once(partial(step, **fields), after))
             return await self._opened(spelt(sentence))
 
         done.__name__, done.__doc__ = step.__name__, step.__doc__
         done.__annotations__["asked"] = request
         return done
-
-    async def addresses(self, asked: shapes.AddressRequest) -> shapes.AddressShape:
-        """Return an address that answers one request within a minute, for a picture, a download or the report."""
-        return shapes.AddressShape(address=self._addresses.once(asked.path))
 
     async def state(self, seen: shapes.Seen = 0, wait: shapes.Wait = 0.0) -> shapes.StateShape:
         """All that the page shows, at once or when it is newer than what was seen."""
@@ -123,39 +114,32 @@ class _Api:
         words = await self._counter.ask(lambda desk: cost_words(desk.campaign, rest=rest))
         return shapes.SentenceShape(sentence=spelt(cost_sentence(words)))
 
-    async def texts(self, query: Annotated[shapes.TablesQuery, Query()]) -> shapes.TextsShape:
-        """The tables of a control as texts to copy."""
-        return await self._counter.ask(lambda desk: after_end.table_texts(desk, query.control))
-
-    async def check(self, query: Annotated[shapes.TablesQuery, Query()]) -> CheckToTake:
+    async def check(self, control: shapes.Short) -> CheckToTake:
         """Where the tables of a control are to be checked."""
-        return await self._counter.ask(lambda desk: CheckToTake.of(desk.campaign, query.control, desk.virtual))
+        return await self._counter.ask(lambda desk: CheckToTake.of(desk.campaign, control, desk.virtual))
 
     async def judge(self, asked: shapes.CheckedRequest) -> CheckJudged:
         """What readings without the tables and with them say."""
         return await self._counter.ask(lambda desk: after_end.judge(desk, asked))
 
-    async def setup_svg(self, query: Annotated[shapes.PictureQuery, Query()]) -> Response:
+    async def setup_svg(self, width: shapes.Width, version: int = 0) -> Response:
         """The machine with the instrument on it and the places that are read, as wide as the page has room."""
-        drawn = await self._counter.ask(lambda desk: desk.setup_picture(query.width))
+        drawn = await self._counter.ask(lambda desk: desk.setup_picture(width))
         return _picture(drawn) if drawn else Response(status_code=204)  # what was asked has been answered meanwhile
 
-    async def volume_svg(self, query: Annotated[shapes.PictureQuery, Query()]) -> Response:
+    async def volume_svg(self, width: shapes.Width, version: int = 0) -> Response:
         """The error of the volume, found and left, as wide as the page has room."""
-        return _picture(await self._counter.ask(lambda desk: after_end.volume_picture(desk, query.width)))
+        return _picture(await self._counter.ask(lambda desk: after_end.volume_picture(desk, width)))
 
     async def report_pdf(self) -> Response:
         """The report to sign."""
         return self._result("report.pdf", {"Content-Disposition": "attachment"})
 
-    async def tables_zip(self, query: Annotated[shapes.TablesQuery, Query()]) -> Response:
+    async def tables_zip(self, control: shapes.Short) -> Response:
         """The tables of a control as one file."""
-        made, packed = await self.texts(query), io.BytesIO()
-        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, text in made.files.items():
-                archive.writestr(f"{made.control}/{name}", text)
-        headers = {"Content-Disposition": f'attachment; filename="{made.control}.zip"'}
-        return Response(packed.getvalue(), media_type="application/zip", headers=headers)
+        packed = await self._counter.ask(lambda desk: after_end.tables_packed(desk, control))
+        headers = {"Content-Disposition": f'attachment; filename="{control}.zip"'}
+        return Response(packed, media_type="application/zip", headers=headers)
 
     async def leave(self) -> None:
         """Close the record, and show the start again."""
@@ -180,9 +164,17 @@ class _Api:
         """Keep what was chosen of a new campaign, and say what that makes of its machine."""
         return draft.keep(self._here, chosen)
 
-    async def machine_svg(self, query: Annotated[shapes.MachineQuery, Query()]) -> Response:
-        """A machine, with an instrument on it if one is named."""
-        return _picture(await asyncio.to_thread(draft.picture, self._here, query))
+    async def machine_svg(
+        self,
+        width: shapes.Width,
+        machine: shapes.Short = "",
+        instrument: shapes.Short = "",
+        small: bool = False,
+        version: int = 0,
+    ) -> Response:
+        """A machine, that of the draft if none is named, with an instrument on it if one is; small : without words."""
+        drawn = partial(draft.picture, self._here, width, machine, instrument, lengths=not small)
+        return _picture(await asyncio.to_thread(drawn))
 
     async def plan(self) -> shapes.PlanShape | None:
         """The plan of the draft in words; it takes seconds."""
@@ -217,16 +209,6 @@ class _Api:
 
     async def _opened(self, sentence: str) -> shapes.DoneShape:
         return shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0))
-
-
-def _documented(made: _Answering) -> Callable[..., Awaitable[Response]]:
-    """Return what answers with the document that is made, in the form that the annotation says."""
-
-    @wraps(made)
-    async def answer(**asked: object) -> Response:
-        return document(await made(**asked))
-
-    return answer
 
 
 _HEAD = 16 * 1024

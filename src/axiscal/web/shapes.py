@@ -25,6 +25,7 @@ LONGEST = 25.0
 Seen = Annotated[int, Field(ge=0, description="Wait until the state has another version")]
 Wait = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False, description="s, at most")]
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
+Width = Annotated[float, Field(ge=120, le=2000, allow_inf_nan=False, description="Pixels")]
 LETTERS = 48_000
 """Of a dropped file at most: the page sends no more of it."""
 Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
@@ -86,22 +87,10 @@ class StateShape(AnswerDocument):
     controls: Sequence[str]
 
 
-class TablesQuery(AnswerDocument):
-    """The tables of a control."""
+class CheckedRequest(AnswerDocument):
+    """Readings of a check of the tables of a control as they are typed, in the order of its places."""
 
     control: Short
-
-
-class TextsShape(AnswerDocument):
-    """The files for a control, by name."""
-
-    control: str
-    files: Mapping[str, str]
-
-
-class CheckedRequest(TablesQuery):
-    """Readings of a check as they are typed, in the order of its places, without the tables and with them."""
-
     tolerance: Short
     found: Annotated[Sequence[Short], Field(max_length=500)]
     left: Annotated[Sequence[Short], Field(max_length=500)]
@@ -207,50 +196,13 @@ class PlanShape(AnswerDocument):
     minds: Sequence[str]
 
 
-class AddressRequest(AnswerDocument):
-    """A path of the page, with its query, that the browser itself will fetch."""
-
-    path: Annotated[str, Field(pattern=r"^/[a-z]+\.[a-z]+(\?[!-~]*)?$", max_length=LONGEST_TEXT)]
-
-
-class AddressShape(AnswerDocument):
-    """An address that answers one request, without the token."""
-
-    address: str
-
-
-class PictureQuery(AnswerDocument):
-    """A picture.  width : pixels; version : anything that is another one when what it shows is"""
-
-    width: Annotated[float, Field(ge=120, le=2000, allow_inf_nan=False)]
-    version: Annotated[int, Field(ge=0)] = 0
-
-
-class MachineQuery(PictureQuery):
-    """A picture of a machine.
-
-    machine : built-in, "" for that of the draft; instrument : that stands on it, "" for none
-    small : without words below it
-    """
-
-    machine: Short = ""
-    instrument: Short = ""
-    small: bool = False
-
-
 class SentenceShape(AnswerDocument):
     """An answer in words, "" for nothing that is worth a word."""
 
     sentence: str
 
 
-class OnceRequest(AnswerDocument):
-    """What counts once, however often it is sent.  step : an id of its own, a UUID; "" for none"""
-
-    step: Annotated[str, Field(pattern="^([0-9a-f-]{36})?$")] = ""
-
-
-class StepRequest(OnceRequest):
+class StepRequest(AnswerDocument):
     """A step that needs no more words."""
 
     after: After
@@ -286,7 +238,7 @@ class SkipRequest(StepRequest):
     rest: bool = False
 
 
-class NoteRequest(OnceRequest):
+class NoteRequest(AnswerDocument):
     """A sentence for the record: it answers no question, so no state has to be named."""
 
     text: Short

@@ -6,11 +6,10 @@ import contextlib
 import json
 import math
 import os
-import queue
+import select
 import shlex
 import signal
 import subprocess
-import threading
 import time
 from collections import Counter
 from typing import IO, Any
@@ -30,8 +29,6 @@ LONGEST = 100_000
 """Characters in one answer."""
 _LOOK = 0.25
 """Seconds between two looks whether the command still runs; any time that a person does not notice would do."""
-_AHEAD = 100
-"""Lines that are kept before they are wanted; one is right, and a flood is not to fill the memory."""
 WIDEST = 1e6
 """A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
@@ -46,23 +43,26 @@ class ExecSource:
     """
 
     def __init__(self, command: str, timeout: float = TIMEOUT) -> None:
-        self._command, self._timeout = command, timeout
+        self._command, self._timeout, self._heard = command, timeout, b""
         self._process = _start(command)
-        self._lines: queue.Queue[str] = queue.Queue(_AHEAD)
-        self._wanted = True
-        self._listener = threading.Thread(target=self._hear, daemon=True)
-        self._listener.start()
 
     def read(self, request: Request) -> Answer | Skip:
         """Send the request and return the answer; raises SourceError if the command dies, stalls or talks nonsense."""
-        with contextlib.suppress(queue.Empty):
-            line = self._lines.get_nowait()
-            if not line:
-                raise self._died(GRACE)
+        if line := self._line(0.0):
             what = "the command `{command}` said {answer} without being asked"
             raise self._failure(what, "Answer each line with exactly one line", answer=_quoted(line))
-        self._send(json.dumps(request.message(), ensure_ascii=False))
-        line = self._next_line()
+        stream = _pipe(self._process.stdin)
+        try:
+            stream.write(json.dumps(request.message(), ensure_ascii=False) + "\n")
+            stream.flush()
+        except (OSError, ValueError):
+            raise self._died() from None
+        if (line := self._line(self._timeout)) is None:
+            remedy = "See what it is waiting for, then go on with --resume; --timeout allows it more time"
+            what = "the command `{command}` has not answered within {seconds:g} s"
+            raise self._failure(what, remedy, seconds=self._timeout)
+        if not line:
+            raise self._died()
         try:
             return _understood(line, request)
         except SourceError as fault:
@@ -71,7 +71,6 @@ class ExecSource:
 
     def close(self) -> None:
         """End the command: its input is closed, and if that does not move it, it is terminated."""
-        self._wanted = False
         with contextlib.suppress(OSError):
             _pipe(self._process.stdin).close()
         for farewell in (signal.SIGTERM, signal.SIGKILL):
@@ -81,50 +80,30 @@ class ExecSource:
             except subprocess.TimeoutExpired:
                 _signal(self._process, farewell)
         self._process.wait()
-        if self._listener.is_alive():  # it has left something behind that still runs
-            _signal(self._process, signal.SIGKILL)
-        self._listener.join(GRACE)
+        _signal(self._process, signal.SIGKILL)  # what it has left behind
+        _pipe(self._process.stdout).close()
 
-    def _hear(self) -> None:
-        with _pipe(self._process.stdout) as stream:
-            while line := stream.readline(LONGEST + 1):
-                self._heard(line)
-        self._heard("")
-
-    def _heard(self, line: str) -> None:
-        """Keep a line until it is wanted; whoever says more has to wait."""
-        while self._wanted:
-            with contextlib.suppress(queue.Full):
-                self._lines.put(line, timeout=_LOOK)
-                return
-
-    def _send(self, line: str) -> None:
-        stream = _pipe(self._process.stdin)
-        try:
-            stream.write(line + "\n")
-            stream.flush()
-        except (OSError, ValueError):
-            raise self._died(GRACE) from None
-
-    def _next_line(self) -> str:
-        until = time.monotonic() + self._timeout
-        while (left := until - time.monotonic()) > 0:
+    def _line(self, patience: float) -> str | None:
+        """Return the next line with its end, "" where none will come any more, None where none came in so many s."""
+        stream, until = _pipe(self._process.stdout).fileno(), time.monotonic() + patience
+        while b"\n" not in self._heard and len(self._heard) <= LONGEST:
             ended = self._process.poll() is not None  # looked at first: what it said before is in the pipe
-            with contextlib.suppress(queue.Empty):
-                line = self._lines.get(timeout=min(_LOOK, left))
-                if not line:
-                    self._lines.put("")
-                    raise self._died(GRACE)
-                return line
-            if ended:  # and something that it has started keeps its output open
-                raise self._died(_LOOK)
-        remedy = "See what it is waiting for, then go on with --resume; --timeout allows it more time"
-        what = "the command `{command}` has not answered within {seconds:g} s"
-        raise self._failure(what, remedy, seconds=self._timeout)
+            left = until - time.monotonic()
+            if select.select([stream], [], [], max(min(_LOOK, left), 0.0))[0]:
+                part = os.read(stream, LONGEST)
+                self._heard += part
+                if not part:
+                    break
+            elif ended:  # and something that it has started keeps its output open
+                break
+            elif left <= 0:
+                return None
+        line, end, self._heard = self._heard.partition(b"\n")
+        return (line + end).decode("utf-8", "replace")
 
-    def _died(self, patience: float) -> SourceError:
+    def _died(self) -> SourceError:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(patience)
+            self._process.wait(GRACE)
         status = self._process.returncode
         what = "the command `{command}` ended with status {status} before it answered; see what it said above"
         what = "the command `{command}` closed its output before it answered" if status is None else what

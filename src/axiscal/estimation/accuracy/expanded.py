@@ -16,6 +16,7 @@ With h = 2 E[r²]²/Var[r²] of the distance r over the poses (Satterthwaite 194
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +84,31 @@ def floor_of(name: str, yardstick: Yardstick) -> float:
     if name == "U":
         return expanded_floor(yardstick).space
     return yardstick.floors[1] if name == "worst" else yardstick.rms_floor
+
+
+class Limited(Protocol):
+    """Limits of accuracies of the volume, m, None for none."""
+
+    @property
+    def rms(self) -> float | None: ...
+    @property
+    def worst(self) -> float | None: ...
+    @property
+    def expanded(self) -> float | None: ...
+
+
+class WantedAccuracy(NamedTuple):
+    """A wanted accuracy, and its floor after endless readings, m."""
+
+    name: str
+    limit: float
+    floor: float
+
+
+def asked(limits: Limited, yardstick: Yardstick) -> tuple[WantedAccuracy, ...]:
+    """Return the accuracies that limits ask for; a campaign ends at the first that is reached."""
+    given = ("rms", limits.rms), ("worst", limits.worst), ("U", limits.expanded)
+    return tuple(WantedAccuracy(name, limit, floor_of(name, yardstick)) for name, limit in given if limit is not None)
 
 
 def expanded_of(

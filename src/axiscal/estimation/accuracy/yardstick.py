@@ -58,20 +58,10 @@ _INNER_POINTS = 400
 
 
 class Accuracy(NamedTuple):
-    """Accuracy to which the TCP is known over the volume; all fields in m.
-
-    rms, worst : RMS and largest standard deviation; floor, worst_floor : what endless readings would leave of each
-    """
+    """Accuracy to which the TCP is known over the volume, m: RMS and largest standard deviation."""
 
     rms: float
     worst: float
-    floor: float
-    worst_floor: float
-
-    def meets(self, rms: float | None, worst: float | None) -> bool:
-        """Return whether one of two limits is met, m: where its floor is above it, by what readings take away."""
-        limits = ((self.rms, rms, self.floor), (self.worst, worst, self.worst_floor))
-        return any(limit is not None and value <= attainable(limit, floor) for value, limit, floor in limits)
 
 
 _NEAR = 1.1
@@ -209,7 +199,7 @@ class Yardstick:
     def figures(self, total: float, variances: Array) -> Accuracy:
         """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
         rms = self.rms_of(total)
-        return Accuracy(rms, float(np.sqrt(max(np.max(variances), rms**2))), *self.floors)
+        return Accuracy(rms, float(np.sqrt(max(np.max(variances), rms**2))))
 
     def rms_of(self, total: float) -> float:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""

@@ -16,7 +16,7 @@ A line is where an axis was read, or is to be read, while the others stand still
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -138,9 +138,10 @@ def functional(kind: Kind, lines: Sequence[AxisLine], machine: Machine, ways: Se
     (line,), (way,) = lines, ways
     axis = machine.axes[line.axis]
     angular = kind in ANGLES or axis.rotary
-    found = _ALONG_ONE[kind](line, ways_of(machine, line, angular=angular)[way])
-    names = (axis.name,) if len(found.weights) == 1 else ()
-    return replace(found, angular=angular, directions=names)
+    poses, sides, weights = _along_one(kind, line)
+    names = (axis.name,) if len(weights) == 1 else ()
+    towards = weights[:, :, None] * ways_of(machine, line, angular=angular)[way]
+    return Functional(poses, sides, towards, angular, names)
 
 
 def ways_of(machine: Machine, line: AxisLine, *, angular: bool) -> Array:
@@ -156,29 +157,19 @@ def ways_of(machine: Machine, line: AxisLine, *, angular: bool) -> Array:
     return signs[:, None] * in_frame(machine, line.axis, line.poses[0])
 
 
-def _positioning(line: AxisLine, way: Array) -> Functional:
-    count = 2 * len(line.poses)
-    return _two_sided(line, line.poses, np.eye(count) - 1 / count, way)
-
-
-def _backlash(line: AxisLine, way: Array) -> Functional:
-    poses = line.poses_at(line.both) if line.both else line.poses
-    share = np.full((1, len(poses)), 1 / len(poses))
-    return _two_sided(line, poses, np.hstack([share, -share]), way)
-
-
-def _scale(line: AxisLine, way: Array) -> Functional:
-    fit: Array = np.asarray(np.linalg.pinv(_ramp(line.positions)), dtype=float)
-    return _resting(line.poses, fit[1:], way)
-
-
-def _straightness(line: AxisLine, way: Array) -> Functional:
-    ramp = _ramp(line.positions)
-    return _resting(line.poses, np.eye(len(ramp)) - ramp @ np.linalg.pinv(ramp), way)
-
-
-def _angle(line: AxisLine, way: Array) -> Functional:
-    return _resting(line.poses, np.eye(len(line.poses)) - 1 / len(line.poses), way)
+def _along_one(kind: Kind, line: AxisLine) -> tuple[Array, Array, Array]:
+    """Return poses and sides (m, q) of a row along one direction, and its weights (k, m)."""
+    if kind not in ("positioning", "backlash"):
+        ramp, alone = _ramp(line.positions), np.eye(len(line.poses))
+        fit: Array = np.asarray(np.linalg.pinv(ramp), dtype=float)
+        straight = alone - ramp @ fit if kind == "straightness" else alone - 1 / len(alone)
+        return line.poses, np.zeros_like(line.poses), fit[1:] if kind == "scale" else straight
+    poses = line.poses_at(line.both) if kind == "backlash" and line.both else line.poses
+    count, sides = len(poses), np.zeros((2 * len(poses), poses.shape[1]))
+    sides[:count, line.axis], sides[count:, line.axis] = 1.0, -1.0
+    mean = np.full(2 * count, 0.5 / count)
+    weights = np.eye(2 * count) - mean if kind == "positioning" else 2 * mean[None] * sides[:, line.axis]
+    return np.vstack([poses, poses]), sides, weights
 
 
 def _squareness(lines: Sequence[AxisLine], machine: Machine, ways: Sequence[int]) -> Functional:
@@ -186,7 +177,7 @@ def _squareness(lines: Sequence[AxisLine], machine: Machine, ways: Sequence[int]
     weights = list[Array]()
     for line, way in zip(lines, ways, strict=True):
         fit: Array = np.asarray(np.linalg.pinv(_ramp(line.positions)), dtype=float)
-        weights.append(_towards(-fit[1:], ways_of(machine, line, angular=False)[way]))
+        weights.append(-fit[1:, :, None] * ways_of(machine, line, angular=False)[way])
     poses, names = np.vstack([line.poses for line in lines]), "".join(machine.axes[line.axis].name for line in lines)
     return Functional(poses, np.zeros_like(poses), np.concatenate(weights, axis=1), directions=(names,))
 
@@ -205,37 +196,9 @@ def _turning(line: AxisLine, machine: Machine, *, angular: bool) -> Functional:
     return Functional(line.poses, np.zeros_like(line.poses), weights[told], angular, names)
 
 
-_ALONG_ONE: dict[Kind, Callable[[AxisLine, Array], Functional]] = {
-    "positioning": _positioning,
-    "scale": _scale,
-    "backlash": _backlash,
-    "straightness": _straightness,
-    "pitch": _angle,
-    "yaw": _angle,
-    "roll": _angle,
-}
-
-
 def _ramp(positions: Array) -> Array:
     """Return the columns of a best-fit line, (n, 2)."""
     return np.stack([np.ones(len(positions)), positions], axis=1)
-
-
-def _resting(poses: Array, weights: Array, way: Array) -> Functional:
-    """Return a row for which sides do not count.  weights : (k, m)"""
-    return Functional(poses, np.zeros_like(poses), _towards(weights, way))
-
-
-def _two_sided(line: AxisLine, poses: Array, weights: Array, way: Array) -> Functional:
-    """Return a row of the deviations from + and, after them, from −.  weights : (k, 2 m)"""
-    sides = np.zeros((2 * len(poses), poses.shape[1]))
-    sides[: len(poses), line.axis], sides[len(poses) :, line.axis] = 1.0, -1.0
-    return Functional(np.vstack([poses, poses]), sides, _towards(weights, way))
-
-
-def _towards(weights: Array, way: Array) -> Array:
-    """Return weights (k, m) of a direction (3,) as weights of x, y, z, (k, m, 3)."""
-    return weights[:, :, None] * way
 
 
 PLACES = 41

@@ -1,7 +1,6 @@
 """What readings suffer beside the errors of the machine: drift, growth, what a reversal lacks yet, causes of type B.
 
-How much passes says `axiscal_core.causes`. Without what usually goes wrong a zero wanders as stated
-(`measurement.cells`).
+How much passes says `axiscal_core.causes`. Without what usually goes wrong a zero wanders as stated, and no more.
 """
 
 from __future__ import annotations
@@ -13,14 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.cells import Course
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import numbers_of_setups, places_of, times_of
+from axiscal.measurement.reading_rows import places_of, times_of
 from axiscal.measurement.travel import feet_of
 from axiscal.measurement.type_b import Read, TypeB, rows_of
 from axiscal.numerics import Array
-from axiscal_core.causes import WAY, WAYS, OfOneSetup, absent
+from axiscal_core.causes import WAY, WAYS, OfOneSetup, absent, drift
+from axiscal_core.eigen import of_rank
 from axiscal_core.theta import Kind
 
 _ONE_WAY = 0.5
@@ -50,8 +49,8 @@ def passing_columns(
                 open_yet.append((turn.name, WAY * turn.effects[part, of, None] * unsure[of]))
             found += read.passing((axis[part, of] for axis in growing(observation, index, poses)), open_yet)
         elif setup.drift > 0:
-            course = Course.over(setup.drift, np.sort(read.clock).tolist())
-            found += (("drift", setup.name, read.wide(zero, course.rows(read.clock[zero]))) for zero in read.zeros)
+            ways = (of_rank(drift(read.clock[zero], 0.0, setup.drift)) for zero in read.zeros)
+            found += (("drift", setup.name, read.wide(*each)) for each in zip(read.zeros, ways, strict=True))
     return found, lacking
 
 
@@ -74,7 +73,7 @@ def at_feed(observation: Observation, readings: Sequence[Reading]) -> Iterator[A
     At a feed v axes lag by v τ. Along a bar at angle φ that shows ± v Δτ sin φ cos φ, the sign that of the way round.
     """
     places, times = places_of(observation.setups, readings), np.nan_to_num(times_of(readings))
-    last = np.cumsum(numbers_of_setups(observation.setups)[places.setups])
+    last = np.cumsum(observation.counts[places.setups])
     for index, chosen in places.by_setup():
         setup = observation.setups[index]
         if setup.site != "bar":
@@ -181,7 +180,7 @@ def contributions(
 
     values : of each reading, m or rad; None before they are read; usual : with sizes that nobody stated
     """
-    found, each = dict[tuple[str, str], Contribution](), numbers_of_setups(observation.setups)[places.setups]
+    found, each = dict[tuple[str, str], Contribution](), observation.counts[places.setups]
     first = np.cumsum(each) - each
     for index, chosen in places.by_setup():
         setup, mine = observation.setups[index], np.arange(len(places))[chosen]

@@ -14,7 +14,6 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import (
     cells_shown,
-    numbers_of_setups,
     places_of,
     seen,
     times_of,
@@ -25,7 +24,7 @@ from axiscal.numerics import Array
 from axiscal_core.causes import WAY, cell_root
 from axiscal_core.columns import Scale, priors_of
 from axiscal_core.machine import Machine
-from axiscal_core.problem import MOST_NUMBERS, Problem, by_blocks
+from axiscal_core.problem import MOST_NUMBERS, Problem
 from axiscal_core.splines import ramp
 from axiscal_core.terms import Term
 from axiscal_core.theta import MANY, Sizes
@@ -57,51 +56,41 @@ def problem(
     usual : with what readings alone usually suffer, else with what is stated of it
     """
     sizes = replace(sizes, share=min(1.0, len(readings) / MANY))
-    places = places_of(observation.setups, readings)
-    clock = np.nan_to_num(times_of(readings))
-    reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
+    machine, places, setups = observation.errors, places_of(observation.setups, readings), observation.setups
+    reading = np.repeat(np.arange(len(places)), observation.counts[places.setups])
     causes = contributions(observation, places, [each.values for each in readings], usual)
-    type_b = np.column_stack([np.zeros((len(reading), 0)), *(each.effects for each in causes)])
-    passing, lacking = passing_columns(observation, places, reading, clock, usual)
-    kinds = tuple(kind for kind, _, columns in passing for _ in range(columns.shape[1]))
-    start = len(kinds)
+    passing, lacking = passing_columns(observation, places, reading, np.nan_to_num(times_of(readings)), usual)
+    before, start = [*passing], sum(columns.shape[1] for _, _, columns in passing)
     cells = _cells(observation, places, len(reading), start + sum(shares.shape[1] for shares in lacking.values()))
     opened = with_cells(observation, cells)
-    found = seen(opened, readings)
-    setups, stated = places.setups[reading], np.array([each.std is not None for each in readings])[reading]
-    terms = observation.errors.terms
-    roots = [_root_of_cells(terms[term], np.array(own), usual) for term, own in _by_term(cells).items()]
-    noise = np.sqrt(found.variances)
-    names = [setup.name for setup in observation.setups]
-    groups = np.where(stated, -1, sizes.indices("noise", names)[setups])
-    answered = observation.errors.size + len(observation.unknowns)
-    adding = [*_scales(observation.errors, lacking, inherited=inherited is not None)]
-    scales = tuple(scale for _, scale, _ in adding)
-    scale_size = np.array([sizes.index(scale.kind, owner) for owner, scale, _ in adding], dtype=np.intp)
-    rest_size = sizes.indices("rest", [terms[term].name for term, _ in cells])
-    first = start + len(cells)
-    rows = np.empty((len(reading), first + len(scales) + answered))  # many readings make gigabytes: in no second copy
-    rows[:, :start] = np.hstack([np.zeros((len(reading), 0)), *(columns for _, _, columns in passing)])
-    rows[:, start:first] = by_blocks(found.rows[:, [opened.cells[cell] for cell in cells]], roots)
-    for at, (_, scale, missing) in enumerate(adding, start=first):
-        rows[:, at] = (1.0 if missing is None else 1 - missing[reading]) * (found.rows[:, scale.part] @ scale.ramp)
-    own = rows[:, first + len(scales) :]
-    own[:] = found.rows[:, :answered]
+    found, roots = seen(opened, readings), list[Array]()
+    for term, mine in _by_term(cells).items():
+        roots.append(_root_of_cells(machine.terms[term], np.array(mine), usual))
+        rests = found.rows[:, [opened.cells[term, cell] for cell in mine]] @ roots[-1]
+        before.append(("rest", machine.terms[term].name, rests))
+    scales = [*_scales(machine, lacking, inherited=inherited is not None)]
+    for owner, scale, missing in scales:
+        share = 1.0 if missing is None else 1 - missing[reading]
+        before.append((scale.kind, owner, (share * (found.rows[:, scale.part] @ scale.ramp))[:, None]))
+    own, first = machine.size + len(observation.unknowns), start + len(cells) + len(scales)
     stds, left = [unknown.std for unknown in observation.unknowns], None if inherited is None else inherited.covariance
-    priors = priors_of(observation.errors, sizes, stds, first + len(scales), left)
-    priors.apply(own, first + len(scales))
+    priors = priors_of(machine, sizes, stds, first, left)
+    rows = np.hstack([np.zeros((len(reading), 0)), *(columns for _, _, columns in before), found.rows[:, :own]])
+    priors.apply(rows[:, first:], first)
+    mean = np.zeros(own)
+    mean[: 0 if inherited is None else machine.size] = 0.0 if inherited is None else inherited.mean
+    noise = np.sqrt(found.variances)
     rows /= noise[:, None]
-    mean = np.zeros(answered)
-    if inherited is not None:
-        mean[: len(inherited.mean)] = inherited.mean
-    values = (found.values - found.rows[:, :answered] @ mean) / noise
-    passing_size = [np.full(columns.shape[1], sizes.index(kind, owner)) for kind, owner, columns in passing]
-    size_at = np.concatenate([*passing_size, rest_size, scale_size, priors.size_at]).astype(np.intp)
-    judging = np.array([not cause.row.of_values for cause in causes], dtype=bool)
+    stated = np.array([each.std is not None for each in readings], dtype=bool)[reading]
+    groups = sizes.indices("noise", [setup.name for setup in setups])[places.setups[reading]]
+    sized = [np.full(columns.shape[1], sizes.index(kind, owner)) for kind, owner, columns in before]
+    type_b = np.column_stack([np.zeros((len(reading), 0)), *(each.effects for each in causes)])
     return Problem(
-        rows, values, noise, reading, setups, groups, sizes, size_at, priors.curves, priors.roots, scales, answered,
-        len(observation.unknowns), mean, tuple(cells), start,
-        tuple(roots), kinds, type_b / noise[:, None], tuple(causes), judging,
+        rows, (found.values - found.rows[:, :own] @ mean) / noise, noise, reading, places.setups[reading],
+        np.where(stated, -1, groups), sizes, np.concatenate([*sized, priors.size_at]).astype(np.intp), priors.curves,
+        priors.roots, tuple(scale for _, scale, _ in scales), own, len(observation.unknowns), mean, tuple(cells), start,
+        tuple(roots), tuple(kind for kind, _, columns in passing for _ in range(columns.shape[1])),
+        type_b / noise[:, None], tuple(causes), np.array([not cause.row.of_values for cause in causes], dtype=bool),
     )  # fmt: skip
 
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,52 +24,37 @@ FINEST_PLACE = 1e-6
 """m: what a person can dial in."""
 
 
-class SmoothChart(Chart, Protocol):
-    """The common part of charts whose tool point follows their coordinates smoothly.  room : what may not be"""
+class TipChart(Chart):
+    """A chart whose coordinates say where the tool point is, then how some rotary axes stand, by their indices."""
 
-    __slots__ = ()
-    room: Room
+    turning: tuple[int, ...] = ()
 
-    def angles(self, at: Frames) -> tuple[tuple[Array, float], ...]:
-        """Return the cosines of angles, (m,) each, with the cone within which each stays, rad."""
-        return ()
+    def points(self, places: Array) -> Array:
+        """Return where the tool point is, (m, 3) m, workpiece frame."""
+        raise NotImplementedError
 
-    def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses are in travel, with nothing in the way, and every angle within its cone."""
-        found = self.room.holds(poses)
-        if found.any():
-            angles = self.angles(self.room.machine.frames(poses[found]))
-            found[found] = np.all([within_cone(*each) for each in angles], axis=0)
-        return found
+    def poses(self, places: Array) -> Array:
+        """Return the poses (m, q) with the tool point there."""
+        return tip_at(self.room.machine, self.turned(places), self.points(places))
 
-
-def bar_angles(at: Frames, centre: Array, free: Array, cone: float) -> tuple[tuple[Array, float], ...]:
-    """Return the angles of a bar with the tool, and with where its centre (3,) m is free, as of a chart.
-
-    free : (3,) away from the stem of the centre; cone : rad, of both
-    """
-    bar = at.tcp - centre
-    bar = bar / np.linalg.norm(bar, axis=1)[:, None]
-    return (np.sum(at.stem * bar, axis=1), cone), (bar @ free, cone)
+    def turned(self, places: Array) -> Array:
+        """Return poses (m, q) whose linear axes stand anywhere."""
+        turned = np.tile(self.park, (len(places), 1))
+        turned[:, list(self.turning)] = places[:, places.shape[1] - len(self.turning) :]
+        return turned
 
 
-@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
-class Line(SmoothChart):
-    """u : how far along, m from the first end.
+@dataclass(frozen=True, eq=False)
+class Line(TipChart):
+    """u : how far along, m from the first end.  ends : (2, 3) m, workpiece frame"""
 
-    ends : (2, 3) m, workpiece frame; park : (q,) of the rotary axes
-    """
-
-    room: Room
     ends: Array
-    park: Array
-    coordinates: tuple[Coordinate]
 
     @classmethod
     def between_ends(cls, room: Room, ends: Array, park: Array, step: float, overrun: float) -> Line:
         """Return all of a line.  step : m, 0 continuous; overrun : m, over which a side is come from"""
         length = float(np.linalg.norm(ends[1] - ends[0]))
-        return cls(room, ends, park, (Coordinate(0.0, length, step, overrun, finest=FINEST_PLACE),))
+        return cls(room, park, (Coordinate(0.0, length, step, overrun, finest=FINEST_PLACE),), ends)
 
     def at_its_end(self) -> Line:
         """Return its second end alone."""
@@ -83,15 +67,13 @@ class Line(SmoothChart):
         along: Array = self.ends[1] - self.ends[0]
         return along / np.linalg.norm(along)
 
-    def poses(self, places: Array) -> Array:
-        """Return the poses (m, q) with the tool point on the line."""
-        points = self.ends[0] + places * self.direction
-        return tip_at(self.room.machine, np.tile(self.park, (len(places), 1)), points)
+    def points(self, places: Array) -> Array:
+        """Return the points on the line."""
+        return np.asarray(self.ends[0] + places * self.direction)
 
     def places(self, poses: Array) -> Array:
         """Return how far along the line poses are."""
-        tips = self.room.machine.frames(poses).tcp
-        along: Array = (tips - self.ends[0]) @ self.direction
+        along: Array = (self.room.machine.frames(poses).tcp - self.ends[0]) @ self.direction
         return along[:, None]
 
 
@@ -99,25 +81,21 @@ _SLACK = 1e-10
 """Share of a travel: rounding."""
 
 
-@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
+@dataclass(frozen=True, eq=False)
 class Sight(Chart):
     """u : the axes that move, without what cannot be seen.
 
-    moves : their indices; park : (q,); coordinates : from where to where each can be read
-    stations : (k, 3) m, workpiece frame: all of them see the tool
+    moves : their indices; stations : (k, 3) m, workpiece frame: all of them see the tool
     range : from how near to how far, m
     faces : (3,) where the reflector looks, in the frame of the workpiece; None looks to the station
     cone : rad, half the angle in which it is seen
     """
 
-    room: Room
     moves: tuple[int, ...]
-    park: Array
     stations: Array
     range: tuple[float, float]
     faces: Array | None
     cone: float
-    coordinates: tuple[Coordinate, ...]
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q)."""
@@ -125,149 +103,124 @@ class Sight(Chart):
         result[:, list(self.moves)] = places
         return result
 
-    def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses are within reach, with nothing in the way, and seen."""
-        low, high = np.array([each[:2] for each in self.coordinates]).T
-        slack, moved = _SLACK * (high - low), poses[:, list(self.moves)]
-        within: NDArray[np.bool_] = np.all((moved >= low - slack) & (moved <= high + slack), axis=1)
-        found = within & self.room.holds(poses)
-        if found.any():
-            tcp = self.room.machine.frames(poses[found]).tcp
-            found[found] = np.all([self._seen(station - tcp) for station in self.stations], axis=0)
-        return found
-
     def places(self, poses: Array) -> Array:
         """Return the coordinates of the axes that move."""
         return poses[:, list(self.moves)]
 
-    def _seen(self, towards: Array) -> NDArray[np.bool_]:
-        """Return which poses one station sees.  towards : (m, 3) from the tool to it, m"""
-        far = np.linalg.norm(towards, axis=1)
-        seen: NDArray[np.bool_] = (far >= self.range[0]) & (far <= self.range[1])
-        if self.faces is not None:
-            seen &= within_cone(towards @ self.faces / np.maximum(far, 1e-12), self.cone)
-        return seen
+    def feasible(self, poses: Array) -> NDArray[np.bool_]:
+        """Return which poses are within reach, with nothing in the way, and seen."""
+        low, high = np.array([each[:2] for each in self.coordinates]).T
+        slack, moved = _SLACK * (high - low), self.places(poses)
+        within: NDArray[np.bool_] = np.all((moved >= low - slack) & (moved <= high + slack), axis=1)
+        return within & super().feasible(poses)
+
+    def free(self, at: Frames) -> NDArray[np.bool_]:
+        """Return at which places all stations see the tool."""
+        found = np.ones(len(at.tcp), dtype=bool)
+        for towards in (station - at.tcp for station in self.stations):
+            far = np.linalg.norm(towards, axis=1)
+            found &= (far >= self.range[0]) & (far <= self.range[1])
+            if self.faces is not None:
+                found &= within_cone(towards @ self.faces / np.maximum(far, 1e-12), self.cone)
+        return found
 
 
-@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
-class Held(SmoothChart):
-    """u : the rotary axes that turn.
+@dataclass(frozen=True, eq=False)
+class Balls(TipChart):
+    """u : the number of the ball, where there are several or nothing turns; then the rotary axes that turn.
 
-    point : (3,) the ball, m, workpiece frame; free : (3,) where it is free; cone : rad, that the tool keeps within
-    turning : indices of the rotary axes; park : (q,); coordinates : (turning,)
+    spots : (n, 3) the balls, m, workpiece frame; rooms : about each of them
+    away : (3,) where balls are free; cone : rad, that the tool keeps within; turning : indices of the rotary axes
     back : m, by which the tool must be able to draw back along itself, from where it comes to the ball
     overrun : (q,) m, by which the axes must be able to go on from there either way, for they come from a side
     touching : poses (m, q) -> where the axes go to touch the ball, (stops, m, q); None where nobody says
     """
 
-    room: Room
-    point: Array
-    free: Array
+    spots: Array
+    rooms: tuple[Room, ...]
+    away: Array
     cone: float
     turning: tuple[int, ...]
-    park: Array
-    coordinates: tuple[Coordinate, ...]
     back: float = 0.0
     overrun: Array | float = 0.0
     touching: Callable[[Array], Array] | None = None
 
-    def poses(self, places: Array) -> Array:
-        """Return the poses (m, q) with the tool point at the ball."""
-        return self.poses_at(np.broadcast_to(self.point, (len(places), 3)), places)
-
-    def poses_at(self, points: Array, places: Array) -> Array:
-        """Return the poses (m, q) with the tool point at balls at points (m, 3) m."""
-        turned = np.tile(self.park, (len(places), 1))
-        turned[:, list(self.turning)] = places
-        return tip_at(self.room.machine, turned, points)
-
-    def angles(self, at: Frames) -> tuple[tuple[Array, float], ...]:
-        """Return that of the tool with where the ball is free."""
-        return ((at.stem @ self.free, self.cone),)
-
-    def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses are in travel, on the free side of the ball, with room to come to it and to touch it."""
-        found = SmoothChart.feasible(self, poses)
-        if self.back > 0 and found.any():
-            drawn = drawn_back(self.room.machine, poses[found], self.back)
-            before, behind = (self.room.in_travel(drawn + way) for way in (-self.overrun, self.overrun))
-            found[found] = self.room.holds(drawn) & before & behind
-        if self.touching is not None and found.any():
-            found[found] = np.all([self.room.holds(each) for each in self.touching(poses[found])], axis=0)
-        return found
-
-    def places(self, poses: Array) -> Array:
-        """Return the rotary coordinates of poses."""
-        return poses[:, list(self.turning)]
-
-
-@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
-class Balls(Chart):
-    """u : the number of the ball, then the rotary axes that turn.  each : the chart of every ball"""
-
-    each: tuple[Held, ...]
-
     @property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """The numbers of the balls, and the travel of each rotary axis."""
-        return Coordinate(0.0, len(self.each) - 1.0, 1.0), *self.each[0].coordinates
+    def numbered(self) -> bool:
+        """Whether the number of the ball is a coordinate."""
+        return len(self.coordinates) > len(self.turning)
 
-    def poses(self, places: Array) -> Array:
-        """Return the poses (m, q) with the tool point at each ball."""
-        points = np.array([chart.point for chart in self.each])
-        return self.each[0].poses_at(points[self._which(places[:, 0])], places[:, 1:])
+    def each(self) -> list[Balls]:
+        """Return the chart of every ball alone."""
+        turns, pairs = self.coordinates[self.numbered :], zip(self.spots, self.rooms, strict=True)
+        return [replace(self, room=at, rooms=(at,), spots=spot[None], coordinates=turns) for spot, at in pairs]
 
-    def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses can be taken at the ball next to them."""
-        found, which = np.zeros(len(poses), dtype=bool), self._nearest(poses)
-        for ball, chart in enumerate(self.each):
-            found[which == ball] = chart.feasible(poses[which == ball])
-        return found
+    def points(self, places: Array) -> Array:
+        """Return the balls."""
+        numbers = np.rint(places[:, 0]) if self.numbered else np.zeros(len(places))
+        return np.asarray(self.spots[np.clip(numbers, 0, len(self.spots) - 1).astype(np.intp)])
 
     def places(self, poses: Array) -> Array:
         """Return the nearest ball and the rotary coordinates of poses."""
-        return np.column_stack([self._nearest(poses).astype(np.float64), self.each[0].places(poses)])
+        turned = poses[:, list(self.turning)]
+        return np.column_stack([self._nearest(poses).astype(np.float64), turned]) if self.numbered else turned
+
+    def feasible(self, poses: Array) -> NDArray[np.bool_]:
+        """Return which poses are on the free side of the ball next to them, with room to come to it and to touch it."""
+        found, which = np.zeros(len(poses), dtype=bool), self._nearest(poses)
+        for ball, room in enumerate(self.rooms):
+            found[which == ball] = self._reached(room, poses[which == ball])
+        return found
+
+    def _reached(self, room: Room, poses: Array) -> NDArray[np.bool_]:
+        found = room.holds(poses)
+        if found.any():
+            found[found] = within_cone(room.machine.frames(poses[found]).stem @ self.away, self.cone)
+        if self.back > 0 and found.any():
+            drawn = drawn_back(room.machine, poses[found], self.back)
+            before, behind = (room.in_travel(drawn + way) for way in (-self.overrun, self.overrun))
+            found[found] = room.holds(drawn) & before & behind
+        if self.touching is not None and found.any():
+            found[found] = np.all([room.holds(each) for each in self.touching(poses[found])], axis=0)
+        return found
 
     def _nearest(self, poses: Array) -> NDArray[np.intp]:
-        finite = np.where(np.isfinite(poses), poses, 0.0)
-        tips = self.each[0].room.machine.frames(finite).tcp
-        apart = np.stack([np.linalg.norm(tips - chart.point, axis=1) for chart in self.each])
-        nearest: NDArray[np.intp] = apart.argmin(axis=0)
+        if len(self.spots) == 1:
+            return np.zeros(len(poses), dtype=np.intp)
+        tips = self.room.machine.frames(np.where(np.isfinite(poses), poses, 0.0)).tcp
+        nearest: NDArray[np.intp] = np.linalg.norm(tips - self.spots[:, None], axis=2).argmin(axis=0)
         return nearest
 
-    def _which(self, numbers: Array) -> NDArray[np.intp]:
-        return np.clip(np.rint(numbers), 0, len(self.each) - 1).astype(np.intp)
 
-
-@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
-class Bar(SmoothChart):
+@dataclass(frozen=True, eq=False)
+class Bar(TipChart):
     """u : azimuth about z from x, elevation above the xy plane, rad; then the rotary axes that turn.
 
-    centre : (3,) m, workpiece frame; length : m; free, cone : as of a ball, and the same between bar and tool
-    turning : indices of rotary axes; park : (q,)
+    centre : (3,) m, workpiece frame; length : m; turning : indices of rotary axes
+    away : (3,) where the centre is free, against its stem; cone : rad, of the bar with that, and with the tool
     """
 
-    room: Room
     centre: Array
     length: float
-    free: Array
+    away: Array
     cone: float
-    turning: tuple[int, ...]
-    park: Array
-    coordinates: tuple[Coordinate, ...]
+    turning: tuple[int, ...] = ()
 
-    def poses(self, places: Array) -> Array:
-        """Return the poses (m, q) with the tool point on the sphere."""
+    def directions(self, places: Array) -> Array:
+        """Return the unit vectors (m, 3) from the centre to the tool point."""
         azimuth, elevation = places[:, 0], places[:, 1]
         flat = np.cos(elevation)
-        bar = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)], axis=1)
-        turned = np.tile(self.park, (len(places), 1))
-        turned[:, list(self.turning)] = places[:, 2:]
-        return tip_at(self.room.machine, turned, self.centre + self.length * bar)
+        return np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)], axis=1)
 
-    def angles(self, at: Frames) -> tuple[tuple[Array, float], ...]:
-        """Return those of the bar with the tool and with where its centre is free."""
-        return bar_angles(at, self.centre, self.free, self.cone)
+    def points(self, places: Array) -> Array:
+        """Return the points at the bar's length from its centre."""
+        return self.centre + self.length * self.directions(places)
+
+    def free(self, at: Frames) -> NDArray[np.bool_]:
+        """Return where the bar keeps clear of the tool, and of what bears its centre."""
+        bar = at.tcp - self.centre
+        bar = bar / np.linalg.norm(bar, axis=1)[:, None]
+        return within_cone(np.sum(at.stem * bar, axis=1), self.cone) & within_cone(bar @ self.away, self.cone)
 
     def places(self, poses: Array) -> Array:
         """Return azimuth, elevation and rotary coordinates of poses."""
@@ -277,48 +230,33 @@ class Bar(SmoothChart):
         return np.column_stack([azimuth, elevation, poses[:, list(self.turning)]])
 
 
-@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
-class Circle(SmoothChart):
+@dataclass(frozen=True, eq=False)
+class Circle(Bar):
     """u : the angle of the bar in its plane, rad.
 
-    centre : (3,) m, workpiece frame; first, second : (3,) unit vectors that span the plane; length : m
-    free, cone : as of a ball, and the same between the bar and the tool
-    park : (q,) of the rotary axes at the angle 0; turning : (q,) rad of each per rad of arc; coordinates : the arc
+    plane : (2, 3) unit vectors that span it; rates : (q,) rad of each rotary axis per rad of arc; park : at angle 0
     """
 
-    room: Room
-    centre: Array
-    first: Array
-    second: Array
-    length: float
-    free: Array
-    cone: float
-    park: Array
-    turning: Array
-    coordinates: tuple[Coordinate]
+    plane: Array = field(kw_only=True)
+    rates: Array = field(kw_only=True)
 
     def over(self, low: float, high: float) -> Circle:
         """Return it over another arc, rad; a full turn on which no axis turns has no end."""
-        whole = abs(high - low - math.tau) <= 1e-9 and not np.any(self.turning)
+        whole = abs(high - low - math.tau) <= 1e-9 and not np.any(self.rates)
         return replace(self, coordinates=(self.coordinates[0]._replace(low=low, high=high, endless=whole),))
 
     def directions(self, places: Array) -> Array:
         """Return the unit vectors (m, 3) from the centre to the tool point."""
-        return np.cos(places[:, :1]) * self.first + np.sin(places[:, :1]) * self.second
+        return np.asarray(np.cos(places) * self.plane[0] + np.sin(places) * self.plane[1])
 
-    def poses(self, places: Array) -> Array:
-        """Return the poses (m, q) with the tool point on the circle."""
-        points = self.centre + self.length * self.directions(places)
-        return tip_at(self.room.machine, self.park + places * self.turning, points)
-
-    def angles(self, at: Frames) -> tuple[tuple[Array, float], ...]:
-        """Return those of the bar with the tool and with where its centre is free."""
-        return bar_angles(at, self.centre, self.free, self.cone)
+    def turned(self, places: Array) -> Array:
+        """Return poses (m, q) whose linear axes stand anywhere."""
+        return self.park + places * self.rates
 
     def places(self, poses: Array) -> Array:
         """Return the angles of poses, within the arc as far as whole turns allow."""
-        bar = self.room.machine.frames(poses).tcp - self.centre
-        angle, (low, high, *_) = np.arctan2(bar @ self.second, bar @ self.first), self.coordinates[0]
+        first, second = self.plane @ (self.room.machine.frames(poses).tcp - self.centre).T
+        angle, (low, high, *_) = np.arctan2(second, first), self.coordinates[0]
         around = low + np.mod(angle - low, math.tau)
         beyond = around - low > math.tau - 1e-9
         folded: Array = np.where(beyond & (around > high + 1e-12), around - math.tau, around)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, field
-from itertools import product
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.bodies import parts, posts
 from axiscal.numerics import Array
+from axiscal_core.axes import Frames
 from axiscal_core.machine import Machine
 
 _OUTSIDE = 1e-9
@@ -43,67 +43,6 @@ class Coordinate(NamedTuple):
         if self.endless and abs(last * self.step - first * self.step - (self.high - self.low)) <= 1e-9:
             last -= 1
         return self.step * np.arange(first, last + 1, dtype=np.float64)
-
-
-def turns(machine: Machine, turning: Sequence[int], steps: Sequence[float]) -> tuple[Coordinate, ...]:
-    """Return the coordinates of rotary axes, each over its travel.  turning : their indices; steps : rad"""
-    axes = (machine.axes[k] for k in turning)
-    return tuple(Coordinate(*axis.travel, step, axis.overrun) for axis, step in zip(axes, steps, strict=True))
-
-
-class Chart(Protocol):
-    """Where a set-up can be read: a map from coordinates u to poses."""
-
-    __slots__ = ()
-
-    @property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """Ends and steps of each coordinate, (size,)."""
-
-    def poses(self, places: Array) -> Array:
-        """Return the poses (m, q) of places u (m, size), whether they can be taken or not; NaN where there are none."""
-
-    def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses (m, q) can be taken."""
-
-    def places(self, poses: Array) -> Array:
-        """Return the coordinates (m, size) of the places nearest to poses (m, q)."""
-
-
-def starts_of_ways(chart: Chart, places: Array, sides: Array) -> Array:
-    """Return where the ways into places begin, an overrun away.  places, sides : (m, size) u and +1, −1, 0"""
-    away = np.array([each.overrun for each in chart.coordinates])
-    begin: Array = places - sides * away
-    return begin
-
-
-def has_room(chart: Chart, places: Array, sides: Array) -> NDArray[np.bool_]:
-    """Return which places can be come to from their sides, over the whole overrun and within the chart, (m,)."""
-    begin = starts_of_ways(chart, places, sides)
-    at, which = np.unique(places, axis=0, return_inverse=True)  # each from several sides
-    found = chart.feasible(chart.poses(begin)) & chart.feasible(chart.poses(at))[which.reshape(-1)]
-    for end, at in zip(chart.coordinates, begin.T, strict=True):
-        slack = _OUTSIDE * (end.high - end.low)
-        found &= end.endless | ((at >= end.low - slack) & (at <= end.high + slack))
-    return found
-
-
-def arrivals(chart: Chart, overruns: Array, places: Array, sides: Array) -> Array:
-    """Return from where each axis comes, (m, q) +1, −1, or 0 where nobody knows.  overruns : (q,) of the axes"""
-    way = chart.poses(places) - chart.poses(starts_of_ways(chart, places, sides))
-    known = np.abs(way) >= KNOWN * overruns
-    return np.where(known, np.sign(way), 0.0)
-
-
-def side_choices(allowed: str, size: int, count: NDArray[np.bool_]) -> Array:
-    """Return the sides that places may be come to from, (choices, size).
-
-    allowed : "both", "+", "-"; count : of which coordinates the side counts; the others come from above
-    """
-    if allowed != "both":
-        return np.full((1, size), 1.0 if allowed == "+" else -1.0)
-    each = [(1.0, -1.0) if counts else (1.0,) for counts in count]
-    return np.array(list(product(*each)))
 
 
 _SLACK = 1e-10
@@ -189,6 +128,62 @@ class Room:
             along = np.clip(np.sum(away * stems, axis=1), touching.start, touching.stop)[:, None]
             hit |= np.linalg.norm(away - along * stems, axis=1) < radius + touching.radius + wider[:, 0]
         return hit
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Where a set-up can be read: a map from coordinates u (m, size) to poses.
+
+    room : what may not be; park : (q,) where axes stand that do not move; coordinates : ends and steps of each
+    """
+
+    room: Room
+    park: Array
+    coordinates: tuple[Coordinate, ...]
+
+    def poses(self, places: Array) -> Array:
+        """Return the poses (m, q) of places u, whether they can be taken or not; NaN where there are none."""
+        raise NotImplementedError
+
+    def places(self, poses: Array) -> Array:
+        """Return the coordinates of the places nearest to poses (m, q)."""
+        raise NotImplementedError
+
+    def free(self, at: Frames) -> NDArray[np.bool_]:
+        """Return which places are as free as they have to be; here all."""
+        return np.ones(len(at.tcp), dtype=bool)
+
+    def feasible(self, poses: Array) -> NDArray[np.bool_]:
+        """Return which poses (m, q) are in travel, with nothing in the way, and free."""
+        found = self.room.holds(poses)
+        if found.any():
+            found[found] = self.free(self.room.machine.frames(poses[found]))
+        return found
+
+
+def starts_of_ways(chart: Chart, places: Array, sides: Array) -> Array:
+    """Return where the ways into places begin, an overrun away.  places, sides : (m, size) u and +1, −1, 0"""
+    away = np.array([each.overrun for each in chart.coordinates])
+    begin: Array = places - sides * away
+    return begin
+
+
+def has_room(chart: Chart, places: Array, sides: Array) -> NDArray[np.bool_]:
+    """Return which places can be come to from their sides, over the whole overrun and within the chart, (m,)."""
+    begin = starts_of_ways(chart, places, sides)
+    at, which = np.unique(places, axis=0, return_inverse=True)  # each from several sides
+    found = chart.feasible(chart.poses(begin)) & chart.feasible(chart.poses(at))[which.reshape(-1)]
+    for end, at in zip(chart.coordinates, begin.T, strict=True):
+        slack = _OUTSIDE * (end.high - end.low)
+        found &= end.endless | ((at >= end.low - slack) & (at <= end.high + slack))
+    return found
+
+
+def arrivals(chart: Chart, overruns: Array, places: Array, sides: Array) -> Array:
+    """Return from where each axis comes, (m, q) +1, −1, or 0 where nobody knows.  overruns : (q,) of the axes"""
+    way = chart.poses(places) - chart.poses(starts_of_ways(chart, places, sides))
+    known = np.abs(way) >= KNOWN * overruns
+    return np.where(known, np.sign(way), 0.0)
 
 
 def _enters(starts: Array, ways: Array, low: Array, high: Array) -> NDArray[np.bool_]:

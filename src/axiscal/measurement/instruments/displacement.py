@@ -1,10 +1,9 @@
 """Instruments that read the displacement of the TCP along a direction: interferometer, indicator, probe, edge.
 
-y = dᵀδp + zero + slope · s + growth · dᵀe s + lag · a sign(dᵀe).
-Here s is the travel of the moving axis from its middle, e its way in the workpiece frame, a = ±1 the side it came from.
+y = dᵀδp + zero + slope · s + growth · dᵀe s.
+Here s is the travel of the moving axis from its middle, e its way in the workpiece frame.
 A leg of a square that is turned by ω has the slope ω · (e × d): the two legs have it with opposite signs. The
-growth is by how much the material is longer than at 20 °C. Its known part is taken off; the rest is an unknown. The lag
-is what a stylus or spindle with play shows of the way it was moved last.
+growth is by how much the material is longer than at 20 °C. Its known part is taken off; the rest is an unknown.
 """
 
 from __future__ import annotations
@@ -23,13 +22,10 @@ from axiscal_core.instrument import At, Unknowns
 
 SQUARE = ("square_x", "square_y", "square_z")
 """By how much the square is turned that a leg belongs to."""
-_LEAST_ALONG = 0.5
-"""Of a way along the direction that is read, from which its side of approach is the side of the play."""
 _READS: dict[str, Reads] = {
     "zero": "length",
     "slope": "angle",
     "growth": "angle",
-    "lag": "length",
     **dict.fromkeys(SQUARE, "angle"),
 }
 
@@ -55,7 +51,7 @@ class Displacement(Setup):
         """Return what a unit of an unknown adds, (m,).
 
         One for the zero, the travel for the slope, the travel along the direction for the growth, of a square the turn
-        about x, y or z; of the lag the side from which the linear axis that moves came, along the direction.
+        about x, y or z.
         """
         if unknown == "zero":
             return np.ones(len(at.poses))
@@ -65,13 +61,8 @@ class Displacement(Setup):
         ways = self.ways(at.poses)
         if unknown in SQUARE:
             return travelled * np.cross(ways, direction)[:, SQUARE.index(unknown)]
-        along: Array = ways @ direction
-        if unknown == "growth":
-            return travelled * along
-        if self.slide is None:
-            return np.zeros(len(at.poses))
-        side: Array = at.sides[:, self.slide] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)
-        return side
+        grown: Array = travelled * (ways @ direction)
+        return grown
 
 
 class Interferometer(Displacement):

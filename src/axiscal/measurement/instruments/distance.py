@@ -12,8 +12,7 @@ The tool point against a ball, in three directions: the nest of an R-test, or a 
 
 y = δp + R_t tool − (s + ω × d + κ d + e) in the workpiece frame. `tool` is the offset in the spindle from the stated
 place, and turns with the tool. The bracket is the ball against its stated place (see `artefact`). An R-test without an
-artefact has the place of the nest as zero. A sphere touched at its pole and two sides n_i, not opposite ones, adds
-− r Σ n_i. There r is by how much sphere and stylus are larger than stated.
+artefact has the place of the nest as zero.
 
 The laser tracker: it reads where the TCP is, in all directions, from a station of unknown place and orientation.
 
@@ -40,7 +39,6 @@ from axiscal.numerics import Array
 from axiscal_core import rigid
 from axiscal_core.instrument import TOOL, At, Unknowns, length
 
-RADIUS = "radius"
 ZEROS = ("zero_x", "zero_y", "zero_z")
 _ON_TOOL = Unknown.each(TOOL, CARRIED)
 _THREE = Unknown.each(ZEROS, ZERO.std)
@@ -51,16 +49,11 @@ class Nest(Setup):
 
     numbers = ("x", "y", "z")
     directed = False
-    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType(
-        {**dict.fromkeys((*ZEROS, RADIUS), "length"), **TOOL_READS}
-    )
+    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType({**dict.fromkeys(ZEROS, "length"), **TOOL_READS})
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
-        """Return δp + R tool + zero − where the ball is − r Σ n_i."""
-        tip = self.tip(at, u)
-        if u[RADIUS]:
-            tip = tip - u[RADIUS] * touch_frames(self.machine, at.poses).sum(axis=1)
-        return _from_zeros(tip, u)
+        """Return δp + R tool + zero − where the ball is."""
+        return _from_zeros(self.tip(at, u), u)
 
 
 class RTest(Nest):
@@ -74,9 +67,7 @@ class RTest(Nest):
 
 def _larger(read: Read, size: float) -> Array:
     """Return what a larger sphere and stylus do: in the mean of opposite sides its pole alone shows them, (k, r)."""
-    touched = touch_frames(read.setup.machine, read.at.poses)
-    met = touched.sum(axis=1) if read.setup.three_touches else touched[:, 2]
-    larger: Array = -size * np.sum(read.ways * met, axis=2)
+    larger: Array = -size * np.sum(read.ways * touch_frames(read.setup.machine, read.at.poses)[:, 2], axis=2)
     return larger
 
 
@@ -94,8 +85,6 @@ def _from_zeros(place: Array, u: Unknowns) -> list[Array]:
 
 
 SHIFTS = ("station_x", "station_y", "station_z")
-MOST = 4
-"""Stations; no more are known to be bought together."""
 _OWN = ("zero", *SHIFTS)
 
 

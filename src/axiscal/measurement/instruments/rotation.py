@@ -18,6 +18,7 @@ import numpy as np
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import INCLINED, ZERO, Reads, Setup, Usual
 from axiscal.measurement.type_b import GAIN
 from axiscal.numerics import Array
@@ -75,7 +76,7 @@ class Rotation(Setup):
         """Raise DescriptionError where the way has no shape, or a rest whose slope over this base nobody knows."""
         machine, base = self.machine, self.base or 0.0
         park = np.array([self.park])
-        (seen,) = np.abs(Observation(machine, (self,)).rows(0, park, np.zeros_like(park)).rows)
+        (seen,) = np.abs(Observation(machine, (self,)).numbers(Places.of_setup(0, park, np.zeros_like(park))).rows)
         levelled = any(unknown.name == "zero" for unknown in self.unknowns)
         shown = [term for term in machine.terms if seen[term.columns].max(initial=0.0) > _UNSEEN]
         axis = machine.axes[self.moves[0]].name

@@ -20,21 +20,19 @@ from axiscal.language.spoken import later, said
 from axiscal.machine.error_names import AXIS_NAME
 from axiscal.measurement.readers.columns import LENGTHS, STEMS, TEXT, TILTS, Column, run_of, sign_of, unread, whole
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, Test, read_times
-from axiscal.measurement.readers.csv_table import CsvTable, header_of, table_of
-from axiscal.measurement.readers.table_cells import Cell
+from axiscal.measurement.readers.csv_table import Cell, CsvTable, header_of, table_of
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.units import said_quantity
 
 _BOTH = LENGTHS + TILTS
 _READ = ("deviation", "actual")
 """Of a reading: how far off the axis stood, or where."""
-_BESIDE = {"direction": TEXT, "run": TEXT, **dict.fromkeys(_READ, _BOTH), "setup": TEXT, "axis": TEXT, "time": TEXT}
+_BESIDE = dict.fromkeys(("direction", "run", "setup", "axis", "time"), TEXT) | dict.fromkeys(_READ, _BOTH)
 _RADII = later("these are radii, and no deviations"), later("take the radius off them")
 _UNITS = later("write Pos_mm and 1+_um in the header, or such")
-_NUMBERED = later("number the runs 1, 2, 3, ...")
 _UNKNOWN = later("direction {text!r} is not known")
+_NO_RUN, _NUMBERED = later("run {text!r} is not a whole number"), later("number the runs 1, 2, 3, ...")
 _TOWARDS = later("write + for the approach in the positive direction, - for the negative one")
-_SEEN = later("which sign {text!r} has depends on the side that one looks from")
 _TURN = re.compile(r"(?<![a-z])c?cw(?![a-z])", re.IGNORECASE)
 _AXIS = "|".join(word for word, stem in STEMS.items() if stem == "axis")
 _NAMED = re.compile(rf"\s*+(?:{_AXIS})[^\S\t]*+[:;,=\t]\s*+({AXIS_NAME})(?:[-\s]*+(?:{_AXIS}))?[\s;,]*+", re.IGNORECASE)
@@ -47,7 +45,7 @@ _UNIT_IN_WORDS = re.compile(r"\b(inch(es)?|in|thou|zoll|pouces?|mm|[uµμ]m|micr
 
 def test_of(file: TextFile) -> Literal["circle", "wide", "long"] | None:
     """Return which test the columns are of: wide has a column a run, long a line a reading; None of no test."""
-    first, *others = header_of(file, STEMS | {_lettered(file).lower(): "target"}) or (Column("", "", None),)
+    first, *others = header_of(file, _words(file)) or (Column("", "", None),)
     stems, turning = {column.stem for column in (first, *others)}, any(column.unit in TILTS for column in others)
     if first.stem == "angle" and any(run_of(column.stem) for column in others):
         return "wide" if turning else "circle"
@@ -73,44 +71,44 @@ def _lettered(file: TextFile) -> str:
     return letters[0] if len(letters) == 1 and test and not others & {"target", "angle"} else ""
 
 
+def _words(file: TextFile) -> dict[str, str]:
+    return STEMS | {_lettered(file).lower(): "target"}
+
+
 def axis_test(file: TextFile, around: Around) -> Found:
     """Return the readings of a test, with a line or a column for each; raises ReadingError where one stands twice.
 
     The order of the lines numbers the runs where no column does.
     """
-    table = table_of(file, words=STEMS | {_lettered(file).lower(): "target"})
-    if (test := test_of(file)) != "circle":  # whose way round ISO 230-4 states
-        _refuse_turns(table)
+    table, test = table_of(file, words=_words(file)), test_of(file)
+    told = [row.of("direction") for row in table.rows] if (sides := table.all_of("direction")) else []
+    words = [*((cell, cell.text) for cell in told), *((table, column.name) for column in table.columns)]
+    for where, text in words if test != "circle" else ():  # whose way round ISO 230-4 states
+        if _TURN.search(text):
+            seen = "which sign {text!r} has depends on the side that one looks from"
+            raise where.fail(seen, _TOWARDS, text=text[:40])
     silent = any(column.stem == "angle" and not column.unit for column in table.columns)
     if silent and any(abs(row.of("angle").number()) > 2 * math.pi for row in table.rows):  # above a turn in rad
         table = table.with_columns(replace(c, stated="deg" if c.stem == "angle" else c.stated) for c in table.columns)
-    if not table.all_of("direction") and test != "long":
+    if not sides and test != "long":
         return _in_columns(file, table)
     place = "angle" if table.all_of("angle") else "target"
-    layout = {place: TILTS if place == "angle" else _BOTH} | _BESIDE
     what = next((stem for stem in _READ if table.all_of(stem)), "deviation")
-    at, read = table.needed(layout, "angle_deg" if place == "angle" else "target_mm", f"{what}_um")
+    table.allow({place: TILTS if place == "angle" else _BOTH} | _BESIDE)
+    at = table.one_of(place, "angle_deg" if place == "angle" else "target_mm")
+    read = table.one_of(what, f"{what}_um")
     if place == "angle" and table.all_of("actual"):
         raise table.fail(*_RADII)
-    ordered = _by_order([row.of(place).quantity() for row in table.rows]) if place == "target" else []
-    told = not ordered or bool(table.all_of("direction"))
-    if told:
+    ways = [] if sides or place == "angle" else _by_order([row.of(place).quantity() for row in table.rows])
+    note = said("angles in deg (it names no unit)") if silent else ""
+    if ways:
+        note = said("sides by the order of its targets (it names no direction)")
+    else:
         table.one_of("direction", "direction")
-    ways = [row.of("direction").meant(sign_of, _UNKNOWN, _TOWARDS) for row in table.rows] if told else ordered
+        ways = [row.of("direction").meant(sign_of, _UNKNOWN, _TOWARDS) for row in table.rows]
     found = distinct(file, _lines(table, place, ways, read, _kind(table, at, read)))
     _refuse_positions(table, found)
-    note = said("angles in deg (it names no unit)") if silent else ""
-    note = note if told else said("sides by the order of its targets (it names no direction)")
     return _with_gaps(found, len(table.rows), note)
-
-
-def _refuse_turns(table: CsvTable) -> None:
-    """Raise ReadingError where a turn, CW or CCW, is to say from which side a target was come to."""
-    cells = [row.of("direction") for row in table.rows] if table.all_of("direction") else []
-    for cell in (each for each in cells if _TURN.search(each.text)):
-        raise cell.fail(_SEEN, _TOWARDS, text=cell.text)
-    for column in (each for each in table.columns if _TURN.search(each.name)):
-        raise table.fail(_SEEN, _TOWARDS, text=column.name[:40])
 
 
 def _with_gaps(found: tuple[RawReading, ...], cells: int, note: str) -> Found:
@@ -145,7 +143,7 @@ def _lines(table: CsvTable, place: str, ways: Sequence[int], read: Column, kind:
         times[at := (moved, target.quantity(), way)] += 1
         run = times[at]
         if table.all_of("run"):
-            run = row.of("run").meant(whole, later("run {text!r} is not a whole number"), _NUMBERED)
+            run = row.of("run").meant(whole, _NO_RUN, _NUMBERED)
         if unread(value.text):
             continue
         found = _read(target, way, run, value, kind)
@@ -170,17 +168,15 @@ def _in_columns(file: TextFile, table: CsvTable) -> Found:
     usual = ["mm" if of_length else "", "um" if of_length and table.columns[0].unit in (None, "mm") else ""]
     table = table.with_columns(replace(c, stated=c.stated or usual[k > 0]) for k, c in enumerate(table.columns))
     target, *others = table.columns
-    runs = [run_of(column.stem) for column in others]
-    if None in runs:
-        what, name = "column '{column}' names no run with its direction", others[runs.index(None)].name
-        raise table.fail(what, "write it as in 1+ or 1-, or take it out", column=name[:40])
     kinds, found = {_kind(table, target, column) for column in others}, list[RawReading]()
     if len(kinds) > 1:
         raise table.fail("some runs are lengths, and some are angles", "give a file for each test")
-    (kind,) = kinds
-    for at, (run, way) in enumerate(filter(None, runs), 1):
-        cells = ((row.cell(0), row.cell(at)) for row in table.rows[::way])
-        found += [_read(place, way, run, cell, kind) for place, cell in cells if not unread(cell.text)]
+    for at, column in enumerate(others, 1):
+        if (run := run_of(column.stem)) is None:
+            what = "column '{column}' names no run with its direction"
+            raise table.fail(what, "write it as in 1+ or 1-, or take it out", column=column.name[:40])
+        cells = ((row.cell(0), row.cell(at)) for row in table.rows[:: run[1]])
+        found += [_read(place, run[1], run[0], cell, *kinds) for place, cell in cells if not unread(cell.text)]
     unsaid = not file.unit and any(column.unit is None for column in others)
     _refuse_positions(table, found, 1e3 if unsaid else 1.0)
     targets, values = [each.position[""] for each in found], [1e3 * each.value for each in found]
@@ -218,13 +214,12 @@ def distinct(file: TextFile, readings: Iterable[RawReading]) -> tuple[RawReading
     """Return readings of a test; raises ReadingError where one stands twice, or none is there."""
     seen = dict[tuple[str, float, int, int], RawReading]()
     for each in readings:
-        key = (each.axis, each.position[""], each.approach[""], each.run)
-        if key in seen:
+        first = seen.setdefault((each.axis, each.position[""], each.approach[""], each.run), each)
+        if first is not each:
             what = "target {target}, direction {direction}, run {run} was read in line {earlier} already"
             target = said_quantity(each.position[""], "deg" if each.target_dimension == "angle" else "mm")
             at = {"target": target, "direction": "+" if each.approach[""] > 0 else "-", "run": each.run}
-            raise file.fail(what, "give each reading its own run number", each.line, earlier=seen[key].line, **at)
-        seen[key] = each
+            raise file.fail(what, "give each reading its own run number", each.line, earlier=first.line, **at)
     if not seen:
         raise file.fail("there are no deviations", "write those that were read, or export the file again")
     return tuple(seen.values())

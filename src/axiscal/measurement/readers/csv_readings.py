@@ -19,13 +19,11 @@ from typing import Literal
 
 from axiscal.document import meant, shown
 from axiscal.exceptions import Faults, UnitError
-from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, TIMES, Column, Units, sign_of, whole
-from axiscal.measurement.readers.csv_table import EXAMPLE, CsvTable, approach_of, csv_text, table_of
-from axiscal.measurement.readers.table_cells import Cell, Row
+from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, WORDS, Units, approach_of, sign_of, whole
+from axiscal.measurement.readers.csv_table import EXAMPLE, Cell, CsvTable, Row, csv_text, table_of
 from axiscal.measurement.readers.text_file import TextFile, read_text
 from axiscal.measurement.reading import Places, Reading, approach_text, columns_of
-from axiscal.measurement.setup import FINEST, Setup
+from axiscal.measurement.setup import FINEST, MOST, Setup
 from axiscal.units import parse_quantity, to_unit
 from axiscal_core.axes import Axis
 
@@ -39,21 +37,17 @@ _THREE = ("value_x", "value_y", "value_z")
 _MET = ("found_x", "found_y", "found_z")
 _STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
 """Columns of tracers that read at once."""
-_FORMS: Mapping[tuple[str, ...], Literal["", "stations", "found", "length"]] = {
-    ("value",): "",
-    _THREE: "",
-    ("length",): "length",
-    _MET: "found",
-    _STATIONS: "stations",
-}
+Form = Literal["", "stations", "found", "length"]
+_FORMS: Mapping[tuple[str, ...], Form] = {
+    ("value",): "", _THREE: "", ("length",): "length", _MET: "found", _STATIONS: "stations",
+}  # fmt: skip
 """Columns, of which each line has those of one row, and what their numbers are."""
 FOUND = ("less_expected", "surprise", "used", "rms_um", "minutes")
 """Columns that results add to their readings; a reading that was not used is left out."""
 _LAYOUT = {
     **dict.fromkeys(("reading", "setup", "approach", "time", "check"), TEXT),
     **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + TILTS),
-    **dict.fromkeys((*_MET, "length"), LENGTHS),
-    "rms": LENGTHS,
+    **dict.fromkeys((*_MET, "length", "rms"), LENGTHS),
     **dict.fromkeys((name for name in FOUND if name != "rms_um"), TEXT),
 }
 
@@ -100,7 +94,7 @@ class RawReading:
     beside: tuple[float, float] | None = None
     zero: tuple[float, float] | None = None
     number: int | None = None
-    form: Literal["", "stations", "found", "length"] = ""
+    form: Form = ""
     test: Test | None = None
     run: int = 0
     axis: str = ""
@@ -152,11 +146,10 @@ def table_readings(file: TextFile, around: Around) -> Found:
 
     The error names the header that this machine would have.
     """
-    header = ",".join(heading(around.axes, columns_of(around.setups))) if around.axes else EXAMPLE
-    table, bare = table_of(file, header), around.bare
-    own = {each.name: own_columns(each) if each.written else {} for each in around.setups}
+    table = table_of(file, ",".join(heading(around.axes, columns_of(around.setups))) if around.axes else EXAMPLE)
+    own = {each.name: _own_columns(each) if each.written else {} for each in around.setups}
     table.allow(_LAYOUT | {stem: units for each in own.values() for stem, units in each.items()} | table.axis_layout)
-    if not bare:
+    if not around.bare:
         table.one_of("setup", "setup")
     if not any(table.all_of(first) for first, *_ in (*_FORMS, *filter(None, own.values()))):
         table.one_of("value", "value_um")
@@ -166,7 +159,7 @@ def table_readings(file: TextFile, around: Around) -> Found:
     faults, readings = Faults(), list[RawReading]()
     for row in table.rows:
         with faults.noted():
-            readings.append(_reading(table, row, bare, own))
+            readings.append(_reading(table, row, around.bare, own))
     faults.refuse()
     beside = zip(readings, read_times(table), _numbers(table), table.rows, strict=True)
     return Found(tuple(replace(r, time=t, number=n, check=row.of("check").text == "yes") for r, t, n, row in beside))
@@ -178,12 +171,12 @@ def raw_pose(table: CsvTable, row: Row, *, alone: bool = False) -> RawReading:
     alone : the approach may be a direction such as `+`, of the axis ''
     """
     cells = {name: cell for name in table.axes if (cell := row.of(name)).text}
-    position = {name: cell.quantity() for name, cell in cells.items()}
     text = row.of("approach").text
     approach = {"": sign} if alone and (sign := sign_of(text)) else approach_of(text)
     if approach is None:
         remedy = "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty"
         raise row.fail("approach {text!r} cannot be read", remedy, text=text)
+    position = {name: cell.quantity() for name, cell in cells.items()}
     rounding = {name: cell.rounding() for name, cell in cells.items()}
     return RawReading(row.of("setup").text, position, approach, 0.0, None, "length", row.line, rounding=rounding)
 
@@ -214,15 +207,14 @@ def _numbers(table: CsvTable) -> list[int | None]:
         with faults.noted():
             what = "{text!r} is not the number of a reading"
             number = cell.meant(lambda text: whole(text) or None, what, remedy)
-            if number in lines:
+            if lines.setdefault(number, cell.line) != cell.line:
                 what = "reading {number} stands in line {earlier} too"
                 raise cell.fail(what, "leave one of them out", number=number, earlier=lines[number])
-            lines[number] = cell.line
     faults.refuse()
     return list(lines)
 
 
-def own_columns(setup: Setup) -> dict[str, Units]:
+def _own_columns(setup: Setup) -> dict[str, Units]:
     """Return the columns of an instrument whose class names them, each with its units."""
     each = zip(setup.names, setup.reads_each, strict=True)
     return {setup.column(name): LENGTHS if reads == "length" else ANGLES for name, reads in each}
@@ -242,28 +234,20 @@ def _reading(table: CsvTable, row: Row, bare: bool, instruments: Mapping[str, Ma
     cells = [row.of(stem, units=own.get(stem, ())) for stem in stems]
     while stems is _STATIONS and not cells[-1].text:
         cells.pop()
-    dimension = cells[0].column.dimension
+    column = cells[0].column
     for stem, cell in zip(stems, cells, strict=False):
-        if not cell.text or not (own or cell.column.dimension == dimension):
+        if not cell.text or not (own or cell.column.dimension == column.dimension):
             raise row.fail("the line has no value {name}", "write all of its numbers, or take out the line", name=stem)
     value, *others = (cell.quantity() for cell in cells)
-    std, form = _std(row, cells[0].column), "" if own else _FORMS.get(stems, "")
-    return replace(pose, value=value, std=std, dimension=dimension, others=tuple(others), form=form)
-
-
-def _std(row: Row, value: Column) -> float | None:
-    cell = row.of("std")
-    if not cell.text:
-        return None
-    if cell.column.dimension != value.dimension:
-        what = "'{column}' does not fit '{value}'"
-        names = {"column": cell.column.name, "value": value.name, "unit": value.unit}
-        raise cell.fail(what, "write it as 'std_{unit}'", **names)
-    std = cell.quantity()
-    if std < FINEST:
-        remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty to take the set-up's noise"
-        raise cell.fail("{column} is {text}", remedy, column=cell.column.name, text=cell.text)
-    return std
+    if (stated := row.of("std")).text:
+        if stated.column.dimension != column.dimension:
+            names = {"column": stated.column.name, "value": column.name, "unit": column.unit}
+            raise stated.fail("'{column}' does not fit '{value}'", "write it as 'std_{unit}'", **names)
+        if stated.quantity() < FINEST:
+            remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty to take the set-up's noise"
+            raise stated.fail("{column} is {text}", remedy, column=stated.column.name, text=stated.text)
+    std, form = stated.quantity() if stated.text else None, "" if own else _FORMS.get(stems, "")
+    return replace(pose, value=value, std=std, dimension=column.dimension, others=tuple(others), form=form)
 
 
 def read_times(table: CsvTable) -> list[float | None]:
@@ -271,17 +255,17 @@ def read_times(table: CsvTable) -> list[float | None]:
 
     Raises ReadingError for a cell that is empty or no time, and for a time before that of the line above.
     """
-    if not table.all_of("time"):
-        return [None] * len(table.rows)
     at = [place for place, column in enumerate(table.columns) if column.stem == "time"]  # a date, and a time of day
+    if not at:
+        return [None] * len(table.rows)
     texts = (" ".join(filter(None, (row.texts[place] for place in at))) for row in table.rows)
     cells = [replace(row.cell(at[0]), text=text) for row, text in zip(table.rows, texts, strict=True)]
     times = [*map(_time, cells)]
     for cell, (kind, seconds), (_, last) in zip(cells, times, (times[0], *times), strict=False):
-        if kind != times[0][0]:
-            raise cell.fail("time {text!r} is written unlike those above", _REMEDY, text=cell.text)
-        if seconds < last:
-            raise cell.fail("time {text!r} is before that of the line above", _REMEDY, text=cell.text)
+        if kind != times[0][0] or seconds < last:
+            what = "time {text!r} is before that of the line above"
+            what = what if kind == times[0][0] else "time {text!r} is written unlike those above"
+            raise cell.fail(what, _REMEDY, text=cell.text)
     return [seconds - times[0][1] for _, seconds in times]
 
 
@@ -295,7 +279,7 @@ def _time(cell: Cell) -> tuple[str, float]:
         return kind, (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
     with suppress(UnitError):
         return "since", parse_quantity(cell.text + " s" * bool(_SECONDS.search(cell.column.name)), "time")
-    for form in TIMES:
+    for form in WORDS["times"]:
         with suppress(ValueError):
             moment = datetime.strptime(cell.text, form).replace(tzinfo=UTC)
             day = cell.text.split()[0] if form.startswith(("%d/", "%m/")) else "date"  # 1/2 and 2/2: a day or a month
@@ -306,9 +290,8 @@ def _time(cell: Cell) -> tuple[str, float]:
 def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places) -> str:
     """Return the text of the file, with columns to fill in, such as value_um."""
     values = columns_of(setups[index] for index in places.setups)
-    empty = [""] * len(values)
-    rows = [[*_at(axes, each.setup, each.pose, each.approach), *empty] for each in places.listed(setups)]
-    return csv_text([heading(axes, values), *rows])
+    listed = places.listed(setups)
+    return _sheet(axes, values, [(each.setup, each.pose, each.approach, [""] * len(values)) for each in listed])
 
 
 def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
@@ -318,12 +301,10 @@ def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
     """
     own = any(reading.std is not None for reading in readings)
     named = [f"value_{c}_um" for c in "xyz"] if any(reading.others for reading in readings) else ["value_um"]
-    rows = [heading(axes, [*named, *(["std_um"] if own else [])])]
-    for reading in readings:
-        numbers = [*reading.values, *([reading.std] if own else [])]
-        texts = ("" if each is None else f"{to_unit(each, 'um'):.6f}" for each in numbers)
-        rows.append([*_at(axes, reading.setup, reading.pose, reading.approach), *texts])
-    return csv_text(rows)
+    numbers = [[*reading.values, *([reading.std] if own else [])] for reading in readings]
+    texts = [["" if each is None else f"{to_unit(each, 'um'):.6f}" for each in every] for every in numbers]
+    lines = [(r.setup, r.pose, r.approach, each) for r, each in zip(readings, texts, strict=True)]
+    return _sheet(axes, [*named, *(["std_um"] if own else [])], lines)
 
 
 def heading(axes: Sequence[Axis], values: Sequence[str]) -> list[str]:
@@ -331,6 +312,13 @@ def heading(axes: Sequence[Axis], values: Sequence[str]) -> list[str]:
     return ["setup", *(axis.column for axis in axes), "approach", *values]
 
 
-def _at(axes: Sequence[Axis], setup: str, pose: Sequence[float], approach: Sequence[float]) -> list[str]:
-    at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
-    return [setup, *at, approach_text(axes, approach)]
+_Line = tuple[str, Sequence[float], Sequence[float], Sequence[str]]
+
+
+def _sheet(axes: Sequence[Axis], values: Sequence[str], lines: Sequence[_Line]) -> str:
+    """Return a file of readings.  lines : set-up, pose, approach and texts of the values"""
+    rows = [heading(axes, values)]
+    for setup, pose, approach, texts in lines:
+        at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
+        rows.append([setup, *at, approach_text(axes, approach), *texts])
+    return csv_text(rows)

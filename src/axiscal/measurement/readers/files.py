@@ -13,7 +13,7 @@ from axiscal.document.gone import instead_of
 from axiscal.document.ports import names, of_class, one_of
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import counted, joined, later, put, said
-from axiscal.measurement.readers import bed_map, marlin_map, point_lists
+from axiscal.measurement.readers import bed_map, point_lists
 from axiscal.measurement.readers.axis_tests import axis_named, axis_test, test_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
 from axiscal.measurement.readers.probe_offset import offset_in, sections_in, zero_of
@@ -61,8 +61,8 @@ FORMATS = (
     Format(later("a Moonraker mesh"), bed_map.is_moonraker, bed_map.moonraker),
     Format(later("a mesh of the Klipper console"), bed_map.is_console, bed_map.console),
     Format(later("touches as a firmware printed them"), bed_map.is_touched, bed_map.touched, True),
-    Format(later("a Marlin map (M420 V)"), marlin_map.is_printed, marlin_map.printed),
-    Format(later("a Marlin map (M421, M503)"), marlin_map.is_nodes, marlin_map.nodes),
+    Format(later("a Marlin map (M420 V)"), bed_map.is_printed, bed_map.printed),
+    Format(later("a Marlin map (M421, M503)"), bed_map.is_nodes, bed_map.nodes),
     Format(later("a Candle height map"), point_lists.is_candle, point_lists.candle, True),
     Format(later("a bCNC probe file"), point_lists.is_bcnc, point_lists.bcnc, True),
     Format(later("a list of points X Y Z"), point_lists.is_list, point_lists.listed, True),

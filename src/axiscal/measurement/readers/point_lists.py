@@ -16,8 +16,7 @@ from axiscal.document.file import number_or_none
 from axiscal.measurement.readers.bed_map import Rows, grid, height, noted, probed_of
 from axiscal.measurement.readers.columns import STEMS, column_of
 from axiscal.measurement.readers.csv_readings import Around, Found, RawReading, read_times
-from axiscal.measurement.readers.csv_table import CsvTable, table_of
-from axiscal.measurement.readers.table_cells import NUMBER, plain
+from axiscal.measurement.readers.csv_table import NUMBER, plain, table_of
 from axiscal.measurement.readers.text_file import LINES_OF, TextFile
 
 _SLACK = 1e-6
@@ -58,8 +57,7 @@ def is_bcnc(file: TextFile) -> bool:
 
 def is_list(file: TextFile) -> bool:
     """Return whether the first line is a point, behind its name or not, or names X, Y and Z and no more."""
-    told = (line for line in file.lines if not _LINES["remark"].match(line))
-    first = _cells(next(told, ""))[: 2 * len(_AXES)]  # no point has more
+    first = _cells("".join(line for _, line in _head(file)[:1]))[: 2 * len(_AXES)]  # no point has more
     head = {column_of(cell, words=_WORDS).stem for cell in first}
     return bool(_numbers(first)) or {*"XYZ"} <= head <= {*_AXES, *_NORMAL, "", "time"}
 
@@ -109,20 +107,15 @@ def _numbers(cells: list[str]) -> list[str]:
     return cells[count:] if whole else []
 
 
-def _refuse_unlike(table: CsvTable, found: Found, names: list[str]) -> None:
-    """Raise ReadingError where lines without header are places with two readings each, or the heights of a map.
+def _unlike(found: Found, names: list[str]) -> bool:
+    """Return whether lines without header may be places with two readings each, or the heights of a map.
 
     X of a table never comes again, and Y is far below it or as large; or its names are ways or axes.
     """
     x, y = np.array([[each.position[axis] for axis in "XY"] for each in found.readings]).T
     apart = np.abs([y, y - x]).max(axis=1).min()
     alike = len(set(x)) == len(x) and len(set(y)) > 1 and bool(apart < _SMALL * np.abs(x).max())
-    if alike or (any(names) and len(set(names)) < len(names)):
-        what = "these lines look like a place and two readings each, and not like X, Y and Z"
-        raise table.fail(what, "name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um")
-    if 0 < max(np.ptp(x), np.ptp(y)) < _HEIGHTS:
-        what = "these lines look like the heights of a map, and not like X, Y and Z"
-        raise table.fail(what, "copy the whole map")
+    return alike or (any(names) and len(set(names)) < len(names)) or 0 < max(np.ptp(x), np.ptp(y)) < _HEIGHTS
 
 
 def listed(file: TextFile, around: Around, after: int = 0) -> Found:
@@ -143,11 +136,11 @@ def listed(file: TextFile, around: Around, after: int = 0) -> Found:
             what, remedy = "the point has {axes} beside X, Y and Z", "give a list that was probed along Z alone"
             raise row.fail(what, remedy, axes=", ".join(aside))
         z = row.of("Z")
-        unit = z.column.unit or z.column.stated
-        x, y = row.of("X").quantity(), row.of("Y").quantity()
-        low = height(replace(file, unit=unit), x, y, plain(z.text, mark), row.line)
+        own = replace(file, unit=z.column.unit or z.column.stated)
+        low = height(own, row.of("X").quantity(), row.of("Y").quantity(), plain(z.text, mark), row.line)
         readings += [replace(reading, time=time) for reading in low]
     found = probed_of(file, readings, len(table.rows), table.rows[-1].line)
-    if first and not _LINES["letters"].match(file.lines[table.line - 1]):
-        _refuse_unlike(table, found, names)
+    if first and not _LINES["letters"].match(file.lines[table.line - 1]) and _unlike(found, names):
+        what = "these lines look like a place and two readings each, or heights of a map, and not like X, Y and Z"
+        raise table.fail(what, "copy the whole map, or name the columns above them: X,Y,Z, or Pos_mm,1+_um,1-_um")
     return found if all(table.one_of(axis, axis).unit for axis in "XYZ") else noted(file, found)

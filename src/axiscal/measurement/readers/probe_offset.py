@@ -8,13 +8,14 @@ zero where the printer homes Z, for it homes without the mesh.
 from __future__ import annotations
 
 import configparser
+import json
 import re
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from math import floor, hypot
 from typing import Any
 
 from axiscal.document.file import number_or_none
-from axiscal.measurement.readers.text_file import objects_in
 from axiscal.units import from_unit, parse_quantity
 
 Beside = tuple[float, float]
@@ -31,28 +32,41 @@ _COMMAND = re.compile(r"^[^;\n]*?\b(?:M851|G31)\b([^;\n]*)", re.MULTILINE)
 _WORD = re.compile(r"\b([XY])(-?[\d.]+)")
 
 
+def objects_in(text: str) -> list[dict[str, Any]]:
+    """Return every object of a JSON text, inner ones last, with numbers as texts; none of another text."""
+    found = list[dict[str, Any]]()
+
+    def collected(held: dict[str, Any]) -> dict[str, Any]:
+        found.append(held)
+        return held
+
+    with suppress(ValueError, RecursionError):
+        json.loads(text, object_hook=collected, parse_float=str, parse_int=str, parse_constant=str)
+        return found[::-1]
+    return []
+
+
 def sections_in(text: str) -> Sections | None:
-    """Return the sections of a printer.cfg, those that Klipper saved among them; None where the text has none."""
+    """Return the sections of a printer.cfg, those that Klipper saved among them; None where the text has none.
+
+    In an answer of Moonraker they are those of `configfile`, or the offsets of `dump_mesh`.
+    """
     if answered := objects_in(text):
-        return _in_answer(answered)
+        found = dict[str, dict[str, str]]()
+        for each in reversed(answered):
+            if isinstance(aside := each.get("probe_offsets"), list):
+                found["probe"] = dict(zip(("x_offset", "y_offset"), aside, strict=False))
+            settings = each.get("settings")
+            for name, keys in settings.items() if isinstance(settings, dict) else ():
+                if isinstance(keys, dict):
+                    found[name] = {key: str(value or "") for key, value in keys.items()}
+        return found
     config = configparser.RawConfigParser(strict=False, inline_comment_prefixes=("#", ";"), allow_no_value=True)
     try:
         config.read_string(text.replace("#*# ", "").replace("#*#", ""))
     except (configparser.Error, AttributeError):  # G-code has no sections; Python fails at lines behind a bare key
         return None
     return {name: {key: value or "" for key, value in config[name].items()} for name in config.sections()}
-
-
-def _in_answer(answered: Iterable[dict[str, Any]]) -> Sections:
-    """Return the sections in an answer of Moonraker: those of `configfile`, or the offsets of `dump_mesh`."""
-    found = dict[str, dict[str, str]]()
-    for each in answered:
-        if isinstance(aside := each.get("probe_offsets"), list):
-            found["probe"] = dict(zip(("x_offset", "y_offset"), aside, strict=False))
-        if isinstance(settings := each.get("settings"), dict):
-            own = {name: keys for name, keys in settings.items() if isinstance(keys, dict)}
-            found |= {name: {key: str(value or "") for key, value in keys.items()} for name, keys in own.items()}
-    return found
 
 
 def offset_of(sections: Sections) -> Beside | None:
@@ -90,7 +104,7 @@ def zero_of(sections: Sections) -> Beside | None:
     The probe stands beside the nozzle by its offset. A switch that homes Z says nothing of a place on the bed.
     """
     stated = _pair(sections, "bed_mesh", "zero_reference_position") or _of_index(sections)
-    if stated is not None or _option(sections, "stepper_z", "endstop_pin").translate(_MARKS) != _BY_PROBE:
+    if stated is not None or _option(sections, "stepper_z", "endstop_pin") != _BY_PROBE:
         return stated
     aside, home = offset_of(sections) or (0.0, 0.0), _pair(sections, "safe_z_home", "home_xy_position")
     return None if home is None else (home[0] + aside[0], home[1] + aside[1])
@@ -102,22 +116,20 @@ def _of_index(sections: Sections) -> Beside | None:
     As in its bed_mesh.py, distances of nodes are cut to 0.01 mm, and on a round bed those beyond its radius left out.
     """
     index, radius = (_option(sections, "bed_mesh", key) for key in ("relative_reference_index", "mesh_radius"))
-    if not index.isdecimal():
-        return None
-    origin = (_pair(sections, "bed_mesh", "mesh_origin") if radius else None) or (0.0, 0.0)
     low, high = (_pair(sections, "bed_mesh", f"mesh_{end}") for end in ("min", "max"))
+    origin = (0.0, 0.0)
     if far := pair_of((radius, radius)):
-        low, high = (-far[0], -far[1]), far
-    said = _option(sections, "bed_mesh", "round_probe_count" if radius else "probe_count") or ("5" if radius else "3")
-    counts = [int(each) for each in said.translate(_MARKS).split(",") if each.isdecimal() and 1 < int(each) <= _MOST]
-    if low is None or high is None or not counts:
+        low, high, origin = (-far[0], -far[1]), far, _pair(sections, "bed_mesh", "mesh_origin") or origin
+    stated = _option(sections, "bed_mesh", "round_probe_count" if far else "probe_count") or ("5" if far else "3")
+    counts = [int(each) for each in stated.split(",") if each.isdecimal() and 1 < int(each) <= _MOST]
+    if low is None or high is None or not counts or not index.isdecimal():
         return None
-    nodes = list[Beside]()
     steps = [floor((high[k] - low[k]) * 1e5 / (counts[k % len(counts)] - 1) + _ROUNDING) / 1e5 for k in (0, 1)]
     if far:
         low = -(counts[0] // 2) * steps[0], -(counts[0] // 2) * steps[0]
+    nodes = list[Beside]()
     for row in range(counts[-1]):
-        along = range(counts[0]) if row % 2 == 0 else reversed(range(counts[0]))
+        along = range(counts[0])[:: -1 if row % 2 else 1]
         places = ((low[0] + column * steps[0], low[1] + row * steps[1]) for column in along)
         nodes += [place for place in places if not far or hypot(*place) <= far[0] + _ROUNDING]
     at = int(index)
@@ -125,8 +137,8 @@ def _of_index(sections: Sections) -> Beside | None:
 
 
 def _pair(sections: Sections, section: str, key: str) -> Beside | None:
-    return pair_of(_option(sections, section, key).translate(_MARKS).split(","))
+    return pair_of(_option(sections, section, key).split(","))
 
 
 def _option(sections: Sections, section: str, key: str) -> str:
-    return str(sections[section].get(key) or "") if section in sections else ""
+    return str(sections.get(section, {}).get(key) or "").translate(_MARKS)

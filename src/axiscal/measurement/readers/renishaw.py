@@ -28,10 +28,12 @@ _KINDS: dict[str, tuple[Test, str]] = {
 """By `File type`: which test, and the unit of its deviations, "" where the file says it."""
 _UNITS = re.compile(r"(deviation )?units?\s*:\s*(.*)", re.IGNORECASE)
 _TYPE = re.compile(r"file type\s*:\s*(.*)", re.IGNORECASE)
-_NEEDED = ("TARGET DATA", "DEVIATIONS")
 _OF_TARGETS = ("filetype", "target-count", "targets", "flags")
 _DEVIATION = re.compile(r"([0-9]{1,6})\s+([0-9]{1,6})\s+(\S+)")
-_SHORTENED = "export it again from the laser software; the file seems to be cut or edited"
+_ANNOUNCED, _SHORTENED = (
+    "{stated} {things} are announced, and there are {count}",
+    "export it again from the laser software; the file seems to be cut or edited",
+)
 
 
 def file_type(file: TextFile) -> str | None:
@@ -54,25 +56,31 @@ def laser_test(file: TextFile, around: Around) -> Found:
     along, unit, silent = _units(file, "arcsec" if rotary else usual, angles)
     at = [from_unit(target, "deg" if rotary else along) for target in targets]
     rises = 1 if at[-1] >= at[0] else -1
-    dimension: Literal["length", "angle"] = "angle" if angles else "length"
-    read = [(line, text) for line, text in sections["DEVIATIONS"] if not text.lower().startswith("run target data")]
+    of: Literal["length", "angle"] = "angle" if angles else "length"
     found, first = list[RawReading](), dict[int, int]()
-    for line, text in read:
-        if (whole := _DEVIATION.fullmatch(text)) is None:
-            raise file.fail("{text!r} is not run, target and deviation", _SHORTENED, line, text=text[:40])
+    for line, text in sections["DEVIATIONS"]:
+        if text.lower().startswith("run target data"):
+            continue
+        whole = _DEVIATION.fullmatch(text)
+        if whole is None or int(whole[1]) < 1 or not 1 <= int(whole[2]) <= len(at):
+            what = "{text!r} is not run, target and deviation: targets go from 1 to {count}"
+            raise file.fail(what, _SHORTENED, line, text=text[:40], count=len(at))
         run, index, value = int(whole[1]), int(whole[2]), file.number(whole[3], "deviation", line)
-        if run < 1 or not 1 <= index <= len(at):
-            what = "target {index} of run {run} is not there: targets go from 1 to {count}"
-            raise file.fail(what, _SHORTENED, line, index=index, run=run, count=len(at))
         way, number = (1, run) if one_way else (1 if run % 2 else -1, (run + 1) // 2)
         if way * (index - first.setdefault(run, index)) < 0:
             what = "run {run} goes the other way than the flags say"
             remedy = "correct the flags, or export the file again: 0 there and back, 1 always there"
             raise file.fail(what, remedy, line, run=run)
         come, read_as = {"": way * rises}, from_unit(value, unit)
-        found.append(RawReading("", {"": at[index - 1]}, come, read_as, None, dimension, line, test=test, run=number))
+        found.append(RawReading("", {"": at[index - 1]}, come, read_as, None, of, line, test=test, run=number))
     every = distinct(file, found)
-    _refuse_cut(file, sections, every)
+    sizes = Counter((each.approach[""], each.run) for each in every)
+    for number, text in sections.get("RUNS", []):
+        key, _, stated = (part.strip() for part in text.partition(":"))
+        if key.lower() == "run-count" and stated != str(len(sizes)):
+            raise file.fail(_ANNOUNCED, _SHORTENED, number, stated=stated[:40], things=said("runs"), count=len(sizes))
+    if "EOF" not in sections and list(sizes.values())[-1] < max(sizes.values()):
+        raise file.fail("the last run has fewer targets than others", _SHORTENED, every[-1].line)
     return Found(every, note=said("deviations in arcsec (it names no unit)") if rotary and silent else "")
 
 
@@ -114,8 +122,9 @@ def _sections(file: TextFile) -> dict[str, _Lines]:
             sections[name] = lines
         elif text:
             lines.append((number, text))
-    if lacking := [name for name in _NEEDED if name not in sections]:
-        raise file.fail("there is no section {name}::", _SHORTENED, name=lacking[0])
+    for name in ("TARGET DATA", "DEVIATIONS"):
+        if name not in sections:
+            raise file.fail("there is no section {name}::", _SHORTENED, name=name)
     for lines in sections.values():
         if not any("." in text for _, text in lines):
             lines[:] = [(number, text.replace(",", ".")) for number, text in lines]
@@ -134,25 +143,10 @@ def _targets(file: TextFile, lines: _Lines) -> tuple[list[float], bool, bool]:
         rotary |= turns
         words.get(key, []).extend((number, word) for word in rest.split())
     targets = [file.number(word, "target", number) for number, word in words["targets"]]
-    one_way = [word for _, word in words["flags"][1:2]] == ["1"]
-    if not targets:
-        raise file.fail("there are no targets", _SHORTENED, lines[0][0] if lines else None)
     for number, stated in words["target-count"]:
         if stated != str(len(targets)):
-            what = "{stated} targets are announced, and there are {count}"
-            raise file.fail(what, _SHORTENED, number, stated=stated[:40], count=len(targets))
-    if len(set(targets)) < len(targets):
-        raise file.fail("a target is named twice", "name each once", lines[0][0])
-    return targets, rotary, one_way
-
-
-def _refuse_cut(file: TextFile, sections: dict[str, _Lines], readings: tuple[RawReading, ...]) -> None:
-    """Raise ReadingError where announced runs are missing, or the file has no end and its last run is short."""
-    sizes = Counter((each.approach[""], each.run) for each in readings)
-    for number, text in sections.get("RUNS", []):
-        key, _, stated = (part.strip() for part in text.partition(":"))
-        if key.lower() == "run-count" and stated != str(len(sizes)):
-            what = "{stated} runs are announced, and there are {count}"
-            raise file.fail(what, _SHORTENED, number, stated=stated[:40], count=len(sizes))
-    if "EOF" not in sections and list(sizes.values())[-1] < max(sizes.values()):
-        raise file.fail("the last run has fewer targets than others", _SHORTENED, readings[-1].line)
+            at = {"stated": stated[:40], "things": said("targets"), "count": len(targets)}
+            raise file.fail(_ANNOUNCED, _SHORTENED, number, **at)
+    if not targets or len(set(targets)) < len(targets):
+        raise file.fail("there are no targets, or one stands twice", _SHORTENED, lines[0][0] if lines else None)
+    return targets, rotary, [word for _, word in words["flags"][1:2]] == ["1"]

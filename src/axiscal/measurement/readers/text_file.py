@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import re
 import tomllib
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 from axiscal.document.file import bounded_content, number_or_none
 from axiscal.exceptions import ReadingError
@@ -45,12 +42,6 @@ class TextFile:
     unit: str = ""
 
     @cached_property
-    def profile(self) -> str:
-        """The NAME of a mesh behind the name of its file, as in `printer.cfg#NAME`; "" where none is named."""
-        whole, _, name = self.name.rpartition("#")
-        return name if whole and not Path(self.name).exists() else ""
-
-    @cached_property
     def told(self) -> tuple[tuple[int, str], ...]:
         """The lines with their numbers, without what a terminal and a firmware write in front."""
         return tuple((number, _LOG.split(line, maxsplit=1)[-1].rstrip()) for number, line in enumerate(self.lines, 1))
@@ -66,12 +57,11 @@ class TextFile:
     def number(self, text: str, name: str, line: int) -> float:
         """Return a number of a machine; raises ReadingError."""
         value = number_or_none(text)
-        if value is not None and abs(value) < _LARGEST:
-            return value
-        what, remedy = "{name} {shown!r} is not a finite number", "write digits with a decimal point"
-        if value is not None:
-            what, remedy = "{name} {shown!r} is too large for a machine", "write the number that was read"
-        raise self.fail(what, remedy, line, name=name, shown=text if len(text) <= 40 else text[:37] + "...")
+        if value is None or abs(value) >= _LARGEST:
+            shown = text if len(text) <= 40 else text[:37] + "..."
+            what, remedy = "{name} {shown!r} is no number of a machine", "write digits with a decimal point"
+            raise self.fail(what, remedy, line, name=name, shown=shown)
+        return value
 
 
 def has_line(patterns: Iterable[re.Pattern[str]], file: TextFile) -> bool:
@@ -86,35 +76,30 @@ def newest_first(file: TextFile) -> bool:
     return sum((after > before) - (after < before) for before, after in pairwise(clocks)) < 0
 
 
-def content(path: str | Path) -> bytes:
+def _content(path: str | Path) -> bytes:
     """Return what stands in a file of readings; raises ReadingError."""
     try:
         return bounded_content(path, MOST)
-    except FileNotFoundError:
-        raise ReadingError("there is no such file", "check the name", str(path)) from None
-    except OSError as error:
-        reason = (error.strerror or "cannot be read").lower()
+    except (OSError, ValueError) as error:
+        reason = (getattr(error, "strerror", None) or str(error)).lower()
         remedy = "check the name and the permissions"
         raise ReadingError("the file cannot be read: {reason}", remedy, str(path), reason=reason) from None
-    except ValueError:
-        raise ReadingError("{path!r} is not a file name", "give the name of a file", path=str(path)) from None
 
 
 def exact_text(path: str | Path) -> str:
     """Return a file to the last byte; raises ReadingError for what is no text in UTF-8."""
     try:
-        return content(path).decode()
+        return _content(path).decode()
     except UnicodeDecodeError as fault:
         raise ReadingError("byte {place} is no UTF-8", "save it as UTF-8", str(path), place=fault.start) from None
 
 
 def read_text(path: str | Path, unit: str = "") -> TextFile:
     """Read a file in UTF-8, UTF-16 with its mark, or else a page of Windows; raises ReadingError."""
-    text = _decoded(content(path))
-    if text.startswith(("PK\3\4", "\xd0\xcf\x11\xe0")):
-        raise ReadingError("the file is a workbook", "save its sheet as CSV", str(path))
-    if "\0" in text:
-        raise ReadingError("the file is binary, or UTF-16 text", "save it as plain text in UTF-8", str(path))
+    text = _decoded(_content(path))
+    if "\0" in text or text.startswith(("PK\3\4", "\xd0\xcf\x11\xe0")):
+        remedy = "save its sheet as CSV, or the text in UTF-8"
+        raise ReadingError("the file is a workbook, or no text", remedy, str(path))
     return TextFile(str(path), lines_of(text, path), unit)
 
 
@@ -135,17 +120,3 @@ def _decoded(data: bytes) -> str:
     except UnicodeDecodeError:
         known = {page: len(_BEYOND.findall(data[:_HEAD].decode(page, "replace").lower())) for page in _PAGES}
         return data.decode(max(_PAGES, key=known.__getitem__), "replace")
-
-
-def objects_in(text: str) -> list[dict[str, Any]]:
-    """Return every object of a JSON text, inner ones first, with numbers as texts; none of another text."""
-    found = list[dict[str, Any]]()
-
-    def collected(held: dict[str, Any]) -> dict[str, Any]:
-        found.append(held)
-        return held
-
-    with suppress(ValueError, RecursionError):
-        json.loads(text, object_hook=collected, parse_float=str, parse_int=str, parse_constant=str)
-        return found
-    return []

@@ -317,8 +317,8 @@ def climb_from(task: Task, state: State, setup: int, poses: Array, approaches: A
     ground = ground_of(observation, setup)
 
     def gains(places: Array, sides: Array) -> Array:
-        seen = observation.numbers(setup, *ground.as_poses(places, sides))
-        return gained(*state.forms(seen.rows, seen.covariances))
+        seen = observation.numbers(Places.of_setup(setup, *ground.as_poses(places, sides)))
+        return gained(*state.of_places(seen, len(observation.setups[setup].names)))
 
     def taken(places: Array, sides: Array) -> Array:
         can = ground.approachable(places, sides)

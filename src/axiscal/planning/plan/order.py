@@ -146,7 +146,7 @@ def arriving(task: Task, order: Places) -> Array:
     """Return the approaches of readings, (m, q), with the direction of travel where any direction will do.
 
     There an axis that stands, or comes from nearer than its overrun, has none: nothing makes it turn. In touch all axes
-    come together, from where their place has them or, if none counts, from anywhere; so do slides to three touches.
+    come together, from where their place has them or, if none counts, from anywhere.
     """
     counted = counting(task, order)
     stays, start = _before(task, order)
@@ -155,11 +155,9 @@ def arriving(task: Task, order: Places) -> Array:
     travel = np.sign(way) * (np.abs(way) >= overrun) * (order.approaches != 0)
     alone = np.where(counted != 0, counted, travel)
     together = np.where(np.any(counted != 0, axis=1)[:, None], order.approaches, 0.0)
-    linear = np.array([not axis.rotary for axis in task.observation.machine.axes])
     setups = task.observation.setups
     held = np.array([s.chart is not None and s.contact == "held" for s in setups])[order.setups][:, None]
-    touched = np.array([s.three_touches for s in setups])[order.setups][:, None] & linear
-    come = np.where(held, together, np.where(touched, order.approaches, alone))
+    come = np.where(held, together, alone)
     return np.where(stays[:, None], come, order.approaches)
 
 

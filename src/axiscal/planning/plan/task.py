@@ -22,7 +22,6 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
-from axiscal.planning.plan.numbers import numbers_at, rests_of
 from axiscal_core.criterion import Goal as Criterion
 from axiscal_core.machine import Machine
 from axiscal_core.model import Numbers
@@ -82,12 +81,12 @@ class Task:
 
     def begun(self, goal: Criterion) -> State:
         """Return the same by any criterion."""
-        state = State(self.belief.factor, goal, rests_of(self.observation))
+        state = State(self.belief.factor, goal, self.observation.rests)
         return state if self.beside is None else state.after(self.numbers(self.beside))
 
     def numbers(self, places: Places) -> Numbers:
         """Return what readings at places would tell."""
-        return numbers_at(self.observation, places)
+        return self.observation.numbers(places)
 
     def after(self, places: Places) -> State:
         """Return what is known after readings."""

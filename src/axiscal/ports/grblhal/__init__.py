@@ -9,7 +9,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
-from axiscal.tables.vcomp_applying import CORE, VcompFile
+from axiscal.tables.vcomp_file import CORE, VcompFile
 
 _FILE, _TABLE, _PLUGIN = "axiscal.vcomp", "axiscal_table.h", "axiscal_grblhal.c"
 TRIED = "Its code was tried against grblHAL's interface of 2026, never in a controller with drives."
@@ -45,7 +45,7 @@ class GrblHal(vcomp_file.VolumetricFormat):
 
 def _as_header(file: VcompFile, text: str) -> str:
     """Return a table as a string of C, with the room that it takes."""
-    knots = max(len(axis.knots) for axis in file.axes)
+    knots = max(len(axis["knots"]) for axis in file.axes)
     lines = "\n".join(f'    "{line}\\n"' for line in text.splitlines())
     return (
         f"#define VC_AXES {len(file.axes)}\n#define VC_KNOTS {knots}\nstatic const char AXISCAL_TABLE[] =\n{lines};\n"

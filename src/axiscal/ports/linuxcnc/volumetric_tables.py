@@ -1,9 +1,7 @@
 """All files for the component: the machine's errors, the HAL text, the source, and notes.
 
 The component (`axiscal_vcomp.comp`) corrects in realtime between motion and drives. It is one for every machine,
-installed once by halcompile, and reads the file of a campaign when it is loaded. `tables.vcomp_file` writes that file
-and `tables.vcomp_applying` has the chain and the curves once more: a file is offered only if it does there what the
-estimate asks for.
+installed once by halcompile, and reads the file of a campaign when it is loaded, which `tables.vcomp_file` writes.
 """
 
 from __future__ import annotations
@@ -13,16 +11,20 @@ from typing import ClassVar
 
 import numpy as np
 
+from axiscal.document.ports import rendered
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later
-from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
 from axiscal.tables.offer import spread_poses
-from axiscal.tables.vcomp_applying import CORE, VcompFile, whole_control
+from axiscal.tables.vcomp_file import CORE, VcompFile, whole_control
 from axiscal.units import format_quantity
 
-_COMPONENT = "axiscal_vcomp.comp"
+_FILE, HAL_FILE, _COMPONENT = "axiscal.vcomp", "axiscal-volumetric.hal", "axiscal_vcomp.comp"
+_STATEMENT = "Never run on real drives or on a realtime kernel. It is no safety function."
+LOADRT = (  # with quotes: people write blanks between the letters
+    f'loadrt axiscal_vcomp file={_FILE} units=[TRAJ]LINEAR_UNITS "coordinates=[TRAJ]COORDINATES" joints=[KINS]JOINTS'
+)
 _SHARE, _QUICKEST, _SLOWEST = 0.2, 5e-3, 5.0
 """Of a joint's acceleration that a reversal may take, and how many s it takes at least and at most."""
 _EVERY = 5
@@ -55,11 +57,17 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
 
     def write(self, file: VcompFile) -> Written:
         """Return the file, the HAL text, and the source of the component."""
-        joints = [n for axis in file.axes for n in axis.joints]
-        files = {FILE: vcomp_file.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}
+        joints = sorted(n for axis in file.axes for n in axis["joints"])
+        values = {"joints": joints, "nets": {}, "thread": "", "statement": _STATEMENT, "load": LOADRT}
+        files = {_FILE: vcomp_file.text_of(file, _STATEMENT)}
+        files[HAL_FILE] = rendered("axiscal.ports.linuxcnc", "volumetric.hal.jinja", **values)
         for name, place in ((_COMPONENT, __package__), (CORE, "axiscal.tables")):
             files[name] = resources.files(place).joinpath(name).read_text(encoding="ascii")
-        notes, first = (_said(file, f"volumetric_{part}.jinja") for part in ("notes", "first"))
+        reversing = [axis for axis in file.axes if axis["reversals"].shape[1]]
+        seconds = ", ".join(f"{axis['name']} {format_quantity(axis['seconds'], 's', 3)}" for axis in reversing)
+        told = {"file": file, "limit": f"{file.limit:.4g}", "rotary": [axis for axis in file.axes if axis["rotary"]]}
+        told |= {"reversing": seconds, "statement": _STATEMENT, "vcomp": _FILE, "hal": HAL_FILE}
+        notes, first = (paragraphs(str(__package__), f"volumetric_{part}.jinja", **told) for part in ("notes", "first"))
         return Written(files, {}, notes, first=first)
 
 
@@ -79,19 +87,3 @@ def reversal_times(estimate: Estimate) -> list[float]:
         time = float(np.max(np.sqrt(4 * step / (_SHARE * accelerations))))
         times.append(min(max(time, _QUICKEST), _SLOWEST))
     return times
-
-
-def _said(file: VcompFile, template: str) -> tuple[str, ...]:
-    """Return paragraphs of README.txt by a template."""
-    seconds = [(axis.name, format_quantity(axis.seconds, "s", 3)) for axis in file.axes if axis.reversals.shape[1]]
-    return paragraphs(
-        "axiscal.ports.linuxcnc",
-        template,
-        file=file,
-        limit=f"{file.limit:.4g}",
-        rotary=[axis for axis in file.axes if axis.rotary],
-        reversing=", ".join(map(" ".join, seconds)),
-        statement=STATEMENT,
-        vcomp=FILE,
-        hal=HAL_FILE,
-    )

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -13,15 +14,13 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.csv_readings import ALONE
-from axiscal.measurement.readers.text_file import TextFile
-from axiscal.ports.printers.contents import TRIED, content_of, in_words, zero_note
-from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs
+from axiscal.ports.printers.contents import PrinterFormat, texts_of
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
-from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
+from axiscal.tables.surface import Mesh, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 from axiscal_core.machine import Machine
 
-_SAVED = "#*# "
 _HEADER = """
 #*# <---------------------- SAVE_CONFIG ---------------------->
 #*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.
@@ -34,75 +33,52 @@ _NAME, _MESH, _SKEW = "axiscal", "bed_mesh.cfg", "skew.gcode"
 _PLANE = re.compile(r"(XY|XZ|YZ)=([\d.]+),([\d.]+),([\d.]+)")
 
 
-class Klipper(MapFormat):
+class Klipper(PrinterFormat):
     """A mesh profile and a skew profile."""
 
     left_out = "positioning errors, straightness in the plane, reversal, and what the height does over z."
     tried = True
+    template = "klipper.jinja"
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
         """Return the map and the skew that were seen."""
-        return replace(content_of(estimate, options, options.mesh), tables=())
+        return replace(super().content(estimate, options), tables=())
 
-    def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
-        """Return a file for each of them."""
-        skew = content.skew
-        files = dict[str, str]()
-        for mesh in content.meshes:
-            files[_MESH] = write_mesh(mesh)
-        files |= {_SKEW: write_skew(skew)} if skew else {}
-        notes = paragraphs(
-            __package__,
-            "klipper.jinja",
-            meshes=content.meshes,
-            skew=skew,
-            name=_NAME,
-            mesh_file=_MESH,
-            skew_file=_SKEW,
-            mm=lambda end: f"{to_unit(float(end), 'mm'):g}",
-            zero=lambda mesh: zero_note(mesh, options),
-            tried=TRIED,
-        )
-        steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
-        return Written(files, steps, notes, in_words(content))
+    def files(self, content: Loaded) -> dict[str, str]:
+        """Return a file for each of them; of the skew diagonals AC, BD and side AD of a square that leans by it."""
+        files = dict(zip([_MESH], map(_written, content.meshes), strict=False))
+        if content.skew:
+            lean = {plane: math.sin(math.atan(tangent)) for plane, tangent in content.skew.items()}
+            sides = {p: [_SIDE * math.sqrt(2 * (1 + sign * each)) for sign in (1, -1)] for p, each in lean.items()}
+            words = (f"{plane}={ac:.9f},{bd:.9f},{_SIDE:.9f}" for plane, (ac, bd) in sides.items())
+            files[_SKEW] = f"SET_SKEW {' '.join(words)}\nSKEW_PROFILE SAVE={_NAME}\n"
+        return files
+
+    def steps(self, content: Loaded, machine: Machine) -> dict[str, float]:
+        """Return what six decimals leave."""
+        return {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
+
+    def known(self, content: Loaded) -> Mapping[str, Any]:
+        """Return the names."""
+        return {"name": _NAME, "mesh_file": _MESH, "skew_file": _SKEW}
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what a saved block holds, and what G-code sets."""
-        texts = [TextFile(file.name, tuple(file.text.splitlines())) for file in files]
+        """Return what a saved block holds, and what G-code sets, as skew_correction.py makes it of `SET_SKEW`."""
+        texts, skew = texts_of(files), dict[str, float]()
+        for plane, *lengths in (found for file in files for found in _PLANE.findall(file.text)):
+            ac, bd, ad = map(float, lengths)
+            side = math.sqrt(2 * ac * ac + 2 * bd * bd - 4 * ad * ad) / 2
+            skew[plane] = math.tan(math.pi / 2 - math.acos((ac * ac - side * side - ad * ad) / (2 * side * ad)))
         meshes = (mesh_of_nodes(saved_mesh(text, ALONE, whole=True).readings) for text in texts if is_mesh(text))
-        skew = {plane: tangent for file in files for plane, tangent in read_skew(file.text).items()}
         return Loaded(meshes=tuple(meshes), skew=skew)
 
 
-def write_mesh(mesh: Mesh) -> str:
+def _written(mesh: Mesh) -> str:
     """Return the saved block of the profile with the lines that Klipper knows it by; heights in mm, rows by y."""
     x, y, z = (to_unit(values, "mm") for values in (mesh.x, mesh.y, mesh.added))
     rows = ["\t  " + ", ".join(f"{value:.6f}" for value in row) for row in np.round(z, 6) + 0.0]
     keys = {"x_count": len(x), "y_count": len(y), "mesh_x_pps": 0, "mesh_y_pps": 0, "algo": "direct", "tension": 0.2}
     ends = {"min_x": x[0], "max_x": x[-1], "min_y": y[0], "max_y": y[-1]}
+    keys |= {key: round(float(value), 6) for key, value in ends.items()}
     lines = [f"[bed_mesh {_NAME}]", "version = 1", "points =", *rows, *(f"{k} = {v}" for k, v in keys.items())]
-    lines += [f"{key} = {round(float(value), 6)}" for key, value in ends.items()]
-    return _HEADER + "".join(f"{_SAVED}{line}\n" for line in lines)
-
-
-def write_skew(skew: Skew) -> str:
-    """Return the G-code: diagonals AC, BD and side AD of a square that leans by the skew."""
-    words = " ".join(f"{plane}={_lengths(tangent)}" for plane, tangent in skew.items())
-    return f"SET_SKEW {words}\nSKEW_PROFILE SAVE={_NAME}\n"
-
-
-def read_skew(text: str) -> dict[str, float]:
-    """Return the skew that skew_correction.py makes of `SET_SKEW`: all sides follow from the diagonals and AD."""
-    found = dict[str, float]()
-    for plane, *lengths in _PLANE.findall(text):
-        ac, bd, ad = map(float, lengths)
-        side = math.sqrt(2 * ac * ac + 2 * bd * bd - 4 * ad * ad) / 2
-        angle = math.acos((ac * ac - side * side - ad * ad) / (2 * side * ad))
-        found[plane] = math.tan(math.pi / 2 - angle)
-    return found
-
-
-def _lengths(tangent: float) -> str:
-    lean = math.sin(math.atan(tangent))
-    ac, bd = (_SIDE * math.sqrt(2 * (1 + sign * lean)) for sign in (1, -1))
-    return f"{ac:.9f},{bd:.9f},{_SIDE:.9f}"
+    return _HEADER + "".join(f"#*# {line}\n" for line in lines)

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from axiscal.estimation.machine_estimate import Estimate
+from axiscal.measurement.readers.bed_map import is_nodes, nodes
 from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.marlin_map import is_nodes, nodes
 from axiscal.measurement.readers.text_file import TextFile
-from axiscal.numerics import Array
-from axiscal.ports.printers.contents import LEFT_OUT, STEP, content_of, in_words, play_of, zero_note
-from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs
+from axiscal.ports.printers.contents import STEP, PrinterFormat, play_of
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
-from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
+from axiscal.tables.surface import mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 from axiscal_core.machine import Machine
 
@@ -26,74 +25,50 @@ _SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
 _PLANES = {letter: plane for plane, letter in _SKEW.items()}
 
 
-class Marlin(MapFormat):
+class Marlin(PrinterFormat):
     """Commands for the height, the skew, and one backlash of each axis."""
 
-    left_out = LEFT_OUT
+    template = "marlin.jinja"
 
-    def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return what was seen."""
-        return content_of(estimate, options, options.mesh)
+    def files(self, content: Loaded) -> dict[str, str]:
+        """Return the G-code, mm; the firmware has to be built with the points of its map."""
+        tangents = " ".join(f"{_SKEW[plane]}{tangent:.7f}" for plane, tangent in content.skew.items())
+        lost = " ".join(f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play_of(content).items())
+        lines = [*([f"M852 {tangents}"] if tangents else []), *([f"M425 {lost} F1 S0"] if lost else [])]
+        for mesh in content.meshes:
+            x, y = (to_unit(places[[0, -1]], "mm").tolist() for places in (mesh.x, mesh.y))
+            lines.append(f"; mesh from X {x[0]!r} to {x[1]!r} and Y {y[0]!r} to {y[1]!r}")
+            heights = np.round(np.asarray(to_unit(mesh.added, "mm")), 4) + 0.0
+            lines += [f"M421 I{i} J{j} Z{value:.4f}" for j, row in enumerate(heights) for i, value in enumerate(row)]
+        return {_FILE: "\n".join([*lines, "M500"]) + "\n"} if lines else {}
 
-    def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
-        """Return the file; the firmware has to be built with the points of its map."""
-        mesh, skew, play = next(iter(content.meshes), None), content.skew, play_of(content)
+    def steps(self, content: Loaded, machine: Machine) -> dict[str, float]:
+        """Return what seven decimals of a skew, and four of a height, leave."""
         reach = max(abs(end) for axis in machine.axes for end in axis.travel)
-        steps = {"X": STEP + 2e-7 * reach, "Y": STEP + 2e-7 * reach, "Z": 2 * STEP}
-        files = {_FILE: text_of(content)} if mesh or skew or play else {}
-        where = [zero_note(each, options) for each in content.meshes]
-        return Written(files, steps, (*_notes(mesh, skew, play), *where), in_words(content))
+        return {"X": STEP + 2e-7 * reach, "Y": STEP + 2e-7 * reach, "Z": 2 * STEP}
+
+    def known(self, content: Loaded) -> Mapping[str, Any]:
+        """Return what the firmware needs."""
+        skew, play, mesh = content.skew, play_of(content), bool(content.meshes)
+        needs = [name for name, used in (("SKEW_CORRECTION", skew), ("BACKLASH_COMPENSATION", play)) if used]
+        needs += ["SKEW_CORRECTION_FOR_Z"] if {"XZ", "YZ"} & skew.keys() else []
+        back = [code for code, used in (("M425 F0", play), ("M852 I0 J0 K0", skew), ("M420 S0", mesh)) if used]
+        return {"needs": needs, "back": back, "file": _FILE}
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what the commands make active."""
-        return read("\n".join(file.text for file in files), machine)
+        """Return what Marlin makes of the commands, mm; raises ReadingError for a map that is not whole.
 
-
-def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[str, ...]:
-    needs = [name for name, used in (("SKEW_CORRECTION", skew), ("BACKLASH_COMPENSATION", play)) if used]
-    needs += ["SKEW_CORRECTION_FOR_Z"] if {"XZ", "YZ"} & skew.keys() else []
-    back = [code for code, used in (("M425 F0", play), ("M852 I0 J0 K0", skew), ("M420 S0", mesh)) if used]
-    values = {"mesh": mesh, "skew": skew, "needs": needs, "back": back, "mm": _mm, "file": _FILE}
-    return paragraphs(__package__, "marlin.jinja", **values)
-
-
-def text_of(content: Loaded) -> str:
-    """Return the G-code, mm."""
-    tangents = " ".join(f"{_SKEW[plane]}{tangent:.7f}" for plane, tangent in content.skew.items())
-    lines = [f"M852 {tangents}"] if tangents else []
-    if play := play_of(content):
-        words = " ".join(f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play.items())
-        lines.append(f"M425 {words} F1 S0")
-    for mesh in content.meshes:
-        x, y = (to_unit(places[[0, -1]], "mm").tolist() for places in (mesh.x, mesh.y))
-        lines.append(f"; mesh from X {x[0]!r} to {x[1]!r} and Y {y[0]!r} to {y[1]!r}")
-        heights = np.round(np.asarray(to_unit(mesh.added, "mm")), 4) + 0.0
-        lines += [f"M421 I{i} J{j} Z{value:.4f}" for j, row in enumerate(heights) for i, value in enumerate(row)]
-    return "\n".join([*lines, "M500"]) + "\n"
-
-
-def read(text: str, machine: Machine) -> Loaded:
-    """Return what Marlin makes of the commands in a text, mm; raises ReadingError for a map that is not whole.
-
-    Where the nodes of a map are is built into the firmware: an export says it, and else they span the travels.
-    """
-    skew, play, file = dict[str, float](), dict[str, float](), TextFile("", tuple(text.splitlines()))
-    for command in _COMMAND.finditer(text):
-        values = {letter: float(number) for letter, number in _WORD.findall(command[2])}
-        if command[1] == "M852":
-            skew = {_PLANES[letter]: value for letter, value in values.items()}
-        else:
-            share = values.pop("F", 1.0)
-            play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis in "XYZ"}
-    return Loaded(lost_motion(machine, play), (_mesh(file, machine),) if is_nodes(file) else (), skew)
-
-
-def _mesh(file: TextFile, machine: Machine) -> Mesh:
-    travel = {axis.name: axis.travel for axis in machine.axes}
-    ends = (travel["X"], travel["Y"]) if {"X", "Y"} <= travel.keys() else None
-    return mesh_of_nodes(nodes(file, Around(ends=ends), zeros=True).readings)
-
-
-def _mm(places: Array) -> str:
-    low, high = (to_unit(float(places[end]), "mm") for end in (0, -1))
-    return f"{low:g} to {high:g}"
+        Where the nodes of a map are is built into the firmware: an export says it, and else they span the travels.
+        """
+        text, skew, play = "\n".join(file.text for file in files), dict[str, float](), dict[str, float]()
+        for code, words in _COMMAND.findall(text):
+            values = {letter: float(number) for letter, number in _WORD.findall(words)}
+            if code == "M852":
+                skew = {_PLANES[letter]: value for letter, value in values.items()}
+            else:
+                share = values.pop("F", 1.0)
+                play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis in "XYZ"}
+        file, travel = TextFile("", tuple(text.splitlines())), {axis.name: axis.travel for axis in machine.axes}
+        around = Around(ends=(travel["X"], travel["Y"]) if {"X", "Y"} <= travel.keys() else None)
+        meshes = (mesh_of_nodes(nodes(file, around, zeros=True).readings),) if is_nodes(file) else ()
+        return Loaded(lost_motion(machine, play), meshes, skew)

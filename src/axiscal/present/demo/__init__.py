@@ -20,7 +20,7 @@ from axiscal.estimation.case import Case
 from axiscal.evaluation.check import Check
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator, TruthCurve, VirtualMachine
-from axiscal.present.check_answer import check_answer
+from axiscal.present.check_answer import CheckAnswer
 from axiscal.present.delivery import deliver
 from axiscal.present.result import Result
 from axiscal.present.result_of_campaign import Extras
@@ -64,7 +64,7 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     check = Check.from_campaign(campaign, CONTROL)
     readings = check.read_on(truth, SEED, check.planned(tolerance=check.known(None)))
     places = check.positions(readings[1])
-    return check_answer(check.judged(readings, None), places, check.tables.certain).summary
+    return CheckAnswer(check.judged(readings, None), places, check.tables.certain).summary
 
 
 def measured_truth(model: Machine, seed: int) -> dict[str, TruthCurve]:

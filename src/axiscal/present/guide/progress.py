@@ -1,6 +1,6 @@
 """How far a campaign is: readings and minutes done and to come, and how well the machine is known.
 
-Beside it stands what is due beside the readings: the temperature, and the place that shows whether a zero has wandered.
+Beside it stands what is due beside the readings: the temperature.
 
 Words say what `undo` would take back or has taken back, and which readings are no longer believed since the last.
 """
@@ -20,7 +20,7 @@ from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Mistake
 from axiscal.language.spoken import counted, decimals, listed, said
-from axiscal.measurement.reading import by_text, reading_text, reading_unit, reading_units, shown_coordinate, units_of
+from axiscal.measurement.reading import reading_text, reading_unit, reading_units, shown_coordinate, units_of
 from axiscal.planning.promise import foreseen, rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
@@ -87,13 +87,12 @@ def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool 
     doubtful = "with this one, {reading}, is no longer relied on. Read there again."
     minds = [said(doubtful, reading=_shown(campaign, index)) for index in sorted(now - before - {last})]
     minds += [said("with this one, {reading}, is believed.", reading=_shown(campaign, index)) for index in before - now]
-    minds += _clock_asked(campaign)
     doubt = last_doubt(campaign)
     if doubt is not None:
         refused = "{why}. It is not used: take it back and read there again. If it is right, record it with --accept."
         kept = "{why}. It is not used: take it back and read there again. If it is right, keep it as really so."
         minds.append(said(refused if command else kept, why=known.objection_to(doubt)))
-    elif not campaign.state.readings[last].accepted and (size := known.absorbed.surprise(last)) >= _SURPRISING:
+    elif not campaign.state.readings[last].accepted and (size := known.history.surprise(last)) >= _SURPRISING:
         strange = (
             "it is {size} standard deviations from what was expected. It is believed so far; take it back and read "
             "there again if anything may have been wrong."
@@ -129,23 +128,6 @@ class Named(NamedTuple):
     def typed(self) -> dict[str, Answer]:
         """What a person types for each of several answers."""
         return {said("jump").lower(): "jump", said("backlash").lower(): "backlash"}
-
-
-_NIGHT = 16 * 3600.0
-"""s between two readings from which on the clock is asked about: from one evening to the next day takes less."""
-
-
-def _clock_asked(campaign: Campaign) -> list[str]:
-    """Return a question about the last reading where the clock says that more than a night went before it."""
-    *before, last = campaign.state.readings
-    earlier = before[-1] if before else last
-    if last.time is None or earlier.time is None or last.time - earlier.time <= _NIGHT:
-        return []
-    what = (
-        "the clock says that {passed} have passed since reading {number}. If it has jumped, take this one back, set it "
-        "right, and read again."
-    )
-    return [said(what, passed=format_quantity(last.time - earlier.time, "h", 3), number=earlier.number)]
 
 
 def named_now(campaign: Campaign) -> Named | None:
@@ -278,13 +260,11 @@ class Due(AnswerDocument):
     """What is due beside the readings: the last temperature that was said of the scale, and whether to say it now.
 
     ask : nobody has said one, or half an hour ago
-    marker_minutes : machine time until a place is read again that shows a drift, None where none is planned
     """
 
     temperature_degc: float | None
     minutes_ago: float
     ask: bool
-    marker_minutes: float | None
 
 
 def due(campaign: Campaign) -> Due:
@@ -295,10 +275,7 @@ def due(campaign: Campaign) -> Due:
     since = (datetime.now(UTC) - datetime.fromisoformat(at)).total_seconds() / 60 if at else 0.0
     ago, warm = max(since, 0.0), None if last is None else round(to_unit(last.temperature, "degC"), 3)
     asked = open_temperature(campaign) or ago >= _EVERY
-    places, read = campaign.state.coming, {reading.place for reading in campaign.state.readings}
-    first = next((n for n, place in enumerate(places) if place in read), None)
-    until = None if first is None else to_unit(campaign.seconds(places[:first]) - campaign.seconds(), "min")
-    return Due(temperature_degc=warm, minutes_ago=ago, ask=asked, marker_minutes=until)
+    return Due(temperature_degc=warm, minutes_ago=ago, ask=asked)
 
 
 _LATEST = 3
@@ -306,10 +283,7 @@ _LATEST = 3
 
 
 class KeptReading(AnswerDocument):
-    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), whether it is doubted.
-
-    by : "by Anna" for one that another person took than who began the campaign
-    """
+    """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), whether it is doubted."""
 
     number: int
     setup: str
@@ -318,7 +292,6 @@ class KeptReading(AnswerDocument):
     unit: str
     at: str
     doubted: bool
-    by: str
 
 
 def latest(campaign: Campaign) -> Iterator[KeptReading]:
@@ -338,5 +311,4 @@ def latest(campaign: Campaign) -> Iterator[KeptReading]:
             unit=reading_units(setup),
             at="" if seconds is None else (begun + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
             doubted=index in doubted,
-            by=by_text(reading),
         )

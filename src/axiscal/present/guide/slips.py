@@ -12,8 +12,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import OVERRULED, TESTED
 from axiscal.campaign.sources import virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
-from axiscal.estimation.promise.agreement import PRIOR
-from axiscal.estimation.promise.sick import repeats
 from axiscal.exceptions import AxiscalError, ReadingError
 from axiscal.language.spoken import WORDS, decimals, put, said
 from axiscal.measurement.reading import Reading, reading_unit, units_of
@@ -21,7 +19,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.guide.progress import set_anew
-from axiscal.present.guide.question import BAND, SURPRISING, Question, measured, stands
+from axiscal.present.guide.question import SURPRISING, Question, measured, stands
 from axiscal.present.sentences import spelt
 from axiscal.units import digits, to_unit
 
@@ -101,19 +99,13 @@ class Meant(AnswerDocument):
 
 
 def refuse_surprising(campaign: Campaign, question: Question, values: Array) -> None:
-    """Raise SurprisingError for a reading far from what is expected, or that seldom repeats by chance what was shown.
-
-    values : (k,) m or rad
-    """
+    """Raise SurprisingError for a reading far from what is expected.  values : (k,) m or rad"""
     if question.surprise(values) >= SURPRISING:
         raise SurprisingError(surprise_text(question, values), causes(question, values))
     setup = campaign.description.setup(question.setup)
     tiny = question.unit == "um" and 0 < np.max(np.abs(values)) < _FINEST * setup.noise
     if tiny and not setup.display and question.surprise(_FACTORS["mm"] * values) < SURPRISING:
         raise SurprisingError(said("It is less than the instrument can tell"), causes(question, values))
-    if (before := _repeated(campaign, question, values)) is not None:
-        what = "Reading {number} showed exactly this, which is rare by chance"
-        raise SurprisingError(said(what, number=before), ("really", "keep"))
 
 
 def shown_on(campaign: Campaign, virtual: str) -> str:
@@ -138,26 +130,6 @@ def surprise_text(question: Question, values: Array) -> str:
     most = int(np.argmax(away / halves))
     what = "It is about {away} {unit} away from what is expected, ± {half}"
     return said(what, away=digits(float(away[most])), unit=question.units[most], half=digits(float(halves[most])))
-
-
-def _repeated(campaign: Campaign, question: Question, values: Array) -> int | None:
-    """Return the number of the last reading where this one shows the same, and chance does so less often than slips do.
-
-    Of a display with steps q, k numbers are equal by chance with probability Π q φ((y − m) / s) / s.
-    """
-    asked, readings, setups = campaign.state.pending, campaign.state.readings, campaign.description.setups
-    if asked is None or not readings or (readings[-1].setup, readings[-1].values) != (question.setup, tuple(values)):
-        return None
-    place, (value, *others) = asked.place, values.tolist()
-    twice = [*readings, Reading(place.setup, place.pose, place.approach, value, others=tuple(others))]
-    (step,) = {
-        step for each in repeats(setups, twice) for k, step in each.steps.items() if setups[k].name == place.setup
-    }
-    means, halves = np.array([(each.mean, each.half) for each in question.expected]).T
-    stds = halves / BAND
-    z = (to_unit(values, question.unit) - means) / stds
-    chance = np.prod(to_unit(step, question.unit) / (stds * np.sqrt(2 * np.pi)) * np.exp(-(z**2) / 2))
-    return readings[-1].numbered(len(readings) - 1) if chance < PRIOR else None
 
 
 def causes(question: Question, values: Array) -> list[Cause]:

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from axiscal.units import format_quantity, shortened
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
-EXPECTED = later(
+_EXPECTED = later(
     "punch parameters and pitch data from the control: records like N10000P0; between % and %, with N3620 to N3624 for "
     "each axis as N3620A1P100A2P200;"
 )
@@ -34,7 +34,7 @@ Records = dict[int, dict[int, str]]
 
 DETECTION = {False: 1e-6, True: math.radians(1e-3)}
 """Detection unit of increment system IS-B: of a linear axis, m, of a rotary one, rad."""
-BOTH, NEGATIVE = 3605, 3626
+_BOTH, _NEGATIVE = 3605, 3626
 """Numbers of the parameters by which a control takes another set of entries for travel downwards."""
 _NEEDED = range(3620, 3625)
 """By FANUC's manual: the parameters that say which points an axis has."""
@@ -42,6 +42,11 @@ _WIDEST = 1000.0
 """m or rad, of an interval: longer than any travel, so that any near would do."""
 _MOST = 9999
 """Of a number of a point: those beyond have no entry, since 10000 and it name one."""
+_LARGEST, _FIRST_DATA = 7, 10000
+"""By FANUC's manual: an entry is a digit with its sign, -7 to +7; the number of the first point's entry."""
+_FILE = "pitch.txt"
+_SIGN = "the parameter manual B-63980EN, 3620 to 3624, states the points of entries and not their sign"
+_WITHOUT = "{} (3624 is 0, no parameters 3620 to 3624 in the file, or a whole turn that does not begin at 0), "
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +65,8 @@ class PitchParameters:
     last: int
     magnification: int
     interval: float
-    rotary: bool = False
-    turn: bool = False
+    rotary: bool
+    turn: bool
 
     @property
     def begin(self) -> int:
@@ -71,8 +76,7 @@ class PitchParameters:
     @property
     def positions(self) -> Array:
         """The ends of the sections and the first beginning, m or rad; the reference point is the machine's zero."""
-        numbers = np.arange(self.begin, self.last + 1, dtype=float)
-        return (numbers - self.reference) * self.interval
+        return (np.arange(self.begin, self.last + 1, dtype=float) - self.reference) * self.interval
 
     @property
     def origin(self) -> int:
@@ -97,42 +101,51 @@ class PitchParameters:
         return self.reference + int(below) + 1, self.reference + int(above)
 
 
-def read_plans(records: Records, file: str, machine: Machine, numbers: Mapping[str, int]) -> dict[str, PitchParameters]:
+def _plans(records: Records, file: str, machine: Machine, numbers: Mapping[str, int]) -> dict[str, PitchParameters]:
     """Return what the parameters say; axes without a positive interval are left out.
 
     So are rotary axes without parameters, and whole turns that do not begin at zero.
     numbers : of the controlled axes by name.  Raises TableError.
     """
-    axes = {name: machine.axis(name) for name in numbers}
-    plans = dict[str, PitchParameters]()
-    for name, axis in axes.items():
-        number, from_zero = numbers[name], not axis.cyclic or abs(axis.travel[0]) < DETECTION[True]
+    plans, owner = dict[str, PitchParameters](), dict[int, str]()
+    for name, number in numbers.items():
+        axis = machine.axis(name)
+        from_zero = not axis.cyclic or abs(axis.travel[0]) < DETECTION[True]
         has = from_zero and all(number in records.get(key, {}) for key in _NEEDED)
         if (not axis.rotary or has) and (plan := _plan(records, file, axis, number)) is not None:
             plans[name] = plan
     if not plans:
         raise TableError("no axis has an interval of compensation (3624)", "set it on the control first", file)
-    _refuse_shared_points(plans, file)
+    for point, name in ((point, name) for name, plan in plans.items() for point in plan.numbers):
+        if (other := owner.setdefault(point, name)) != name:
+            what, remedy = (
+                "point {number} belongs to {other} and to {name}",
+                "give each axis points of its own: 3620 to 3622",
+            )
+            raise TableError(what, remedy, file, number=point, other=other, name=name)
     return plans
 
 
 def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParameters | None:
-    name = axis.name
-    values = [records.get(key, {}).get(number) for key in _NEEDED]
-    missing = [key for key, value in zip(_NEEDED, values, strict=True) if value is None]
-    if missing:
-        shown = ", ".join(map(str, missing))
-        what = "there are no parameters {shown} for {name} (axis {number})"
-        raise TableError(what, EXPECTED, file, shown=shown, name=name, number=number)
-    reference, first, last, magnification, interval = (value or "0" for value in values)
+    told: dict[str, Any] = {"name": axis.name, "number": number}
+    values = {key: records.get(key, {}).get(number) for key in _NEEDED}
+    if missing := ", ".join(str(key) for key, value in values.items() if value is None):
+        raise TableError(
+            "there are no parameters {shown} for {name} (axis {number})", _EXPECTED, file, shown=missing, **told
+        )
+    reference, first, last, magnification, interval = (value or "0" for value in values.values())
     width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
     if width <= 0:
         return None
     if width > _WIDEST:
         what = "the interval {interval} of {name} (axis {number}) is longer than any travel"
         remedy = "parameter 3624 is in mm or deg where it has a point"
-        raise TableError(what, remedy, file, interval=interval[:20], name=name, number=number)
-    _refuse_second_set(records, file, name, number)
+        raise TableError(what, remedy, file, interval=interval[:20], **told)
+    below, both = (records.get(key, {}).get(number, usual) for key, usual in ((_NEGATIVE, "0"), (_BOTH, "1")))
+    if below.strip("0+-") and both.endswith("1"):
+        what = "{name} (axis {number}) has entries of its own for the way down (3626)"
+        remedy = "set 3605#0 to 0, so that one set serves both ways, and enter the reversal as backlash (1851)"
+        raise TableError(what, remedy, file, **told)
     kind = axis.rotary, axis.cyclic
     plan = PitchParameters(int(reference), int(first), int(last), max(1, int(magnification)), width, *kind)
     inside = plan.begin <= plan.reference <= plan.last and plan.first != plan.last
@@ -141,55 +154,28 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
         remedy = "the reference point lies between the others, and none of these is above {most}"
         places = {"first": first, "last": last, "reference": reference, "times": magnification}
         texts = {key: shortened(value) for key, value in places.items()}
-        raise TableError(what, remedy, file, None, name=name, most=_MOST, **texts)
-    _refuse_part_of_a_turn(name, plan, file)
-    return plan
-
-
-def _refuse_second_set(records: Records, file: str, name: str, number: int) -> None:
-    """Raise TableError where the control takes other entries on the way down: 3626 is not 0, and 3605#0 says so."""
-    first, both = (records.get(key, {}).get(number, usual) for key, usual in ((NEGATIVE, "0"), (BOTH, "1")))
-    if first.strip("0+-") and both.endswith("1"):
-        what = "{name} (axis {number}) has entries of its own for the way down (3626)"
-        remedy = "set 3605#0 to 0, so that one set serves both ways, and enter the reversal as backlash (1851)"
-        raise TableError(what, remedy, file, name=name, number=number)
-
-
-def _refuse_part_of_a_turn(name: str, plan: PitchParameters, file: str) -> None:
-    """Raise TableError for points that are not those of a whole turn (B-63980EN: 3621 = 3620, 3622 a turn further)."""
-    first, last = plan.covering(0.0, math.tau)
-    whole = abs((last - first) * plan.interval - math.tau) < DETECTION[True]
-    if plan.turn and not (whole and (plan.first, plan.last) == (first, last)):
+        raise TableError(what, remedy, file, None, most=_MOST, **texts, **told)
+    low, high = plan.covering(0.0, math.tau)
+    whole = abs((high - low) * plan.interval - math.tau) < DETECTION[True]
+    if plan.turn and not (whole and (plan.first, plan.last) == (low, high)):  # B-63980EN: 3621 = 3620, a turn further
         what = "{name} is a whole turn and has points {first} to {last}"
         remedy = "3621 = 3620 = {low} and 3622 = {high} hold a turn, with an interval that divides 360 deg"
-        raise TableError(what, remedy, file, name=name, first=plan.first, last=plan.last, low=first, high=last)
-
-
-def _refuse_shared_points(plans: Mapping[str, PitchParameters], file: str) -> None:
-    owner: dict[int, str] = {}
-    for name, plan in plans.items():
-        for number in plan.numbers:
-            if number in owner:
-                what = "point {number} belongs to {other} and to {name}"
-                remedy = "give each axis points of its own: 3620 to 3622"
-                raise TableError(what, remedy, file, number=number, other=owner[number], name=name)
-            owner[number] = name
+        raise TableError(what, remedy, file, first=plan.first, last=plan.last, low=low, high=high, **told)
+    return plan
 
 
 def read_records(text: str, file: str) -> Records:
     """Return the values of each record; raises TableError."""
     body = text.strip()
     if not (body.startswith("%") and body.endswith("%") and len(body) > 1):
-        raise TableError("this is not a punched file: it does not begin and end with %", EXPECTED, file)
+        raise TableError("this is not a punched file: it does not begin and end with %", _EXPECTED, file)
     found: Records = {}
-    for number, line in enumerate(text.splitlines(), 1):
-        plain = line.strip()
-        if not plain.startswith("N"):
-            continue
-        match = _RECORD.fullmatch(plain)
-        if match is None:
-            raise TableError("{text!r} is not a record", EXPECTED, file, number, text=plain[:40])
-        found.setdefault(int(match[1]), {}).update({int(a or 0): v for a, v in _VALUE.findall(match[3])})
+    for number, line in enumerate(map(str.strip, text.splitlines()), 1):
+        match = _RECORD.fullmatch(line)
+        if match is None and line.startswith("N"):
+            raise TableError("{text!r} is not a record", _EXPECTED, file, number, text=line[:40])
+        if match is not None:
+            found.setdefault(int(match[1]), {}).update({int(a or 0): v for a, v in _VALUE.findall(match[3])})
     return found
 
 
@@ -202,34 +188,18 @@ def replace_values(text: str, wanted: Mapping[tuple[int, int], int], file: str) 
     seen: set[tuple[int, int]] = set()
 
     def replaced(record: re.Match[str]) -> str:
-        number, begin = int(record[1]), record.start(3) - record.start()
-
         def value(found: re.Match[str]) -> str:
-            place = (number, int(found[1] or 0))
-            if place not in wanted:
-                return found[0]
+            place = (int(record[1]), int(found[1] or 0))
             seen.add(place)
-            return f"{found[0][: found.start(2) - found.start()]}{wanted[place]}"
+            return f"{found[0][: found.start(2) - found.start()]}{wanted[place]}" if place in wanted else found[0]
 
-        return record[0][:begin] + _VALUE.sub(value, record[3]) + record[4]
+        return record[0][: record.start(3) - record.start()] + _VALUE.sub(value, record[3]) + record[4]
 
     filled = _RECORD.sub(replaced, text)
     if missing := sorted(wanted.keys() - seen):
         what = "there is no row N{row} and {more} more" if len(missing) > 1 else "there is no row N{row}"
-        raise TableError(what, EXPECTED, file, row=missing[0][0], more=len(missing) - 1)
+        raise TableError(what, _EXPECTED, file, row=missing[0][0], more=len(missing) - 1)
     return filled
-
-
-LARGEST = 7
-"""By FANUC's manual: an entry is a digit with its sign, -7 to +7."""
-FIRST_DATA = 10000
-"""By FANUC's manual: the number of the first point's entry."""
-
-_FILE = "pitch.txt"
-_SIGN = "the parameter manual B-63980EN, 3620 to 3624, states the points of entries and not their sign"
-_HOLDS = "the positioning error of axes as increments: {}."
-_LEFT = "straightness, squareness and the angular errors of linear axes, and the reversal."
-_WITHOUT = "{} (3624 is 0, no parameters 3620 to 3624 in the file, or a whole turn that does not begin at 0), "
 
 
 class Fanuc(TableFormat):
@@ -241,8 +211,14 @@ class Fanuc(TableFormat):
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the file, with what to enter as backlash; raises TableError."""
-        draft = super().make(estimate, options)
-        return replace(draft, notes=(*draft.notes, *_backlash_notes(estimate)))
+        draft, rotary = super().make(estimate, options), {axis.name: axis.rotary for axis in estimate.machine.axes}
+        units = {name: round(lost / DETECTION[rotary[name]]) for name, lost in backlash(estimate).items()}
+        shown = ", ".join(f"{name} {count:+d}" for name, count in units.items() if count)
+        note = (
+            f"The file holds no reversal. Add to parameter 1851 (backlash): {shown}, in 0.001 mm or 0.001 deg. It is "
+            "positive where an axis stops short after it has turned round."
+        )
+        return replace(draft, notes=(*draft.notes, note)) if shown else draft
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return the deviation at the points of the template: one for both ways, nothing at the reference point."""
@@ -255,95 +231,72 @@ class Fanuc(TableFormat):
         """Return the template with its pitch data replaced."""
         plans = _template(options, machine)
         wanted = {
-            (FIRST_DATA + point, 0): int(entry)
+            (_FIRST_DATA + point, 0): int(entry)
             for table, plan in ((table, plans[table.axis]) for table in tables)
-            for point, entry in zip(plan.numbers, increments(table, plan, options.sign), strict=True)
+            for point, entry in zip(plan.numbers, _increments(table, plan, options.sign), strict=True)
         }
         filled = replace_values(options.saved("FANUC"), wanted, options.template_name)
         steps = {axis: 0.5 * plan.step + 1e-12 for axis, plan in plans.items()}
         without = ", ".join(axis.name for axis in machine.axes if axis.name not in plans)
-        holds = _HOLDS.format(f"the mean of both directions of {', '.join(plans)}")
-        left_out = f"{_WITHOUT.format(without) if without else ''}{_LEFT}"
-        return Written({_FILE: filled}, steps, _notes(plans), holds, left_out, sign_said(options, _SIGN))
+        holds = f"the positioning error of axes as increments: the mean of both directions of {', '.join(plans)}."
+        left_out = "straightness, squareness and the angular errors of linear axes, and the reversal."
+        left_out = f"{_WITHOUT.format(without) if without else ''}{left_out}"
+        notes = paragraphs("axiscal.tables", "fanuc.jinja", plans=plans, first_data=_FIRST_DATA)
+        return Written({_FILE: filled}, steps, notes, holds, left_out, sign_said(options, _SIGN))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of punched files; raises TableError."""
-        numbers, tables = options.numbered(machine), list[CompensationTable]()
+        tables = list[CompensationTable]()
         for file in files:
             records = read_records(file.text, file.name)
-            plans = read_plans(records, file.name, machine, numbers)
-            taken = ((name, plan.positions, -options.sign * _sums(records, plan)) for name, plan in plans.items())
-            tables += [CompensationTable(name, at, values, values) for name, at, values in taken]
+            for name, plan in _plans(records, file.name, machine, options.numbered(machine)).items():
+                values = -options.sign * _sums(records, plan)
+                tables.append(CompensationTable(name, plan.positions, values, values))
         return Loaded(tuple(tables))
 
 
 def _template(options: ExportOptions, machine: Machine) -> dict[str, PitchParameters]:
     """Return what the parameters of the template say; raises TableError where there is none."""
     records = read_records(options.saved("FANUC"), options.template_name)
-    return read_plans(records, options.template_name, machine, options.numbered(machine))
+    return _plans(records, options.template_name, machine, options.numbered(machine))
 
 
 def _table(estimate: Estimate, name: str, plan: PitchParameters) -> CompensationTable:
     """Return the deviation at the ends of the sections; raises TableError where they do not cover the volume."""
     axis = estimate.machine.index(name)
-    low, high = estimate.box[axis]
-    needed = plan.covering(low, high)
+    needed = plan.covering(*estimate.box[axis])
     if plan.first > needed[0] or plan.last < needed[1]:
-        unit = "deg" if plan.rotary else "mm"
-        first, last = (format_quantity(float(value), unit) for value in plan.positions[[0, -1]])
+        low, high = (format_quantity(float(end), "deg" if plan.rotary else "mm") for end in plan.positions[[0, -1]])
         what = "the points of {name} reach from {shown}, the volume goes beyond"
-        shown = said("{low} to {high}", low=first, high=last)
-        remedy = "3621 = {first} and 3622 = {second} would cover it"
+        remedy, shown = "3621 = {first} and 3622 = {second} would cover it", said("{low} to {high}", low=low, high=high)
         raise TableError(what, remedy, name=name, shown=shown, first=needed[0], second=needed[1])
     return own_table(estimate, axis, plan.positions)
 
 
-def _backlash_notes(estimate: Estimate) -> tuple[str, ...]:
-    rotary = {axis.name: axis.rotary for axis in estimate.machine.axes}
-    units = {name: round(lost / DETECTION[rotary[name]]) for name, lost in backlash(estimate).items()}
-    if not any(units.values()):
-        return ()
-    shown = ", ".join(f"{name} {count:+d}" for name, count in units.items() if count)
-    return (
-        f"The file holds no reversal. Add to parameter 1851 (backlash): {shown}, in 0.001 mm or 0.001 deg. It is "
-        "positive where an axis stops short after it has turned round.",
-    )
-
-
-def _notes(plans: Mapping[str, PitchParameters]) -> tuple[str, ...]:
-    return paragraphs(
-        "axiscal.tables",
-        "fanuc.jinja",
-        points=[(axis, FIRST_DATA + plan.first, FIRST_DATA + plan.last) for axis, plan in plans.items()],
-        turns=[axis for axis, plan in plans.items() if plan.rotary and plan.turn],
-        parts=[axis for axis, plan in plans.items() if plan.rotary and not plan.turn],
-    )
-
-
-def increments(table: CompensationTable, plan: PitchParameters, sign: int = 1) -> Array:
+def _increments(table: CompensationTable, plan: PitchParameters, sign: int) -> Array:
     """Return the entries, whole numbers from the first point on: the sums are rounded, so that nothing adds up.
 
     sign : -1 for a control that takes them away.  Raises TableError where one is larger than the format holds.
     """
-    deviation = (table.forward + table.reverse) / 2
-    sums = np.round((deviation[plan.origin] - deviation) / plan.step).astype(int)
+    sums = np.round((table.forward[plan.origin] - table.forward) / plan.step).astype(int)
     entries: Array = np.diff(sums)
     entries = np.concatenate([entries[-1:], entries]) if plan.turn else entries
     worst = int(np.max(np.abs(entries)))
-    if worst > LARGEST:
-        needed = int(np.ceil(worst * plan.magnification / LARGEST))
-        what = "{axis} needs an increment of {worst}, an entry holds {most}"
+    if worst > _LARGEST:
+        what, needed = (
+            "{axis} needs an increment of {worst}, an entry holds {most}",
+            worst * plan.magnification / _LARGEST,
+        )
         remedy = "magnification 3623 = {needed} would fit, or a shorter interval 3624"
-        raise TableError(what, remedy, axis=table.axis, worst=worst, most=LARGEST, needed=needed)
+        raise TableError(what, remedy, axis=table.axis, worst=worst, most=_LARGEST, needed=math.ceil(needed))
     return sign * entries
 
 
 def _sums(records: Records, plan: PitchParameters) -> Array:
     """Return what the control adds, m or rad: entries add up from the reference point, times the magnification."""
-    rows = [FIRST_DATA + n for n in (plan.numbers[1:] if plan.turn else plan.numbers)]
+    rows = [_FIRST_DATA + n for n in (plan.numbers[1:] if plan.turn else plan.numbers)]
     if missing := next((row for row in rows if 0 not in records.get(row, {})), None):
-        raise TableError("there is no row N{row}", EXPECTED, row=missing)
-    steps = np.array([float(records[row][0]) for row in rows])
-    sums = np.concatenate([np.zeros(1), np.cumsum(steps)])
+        raise TableError("there is no row N{row}", _EXPECTED, row=missing)
+    sums = np.concatenate([np.zeros(1), np.cumsum([float(records[row][0]) for row in rows])])
     added: Array = (sums - sums[plan.origin]) * plan.step
     return added

@@ -1,84 +1,213 @@
-"""All files for the ISG kernel and Beckhoff TwinCAT CNC (TF5280): error motions and location errors, and reversal.
+"""All files for the ISG kernel and Beckhoff TwinCAT CNC (TF5280): error motions and location errors.
 
-The volumetric compensation has no direction; a bilateral leadscrew table of each axis holds what its directions are
-apart, half to each side.
+Every error motion is a table over its own axis, and the kernel, which knows the chain, moves the TCP back. An error of
+two axes together is in the motion of the later one: a table over both.
 
-ISG_CSV, written and read back by the documentation's rules (TF5280), and the list file.
-
-Columns under a header, `#` begins a new one, `//` a comment; mm, deg and rad.
-
-Bilateral leadscrew tables (`kw.ssfk`): what an axis is off by, for each direction, in tenths of a µm or 1e-4 deg.
-
-A value is the actual position less the setpoint ("absolute position errors", TF5200 axis compensation), and the kernel
-takes it away. Points are evenly spaced from kw_startpos on.
+ISG_CSV, written and read back by the documentation's rules (TF5280), and the list file. Columns stand under a header,
+`#` begins a new one, `//` a comment; mm, deg and rad.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.error_names import error_named
+from axiscal.machine.error_names import error_named, side_name
 from axiscal.numerics import Array
-from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs, sign_said, summed
-from axiscal.tables.loaded import Loaded, OldFile, table_control
-from axiscal.tables.sampling import axis_tables, points
-from axiscal.tables.surface import sum_of
-from axiscal.tables.table import CompensationTable
-from axiscal.tables.volumetric import SampledError, anchored, curves, tip_control
-from axiscal.units import from_unit, to_unit
+from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs, sign_said
+from axiscal.tables.loaded import Loaded, OldFile
+from axiscal.tables.sampling import backlash, hats_along, points
+from axiscal.tables.surface import Control, Mesh, by_linear_axes
+from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
-
-_UNIT = 1e-4
-"""One unit of a list in mm or deg."""
-_LINE = re.compile(r"(kopf|kw\.ssfk)\.(\w+)(?:\[(\d+)\]\.(\w+))?\s+(\S+)")
-
-
-def list_unit(axis_unit: str) -> float:
-    """Return one unit of the file, m or rad."""
-    return float(from_unit(_UNIT, axis_unit))
-
-
-def write_list(table: CompensationTable, number: int, cyclic: bool) -> str:
-    """Return the list of one axis; number : logical axis; cyclic : the table holds one turn and repeats."""
-    columns = np.stack([table.positions, table.forward, table.reverse])
-    at, forward, reverse = np.round(np.asarray(to_unit(columns, table.unit)) / _UNIT).astype(np.int64)
-    steps = np.diff(at)
-    if np.ptp(steps):
-        raise TableError("the points of {axis} are not evenly spaced", "leave the spacing to axiscal", axis=table.axis)
-    keys = {"interval": steps[0], "kw_startpos": at[0], "kw_nr_max": len(at), "unit": 1, "bilateral": 1}
-    lines = [f"kopf.log_achs_nr {number}", f"kopf.log_achs_name {table.axis}"]
-    lines += [f"kw.ssfk.{key} {value}" for key, value in {**keys, "modulo": int(cyclic)}.items()]
-    for name, values in (("pos", forward), ("neg", reverse)):
-        lines += [f"kw.ssfk.table[{i}].{name} {value}" for i, value in enumerate(values)]
-    return "\n".join(lines) + "\n"
-
-
-def read_list(text: str, machine: Machine) -> CompensationTable:
-    """Return what the kernel makes of a list; raises TableError for a line that it would not know."""
-    keys, sides = dict[str, str](), {"pos": dict[int, int](), "neg": dict[int, int]()}
-    for line in text.splitlines():
-        found = _LINE.fullmatch(line)
-        if found is None or (found[4] is not None and found[4] not in sides):
-            raise TableError("the kernel would not know {text!r}", "this is a defect of axiscal", text=line[:40])
-        if found[4] is None:
-            keys[found[2]] = found[5]
-        else:
-            sides[found[4]][int(found[3])] = int(found[5])
-    axis, count = machine.axis(keys["log_achs_name"]), int(keys["kw_nr_max"])
-    scale = list_unit(axis.unit)
-    at: Array = scale * (int(keys["kw_startpos"]) + int(keys["interval"]) * np.arange(count, dtype=float))
-    pos, neg = (scale * np.array([values[i] for i in range(count)]) for values in sides.values())
-    return CompensationTable(axis.name, at, pos, neg)
-
+from axiscal_core.terms import Term
 
 NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
+_POINTS_PER_INTERVAL, _LINES = 4, 4000
+"""Of a table over two axes: points as of one over one axis, as far as so many lines last."""
+_NOTHING = 1e-12
+"""m or rad: rounding."""
+_RECORDS = 1000
+"""Points of an axis that a table of the kernel may have; four an interval are rarely more than a hundred."""
+_MULTIPLE = (1e-6, float(np.radians(1e-4)))
+"""The grid of positions, m and rad: the decimals that are written."""
+_FILE, _LIST = "volcomp.csv", "volcomp.lis"
+_SIGN = "FCT-C26 and P-VOLC-00009 (negate) state how values are turned and not which sign they have"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SampledError:
+    """One error at positions (n,) of its axis, m or rad; a constant has one position.
+
+    over, across : another axis that it depends on as well, and positions (k,) of that; values are (k, n) then
+    """
+
+    positions: Array
+    values: Array
+    over: str = ""
+    across: Array = field(default_factory=lambda: np.zeros(0))
+
+    def at(self, position: Array, other: Array) -> Array:
+        """Return it at positions (m,) of its axis and of the other one: linear between points, constant outside."""
+        if self.over:
+            return Mesh(self.positions, self.across, self.values).at(position, other)
+        return np.interp(position, self.positions, self.values)
+
+
+class Isg(Exporter):
+    """ISG_CSV and the list file."""
+
+    takes = frozenset({"--spacing", "--number"})
+    unstated = "own"
+    left_out = "reversals, and the orientation of the tool."
+
+    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+        """Return the files; raises TableError."""
+        machine, found = estimate.machine, curves(estimate, options)
+        if other := next((name for name in found if not NAMES.fullmatch(name)), None):
+            remedy = "it has axes X Y Z A B C only"
+            raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=other)
+        found = anchored(machine, found) | _nominal(machine)
+        units = {axis.name: "arcsec" if axis.rotary else "um" for axis in machine.axes}
+        lost = {name: format_quantity(step, units[name], 3) for name, step in backlash(estimate).items() if step}
+        values = {"file": _FILE, "flip": options.flip, "chain": machine.chain, "lost": lost}
+        against = [axis.name for axis in machine.axes if axis.reversed]
+        records = sum(curve.values.size for curve in found.values())
+        notes = paragraphs("axiscal.tables", "isg.jinja", records=records, against=against, **values)
+        both = "; what two axes do together as a table of the later one over both"
+        holds = "every error motion as a table over its axis, and every location error: the control knows the chain{}."
+        steps = {axis.name: 1e-8 for axis in machine.axes if not axis.rotary}
+        files, first = {_FILE: write_csv(found, machine), _LIST: _list(machine, options)}, sign_said(options, _SIGN)
+        holds = holds.format(both * any(curve.over for curve in found.values()))
+        return self.draft(
+            Written(files, steps, notes, holds, first=first), tip_control(machine, found), machine, options
+        )
+
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what the kernel makes of files; raises TableError.
+
+        The list file says where the other is and nothing else. Where the tool and rotary axes lie is no compensation.
+        """
+        read = (read_csv(file.text, machine) for file in files if "file_format[0]" not in file.text)
+        errors = {name: error for each in read for name, error in each.items() if not name.startswith("P")}
+        return Loaded(others=(tip_control(machine, errors),) if errors else ())
+
+
+def curves(estimate: Estimate, options: ExportOptions) -> dict[str, SampledError]:
+    """Return the error motions and location errors by name; raises TableError where there is none.
+
+    What repeats with a period and what steps is part of its error motion. Reversal values have no place among them.
+    A motion may depend on a second axis, so that it holds an error of two axes, the first that there is.
+    """
+    model, found, grids = estimate.model, dict[str, SampledError](), dict[int, Array]()
+    for k, axis in enumerate(model.axes):
+        grids[k] = points(model, k, options.spacing, _RECORDS, _MULTIPLE[axis.rotary])
+    for function in model.curves:
+        control, at = estimate.mean[function.columns], grids[function.axis]
+        if function.kind == "location":
+            found[function.name] = SampledError(np.zeros(1), control)
+        elif function.kind == "motion":
+            hats = hats_along(estimate, function.axis, at)
+            values, name = hats.best(function.spline.rows(hats.nodes) @ control), _name(model, function)
+            found[name] = SampledError(at, values + found[name].values if name in found else values)
+    for plane in model.planes:
+        _take_in(estimate, plane, grids, found)
+    if not found:
+        raise TableError("there is no deviation that these files could hold", "take readings first")
+    return found
+
+
+def _take_in(estimate: Estimate, plane: Term, grids: Mapping[int, Array], found: dict[str, SampledError]) -> None:
+    """Add what two axes do together to the motion of the later one, where that depends on no other axis yet."""
+    name, own, at = _name(estimate.model, plane), plane.axis, grids[plane.axis]
+    ((other, intervals),) = ((side.axis, len(side.spline.knots) - 1) for side in plane.sides if side.axis != own)
+    fit = max(min(_POINTS_PER_INTERVAL * intervals, _LINES // len(at) - 1), intervals)
+    across = np.linspace(*estimate.machine.axes[other].travel, fit + 1)
+    sides = [hats_along(estimate, axis, places) for axis, places in ((other, across), (own, at))]
+    nodes = np.meshgrid(sides[0].nodes, sides[1].nodes, indexing="ij")
+    places = {other: nodes[0].ravel(), own: nodes[1].ravel()}
+    seen = plane.rows(*(places[axis] for axis in plane.axes)) @ estimate.mean[plane.columns]
+    values = sides[1].best(sides[0].best(seen.reshape(nodes[0].shape)).T).T
+    before = found.get(name, SampledError(at, np.zeros(len(at))))
+    if not before.over and np.max(np.abs(values)) >= _NOTHING:
+        found[name] = SampledError(at, before.values + values, estimate.machine.axes[other].name, across)
+
+
+def anchored(model: Machine, found: Mapping[str, SampledError]) -> dict[str, SampledError]:
+    """Return the errors with constants taken off so that the tool stays where it is at machine zero.
+
+    With rotary axes the place of the rotor matters and nothing is taken off. A constant goes into a displacement along
+    its direction, the positioning of an axis first; where the machine has none it stays.
+    """
+    result = dict(found)
+    at_zero = (
+        np.zeros(3) if any(axis.rotary for axis in model.axes) else _deviation(model, found, np.array([model.zero]))[0]
+    )
+    for direction, constant in enumerate(at_zero):
+        own = [f for f in model.curves if f.kind == "motion" and f.component == direction and _name(model, f) in found]
+        for function in sorted(own, key=lambda f: f.name != model.axes[f.axis].positioning_error)[:1]:
+            sign, curve = model.axes[function.axis].sign, found[_name(model, function)]
+            result[_name(model, function)] = replace(curve, values=curve.values - sign * constant)
+    return result
+
+
+def tip_control(model: Machine, found: Mapping[str, SampledError]) -> Control:
+    """Return the control that takes the TCP deviation of these errors away with its linear axes.
+
+    Raises TableError when the machine has not three linear axes that span space.
+    """
+    taken = by_linear_axes(model)
+    return lambda poses, approaches: taken(poses, _deviation(model, found, poses))
+
+
+def _deviation(model: Machine, found: Mapping[str, SampledError], poses: Array) -> Array:
+    """Return what the errors do to the TCP, (m, 3), m."""
+    named = {_name(model, term): i for i, term in reversed([*enumerate(model.terms)]) if term.kind != "reversal"}
+    chosen = {name: named[name] for name in found if name in named}
+    values = []
+    for name, index in chosen.items():
+        other = model.index(found[name].over) if found[name].over else model.terms[index].axis
+        values.append(found[name].at(poses[:, model.terms[index].axis], poses[:, other]))
+    deviation: Array = np.einsum("fmc,fm->mc", model.levers(poses)[list(chosen.values())], np.stack(values))
+    return deviation
+
+
+def _name(model: Machine, term: Term) -> str:
+    """Return the name of the error motion that a term is, or is part of: of two axes that of the later one."""
+    own = side_name(term.component, model.axes[term.axis].name)
+    return own if term.kind == "motion" else term.name
+
+
+def _nominal(machine: Machine) -> dict[str, SampledError]:
+    """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
+    places = {"P0{}": (0.0, 0.0, -machine.tool_length)}
+    places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
+    return {
+        name.format(direction): SampledError(np.zeros(1), np.array([value]))
+        for name, place in places.items()
+        for direction, value in zip("XYZ", place, strict=True)
+    }
+
+
+def _list(machine: Machine, options: ExportOptions) -> str:
+    """Return the configuration of one compensation, as TF5280 has it."""
+    workpiece = sum(axis.workpiece_side for axis in machine.axes)
+    negate = "".join(axis.name for axis in machine.axes if not axis.rotary) if options.flip else ""
+    lines = [f"{axis} {number}" for axis, number in options.numbered(machine).items()]
+    lines += [f"chain {''.join(axis.name for axis in machine.axes)}", f"workpiece_axes {workpiece}"]
+    lines += [
+        *([f"negate {negate}"] if negate else []),
+        "interpolation GRID",
+        f"file[0] {_FILE}",
+        "file_format[0] ISG_CSV",
+    ]
+    return "\n".join(lines) + "\n"
 
 
 def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
@@ -109,32 +238,16 @@ def _block(at: Sequence[tuple[Axis, Array]], errors: Mapping[str, Array]) -> str
 
 def read_csv(text: str, machine: Machine) -> dict[str, SampledError]:
     """Return the errors of an ISG_CSV text; raises TableError where the kernel would report 70468 or 70469."""
-    found: dict[str, SampledError] = {}
-    rows: list[list[str]] = []
-    for line in [*text.splitlines(), "#"]:
-        words = line.split("//")[0].split()
-        if words != ["#"]:
-            rows += [words] if words else []
-            continue
-        if rows:
-            _take_block(rows, machine, found)
-        rows = []
-    return found
-
-
-def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, SampledError]) -> None:
-    header, *lines = rows
-    arguments = [name for name in header if name in {axis.name for axis in machine.axes}]
-    table = np.array([[float(word) for word in line] for line in lines]).reshape(len(lines), len(header))
-    at = {n: from_unit(np.asarray(table[:, header.index(n)]), machine.axis(n).unit) for n in arguments}
-    for column, name in enumerate(header):
-        if name in arguments:
-            continue
-        if not NAMES.fullmatch(name) or name in found:
+    found, axes = dict[str, SampledError](), {axis.name: axis for axis in machine.axes}
+    for block in re.split(r"^#\s*$", re.sub(r"//.*", "", text), flags=re.MULTILINE):
+        header, *lines = (line.split() for line in block.splitlines() if line.strip())
+        columns = dict(zip(header, np.array(lines, dtype=float).T, strict=True))
+        at = {name: from_unit(columns.pop(name), axes[name].unit) for name in header if name in axes}
+        if wrong := next((name for name in columns if not NAMES.fullmatch(name) or name in found), ""):
             remedy = "this is a defect of axiscal"
-            raise TableError("the kernel would refuse the column {name!r}", remedy, name=name[:20])
-        values = np.asarray(table[:, column])
-        found[name] = _sampled(name, at, from_unit(values, _unit(name)))
+            raise TableError("the kernel would refuse the column {name!r}", remedy, name=wrong[:20])
+        found |= {name: _sampled(name, at, from_unit(each, _unit(name))) for name, each in columns.items()}
+    return found
 
 
 def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
@@ -149,103 +262,6 @@ def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
     return SampledError(positions, grid, other, across)
 
 
-def list_file(machine: Machine, options: ExportOptions, name: str) -> str:
-    """Return the configuration of one compensation, as TF5280 has it."""
-    workpiece = sum(axis.workpiece_side for axis in machine.axes)
-    chain = "".join(axis.name for axis in machine.axes)
-    negate = "".join(axis.name for axis in machine.axes if not axis.rotary) if options.flip else ""
-    lines = [f"{axis} {number}" for axis, number in options.numbered(machine).items()]
-    lines += [f"chain {chain}", f"workpiece_axes {workpiece}", *([f"negate {negate}"] if negate else [])]
-    lines += ["interpolation GRID", f"file[0] {name}", "file_format[0] ISG_CSV"]
-    return "\n".join(lines) + "\n"
-
-
 def _unit(name: str) -> str:
     """Return the unit of an error, mm or rad; of places of the chain mm."""
     return "rad" if not name.startswith("P") and error_named(name).angular else "mm"
-
-
-_HOLDS = "every error motion as a table over its axis, and every location error: the control knows the chain{}."
-_BOTH = "; what two axes do together as a table of the later one over both"
-_APART = "; and what each axis is apart between its directions"
-_RECORDS = 1000
-"""Points of an axis that a table of the kernel may have; four an interval are rarely more than a hundred."""
-_FILE = "volcomp.csv"
-_SIGN = "FCT-C26 and P-VOLC-00009 (negate) state how values are turned and not which sign they have"
-_MULTIPLE = (1e-6, float(np.radians(1e-4)))
-"""The grid of positions, m and rad: the decimals that are written."""
-
-
-class Isg(Exporter):
-    """ISG_CSV, the list file, and leadscrew tables of axes with a reversal."""
-
-    takes = frozenset({"--spacing", "--number"})
-    unstated = "own"
-    left_out = "the reversal of straightness and of angles, and the orientation of the tool."
-
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
-        """Return the files; raises TableError."""
-        machine, found = estimate.machine, self._errors(estimate, options)
-        halves, numbers = apart(estimate, options), options.numbered(machine)
-        lists = {f"ssfk_{t.axis}.lis": write_list(t, numbers[t.axis], machine.axis(t.axis).cyclic) for t in halves}
-        listed = list_file(machine, options, _FILE)
-        files = {_FILE: write_csv(found, machine), "volcomp.lis": listed, **lists}
-        apart_by = [(t.axis, 0.5 * list_unit(machine.axis(t.axis).unit) + 1e-12) for t in halves]
-        steps = summed([*((axis.name, 1e-8) for axis in machine.axes if not axis.rotary), *apart_by])
-        notes = paragraphs(
-            "axiscal.tables",
-            "isg.jinja",
-            file=_FILE,
-            records=sum(curve.values.size for curve in found.values()),
-            flip=options.flip,
-            against=[axis.name for axis in machine.axes if axis.reversed],
-            chain=machine.chain,
-            lists=lists,
-        )
-        holds = _HOLDS.format(_BOTH * any(curve.over for curve in found.values()) + (_APART if lists else ""))
-        wanted = sum_of(tip_control(estimate.machine, found), table_control(machine, halves))
-        written = Written(files, steps, notes, holds, first=sign_said(options, _SIGN))
-        return self.draft(written, wanted, machine, options, halves)
-
-    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what the kernel makes of files of either kind; raises TableError.
-
-        The list file says where the others are and nothing else. Where the tool and rotary axes lie is no compensation.
-        """
-        lists = tuple(read_list(file.text, machine) for file in files if "kw.ssfk." in file.text)
-        texts = (file.text for file in files if "kw.ssfk." not in file.text and "file_format[0]" not in file.text)
-        found = (pair for text in texts for pair in read_csv(text, machine).items())
-        return Loaded(lists, errors={name: error for name, error in found if not name.startswith("P")})
-
-    def _errors(self, estimate: Estimate, options: ExportOptions) -> dict[str, SampledError]:
-        """Return what the files are to hold; raises TableError."""
-        grids = {
-            k: points(estimate.model, k, options.spacing, _RECORDS, _MULTIPLE[axis.rotary])
-            for k, axis in enumerate(estimate.machine.axes)
-        }
-        found = curves(estimate, grids, together=True)
-        if other := next((name for name in found if not NAMES.fullmatch(name)), None):
-            remedy = "it has axes X Y Z A B C only"
-            raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=other)
-        if not found:
-            raise TableError("there is no deviation that these files could hold", "take readings first")
-        return anchored(estimate.machine, found) | nominal(estimate.machine)
-
-
-def apart(estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
-    """Return what each direction of an axis is off by beside the mean of both, for axes with a reversal."""
-    tables = axis_tables(estimate, options.spacing, _RECORDS, _MULTIPLE)
-    halves = (replace(t, forward=(t.forward - t.reverse) / 2, reverse=(t.reverse - t.forward) / 2) for t in tables)
-    units = {axis.name: list_unit(axis.unit) for axis in estimate.machine.axes}
-    return tuple(half for half in halves if np.max(np.abs(half.forward)) >= units[half.axis] / 2)
-
-
-def nominal(machine: Machine) -> dict[str, SampledError]:
-    """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
-    places = {"P0{}": (0.0, 0.0, -machine.tool_length)}
-    places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
-    return {
-        name.format(direction): SampledError(np.zeros(1), np.array([value]))
-        for name, place in places.items()
-        for direction, value in zip("XYZ", place, strict=True)
-    }

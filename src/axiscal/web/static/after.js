@@ -1,5 +1,5 @@
 // After the end: the tables for a control, how they come into it, and whether they work.
-import { button, call, element, find, on, once, show, text, waiting } from "/elements.js";
+import { call, element, find, held, on, show, text, waiting } from "/elements.js";
 import { unitText } from "/pictures.js";
 import { said } from "/words.js";
 
@@ -25,7 +25,6 @@ function control() {
 
 function choose() {
   show("verify", control() !== "csv"); // no control loads it
-  find("texts").replaceChildren();
   text("controls-fault", "");
   show("check", false);
 }
@@ -36,18 +35,13 @@ async function asked(path, body) {
   return ok ? answer : null;
 }
 
-// A refusal is a download that fails, and the page stays.
-async function save(path) {
-  Object.assign(element("a", ""), { href: await once(path), download: "" }).click();
-}
-
-async function copy() {
-  const texts = await asked(`/texts?${new URLSearchParams({ control: control() })}`);
-  if (texts === null) return;
-  find("texts").replaceChildren(...Object.entries(texts.files).flatMap(([name, content]) => {
-    const copied = button(said("Copy {file}", { file: name }), () => navigator.clipboard.writeText(content));
-    return [copied, Object.assign(element("pre", content), { tabIndex: 0 })];
-  }));
+async function save(path, file) {
+  try {
+    Object.assign(element("a", ""), { href: await waiting(held(path)), download: file }).click();
+    text("controls-fault", "");
+  } catch (refusal) {
+    text("controls-fault", refusal.message);
+  }
 }
 
 // What was typed is kept by the browser until it is judged: a closed tab loses nothing.
@@ -106,12 +100,11 @@ async function judge() {
 }
 
 on("control", "change", choose);
-on("copy", "click", copy);
 on("verify", "click", verify);
 on("check", "submit", judge);
 on("check-virtual", "click", () => {
   for (const [n, side] of ["found", "left"].entries()) fields(side).forEach((field, k) => { field.value = check.places[k].shows[n]; });
   keep();
 });
-on("pdf", "click", () => save("/report.pdf"));
-on("download", "click", () => save(`/tables.zip?${new URLSearchParams({ control: control() })}`));
+on("pdf", "click", () => save("/report.pdf", "report.pdf"));
+on("download", "click", () => save(`/tables.zip?${new URLSearchParams({ control: control() })}`, `${control()}.zip`));

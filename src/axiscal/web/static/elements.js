@@ -48,15 +48,21 @@ addEventListener("hashchange", () => location.reload()); // a new address in a t
 // What was sent arrives even where the tab is closed in the same moment.
 // within : ms after which the way there counts as gone
 export async function call(path, body, within = 600000) {
-  const headers = { Authorization: `Bearer ${sessionStorage.getItem("token")}` };
-  const posted = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(body), keepalive: true };
-  const answer = await fetch(`/api/1${path}`, { ...(body === undefined ? { headers } : posted), signal: AbortSignal.timeout(within) });
+  const answer = await asked(`/api/1${path}`, body, within);
   return { ok: answer.ok, status: answer.status, document: await answer.json() };
 }
 
-// An address for the browser itself, which sends no token; it answers once.
-export async function once(path) {
-  return (await call("/addresses", { path })).document.address;
+function asked(path, body, within = 600000) {
+  const headers = { Authorization: `Bearer ${sessionStorage.getItem("token")}` };
+  const posted = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(body), keepalive: true };
+  return fetch(path, { ...(body === undefined ? { headers } : posted), signal: AbortSignal.timeout(within) });
+}
+
+// An address in this tab of what the page answers, "" where that is nothing; a refusal is thrown.
+export async function held(path) {
+  const answer = await asked(path);
+  if (!answer.ok) throw new Error((await answer.json()).sentence);
+  return answer.status === 204 ? "" : URL.createObjectURL(await answer.blob());
 }
 
 // The picture of a place, made if there is none; it stays while the same is asked for, and the newest wins.
@@ -65,8 +71,8 @@ export async function draw(place, path, words) {
   picture.alt = words;
   if (picture.dataset.path === path) return;
   picture.dataset.path = path;
-  const address = await once(path);
-  if (picture.dataset.path === path) picture.src = address;
+  const address = await held(path).catch(() => "");
+  if (address && picture.dataset.path === path) picture.src = address;
 }
 
 const PATIENCE = 1000; // ms after which it is said what is being computed

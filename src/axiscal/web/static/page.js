@@ -1,7 +1,6 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
 import { button, call, draw, element, find, hear, on, renderWords, show, tell, text, waiting } from "/elements.js";
 import { renderControls } from "/after.js";
-import { deliver, enter, unanswered } from "/outbox.js";
 import { rounded, shown, strip, unitText } from "/pictures.js";
 import { said, translate } from "/words.js";
 
@@ -16,21 +15,16 @@ translate(document.body);
 
 // A step on the record, after those that are under way: what went wrong is said, and nothing that was typed is lost.
 function step(path, body) {
-  const own = enter(state.begun, path, path === "/notes" ? body : { after: state.last, ...body });
-  turn = turn.then(() => sent(own));
+  const own = path === "/notes" ? body : { after: state.last, ...body };
+  turn = turn.then(() => sent(path, own));
   return turn;
 }
 
-async function sent(own) {
-  const done = await waiting(deliver(own, (words) => hear(words, true)));
+async function sent(path, body) {
+  const lost = { ok: false, document: { problem: "lost", sentence: said("No answer came. Look at what is asked now, then do it again if it is still right.") } };
+  const done = await waiting(call(path, body).catch(() => lost));
   if (done.ok) render(done.document.state);
   return done;
-}
-
-// What an earlier look at this campaign left without an answer.
-function resume() {
-  for (const own of unanswered(state.begun))
-    turn = turn.then(async () => { const { ok, document: done } = await sent(own); hear(done.sentence, !ok); });
 }
 
 function number(value) {
@@ -136,7 +130,7 @@ function renderKept() {
   find("latest").replaceChildren(...state.readings.map((r) => {
     const row = document.createElement("tr");
     const values = r.values.map((v) => shown(v, 2)).join("  ");
-    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? ` (${said("not relied on")})` : "") + (r.by && ` ${r.by}`)), element("td", clock(r.at)));
+    row.append(element("td", `${r.number}`), element("td", `${values} ${unitText(r.unit)}`), element("td", r.place.replaceAll("-", "−") + (r.doubted ? ` (${said("not relied on")})` : "")), element("td", clock(r.at)));
     return row;
   }));
   find("notes").replaceChildren(...state.notes.slice(-3).map((n) => element("li", `${clock(n.at)} ${n.text}`)));
@@ -156,10 +150,9 @@ function renderAsking() {
 }
 
 function renderDue() {
-  const { temperature_degc: warm, minutes_ago: ago, ask, marker_minutes: marker } = state.due, parts = [];
+  const { temperature_degc: warm, minutes_ago: ago, ask } = state.due, parts = [];
   if (warm !== null) parts.push(said("temperature {value} °C, {minutes} min ago", { value: shown(warm, 1), minutes: shown(ago, 0) }));
   if (state.question !== null && ask) parts.push(said("note the temperature"));
-  if (state.question !== null && marker !== null) parts.push(marker < 1 ? said("a drift marker is due: the same place once more") : said("a drift marker is due in about {minutes} min", { minutes: shown(marker, 0) }));
   text("due", parts.join(" · "));
 }
 
@@ -229,10 +222,8 @@ async function follow() {
   for (;;) {
     try {
       const newest = await call(`/state?seen=${state?.version ?? 0}&wait=20`, undefined, 40000);
-      const first = state === null;
       if (newest.ok) render(newest.document);
       else throw new Error(newest.document.sentence);
-      if (first) resume();
     } catch (failure) {
       tell("trouble", failure instanceof TypeError ? said("axiscal does not answer. Start axiscal serve again and open the address it prints.") : failure.message);
       await new Promise((resolve) => setTimeout(resolve, 1000));

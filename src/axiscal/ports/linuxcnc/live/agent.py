@@ -53,12 +53,12 @@ class GoneError(Exception):
     """The other side has gone, or has said stop."""
 
 
-class Agent:
-    """LinuxCNC, and the line to the other side."""
+class Agent(Stance):
+    """LinuxCNC that is given commands, and the line to the other side."""
 
     def __init__(self) -> None:
-        self.command, self.stat, self.channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
-        self.seen = Stance(self.stat, linuxcnc.ini)
+        super().__init__(linuxcnc.stat(), linuxcnc.ini)
+        self.command, self.channel = linuxcnc.command(), linuxcnc.error_channel()
         self.asked: queue.Queue[dict[str, Any]] = queue.Queue()
         self.heard, self.gone = time.monotonic(), False
         self.before: list[str] = []
@@ -117,9 +117,7 @@ class Agent:
                 return {"status": self.status()}
             if request["do"] == "probe":
                 return {"probe": self.watched(float(request["seconds"]))}
-            if request["do"] == "line":
-                return self.line(str(request["code"]))
-            return {"failure": f"{request['do']!r} is not understood"}
+            return self.line(str(request["code"]))
         except GoneError:
             raise
         except Exception as error:  # noqa: BLE001
@@ -129,7 +127,7 @@ class Agent:
     def status(self) -> dict[str, Any]:
         """Return how the machine stands, in its own units."""
         self.stat.poll()
-        return {"idle": self.stat.interp_state == linuxcnc.INTERP_IDLE, **self.seen.document()}
+        return {"idle": self.stat.interp_state == linuxcnc.INTERP_IDLE, **self.document()}
 
     def watched(self, seconds: float) -> str:
         """Wait until the probe has been closed and opened by hand; returns what was missing, or nothing."""
@@ -152,36 +150,31 @@ class Agent:
         if found is None or not 0 < float(found[3]) <= LARGEST:
             return {"failure": f"{code!r} is no line that is executed here"}
         ends = {word[0]: float(word[1:]) for word in found[2].split()}
-        first = self._turned_to_limits() if found[1] == "G38.3" else self._first_turn(ends)
+        self.stat.poll()
+        first = self._first_turn(ends)
+        if found[1] == "G38.3":  # it names no rotary axis, and one at a limit would end 1e-17 beyond
+            first = {a: limit for a, limit in self.at_limits().items() if a in "ABC"}
         failure = (self._made("G53 G1", first, found[3]) if first else "") or self._made(found[1], ends, found[3])
         if failure:
             return {"failure": failure}
         probed = dict(zip(LETTERS, map(float, self.stat.probed_position), strict=False))
         return {"tripped": bool(self.stat.probe_tripped), "probed": probed, "probe": bool(self.stat.probe_val)}
 
-    def _turned_to_limits(self) -> dict[str, float]:
-        """Return the rotary axes at a limit, with it: a probe move, which names none, would end 1e-17 beyond."""
-        self.stat.poll()
-        return {a: limit for a, limit in self.seen.at_limits().items() if a in "ABC"}
-
     def _first_turn(self, ends: dict[str, float]) -> dict[str, float]:
         """Return the first degree of axes that have not turned yet: it shows whether the joints go with them."""
-        self.stat.poll()
-        ways = {a: end - self.seen.here(a) for a, end in ends.items() if a in "ABC" and a not in self.turned}
-        ways = {a: way for a, way in ways.items() if abs(way) > _WITHIN}
-        self.turned |= set(ways)
-        return {
-            a: self.seen.here(a) + math.copysign(_FIRST_TURN, way) for a, way in ways.items() if abs(way) > _FIRST_TURN
-        }
+        ways = {a: end - self.here(a) for a, end in ends.items() if a in "ABC" and a not in self.turned}
+        self.turned |= {a for a, way in ways.items() if abs(way) > _WITHIN}
+        far = {a: way for a, way in ways.items() if abs(way) > _FIRST_TURN}
+        return {a: self.here(a) + math.copysign(_FIRST_TURN, way) for a, way in far.items()}
 
     def _made(self, kind: str, ends: dict[str, float], feed: str) -> str:
         """Make one move and return what was amiss, or nothing.  ends : letter -> where in the machine, mm or deg"""
         amiss = self._unfit() or self._plain() or self._unfit()
         if amiss:
             return amiss
-        begun = [self.seen.here(a) for a in self.seen.letters()]
-        ends = ends if kind == "G38.3" else self.seen.at_limits() | ends
-        words = " ".join(f"{a}{end - (self.seen.shift(a) if kind == 'G38.3' else 0.0):.6f}" for a, end in ends.items())
+        begun, probing = [self.here(a) for a in self.letters()], kind == "G38.3"
+        ends = ends if probing else self.at_limits() | ends
+        words = " ".join(f"{a}{end - (self.shift(a) if probing else 0.0):.6f}" for a, end in ends.items())
         self.moving = True
         self._give(self.command.mdi, f"G21 G90 G94 {kind} {words} F{feed}", wait=False)
         amiss = self._awaited()
@@ -190,9 +183,9 @@ class Agent:
             self._end_move()
             return said or amiss
         self.moving = False
-        stood = all(abs(self.seen.here(a) - at) < _WITHIN for a, at in zip(self.seen.letters(), begun, strict=True))
-        touched = kind == "G38.3" and self.stat.probe_tripped and not stood
-        if not touched and any(self.seen.off(a, end) > _WITHIN for a, end in ends.items()):
+        stood = all(abs(self.here(a) - at) < _WITHIN for a, at in zip(self.letters(), begun, strict=True))
+        touched = probing and self.stat.probe_tripped and not stood
+        if not touched and any(self.off(a, end) > _WITHIN for a, end in ends.items()):
             return f"the axes are not where the move ends: {_SOMEBODY}"
         return self._apart()
 
@@ -200,9 +193,8 @@ class Agent:
         """Return why no move may begin, or nothing."""
         stat = self.stat
         stat.poll()
-        ready = all(stat.homed[joint] for joint in range(stat.joints)) and stat.enabled and not stat.estop
-        spins = any(each["enabled"] or each["speed"] for each in getattr(stat, "spindle", ())[: stat.spindles])
-        if not ready or spins or stat.interp_state != linuxcnc.INTERP_IDLE or not stat.inpos:
+        ready = self.homed() and stat.enabled and not stat.estop and not self.spins()
+        if not ready or stat.interp_state != linuxcnc.INTERP_IDLE or not stat.inpos:
             return "the machine is no longer as it was"
         if self.before and (stat.task_mode != linuxcnc.MODE_MDI or self._interfered()):
             return _SOMEBODY
@@ -212,7 +204,7 @@ class Agent:
         """Return which joint does not stand where its axis does, or nothing; joints come a few cycles later."""
         end = time.monotonic() + 0.2
         while True:
-            far = [at / self.seen.unit(axis) - self.seen.here(axis) for axis, at in self.seen.joint_places()]
+            far = [at / self.unit(axis) - self.here(axis) for axis, at in self.joint_places()]
             joint = next((j for j, way in enumerate(far) if abs(way) > _WITHIN), None)
             if joint is None:
                 return ""
@@ -237,12 +229,10 @@ class Agent:
 
     def _modes(self) -> list[str]:
         """Return the lines that set what is in force."""
-        codes = [f"G{code / 10:g}" for code in self.stat.gcodes[1:] if code in _RESTORED]
-        blend, naive = self.stat.settings[3:5]
-        path = [f"G64 P{blend:.6f} Q{naive:.6f}" if blend or naive else "G64"] if 640 in self.stat.gcodes[1:] else []
-        feed = (
-            [] if 930 in self.stat.gcodes[1:] else [f"F{self.stat.settings[1]:.6f}"]
-        )  # with G93 every line has its own
+        active, (blend, naive) = self.stat.gcodes[1:], self.stat.settings[3:5]
+        codes = [f"G{code / 10:g}" for code in active if code in _RESTORED]
+        path = [f"G64 P{blend:.6f} Q{naive:.6f}" if blend or naive else "G64"] if 640 in active else []
+        feed = [] if 930 in active else [f"F{self.stat.settings[1]:.6f}"]  # with G93 every line has its own
         return [" ".join(codes) or _PLAIN, *path, *feed]
 
     def _awaited(self) -> str:

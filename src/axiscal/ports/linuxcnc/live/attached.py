@@ -19,14 +19,12 @@ from axiscal.language.spoken import said
 from axiscal.machine.axis import travel_text
 from axiscal.machine.kinematics import drawn_back
 from axiscal.measurement.reading import Place
-from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import cycle_of, met_from, read_as
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
 from axiscal.programs.kept_out import free_ways
 from axiscal.programs.scale import Decimals, ReadingTarget, exact, target
-from axiscal.programs.sphere_cycle import SphereCycle
 from axiscal.programs.steps import Arrival, Move, ProgramAxes, Step, Touched
 from axiscal.units import format_quantity, from_unit
 from axiscal_core.machine import Machine
@@ -87,40 +85,41 @@ class LiveSource:
         self._line.close()
 
     def _read(self, request: Request) -> Answer | Skip:
-        self._refuse_other_instrument(request.setup)
-        cycle_of(self._machine, request.setup)  # says what is not known of the ball
+        setup = request.setup
+        if not setup.all_round:
+            what = "{setup} is of instrument {instrument}, and a probe in the spindle reads spheres"
+            remedy = 'Let a campaign that LinuxCNC reads by itself have set-ups of instrument = "sphere"'
+            raise SourceError(what, remedy, setup=shown(setup.name), instrument=setup.instrument)
+        cycle_of(self._machine, setup)  # says what is not known of the ball
         self._refuse_unfit()
-        placed = "" if request.setup.artefact is None else request.setup.artefact.standing
+        placed = "" if setup.artefact is None else setup.artefact.standing
         anew = placed != self._placed
+        standing = None if anew else self._standing
         try:
             way = _WayToBall(self._machine, request)
-            to, touching = way.to(None if anew else self._standing), [*way.touches()]
-            way.refuse_bodies(to, None if anew else self._standing, touching)
+            to, touching = way.to(standing), [*way.touches()]
+            way.refuse_bodies(to, standing, touching)
             trial = way.trial() if anew else []
         except TravelError as impossible:  # nothing has moved
             return Skip(impossible.what)
-        if anew and self._standing:
-            self._put_down(way.off(self._standing[1]), placed)
+        if anew and self._standing:  # out of the way, until the artefact is put down at its next place
+            self._go(way.off(self._standing[1]))
+            self._standing, self._singly = None, True
+            self._confirm(said("Put it down: {artefact}. Enter goes on, stop ends: ", artefact=placed))
+            self._refuse_unfit()
         self._try(trial)
         self._placed = placed
         self._go(to)
         hits = [self._touch(step, way) for step in self._between(way, touching)]
         self._in_force.refuse(self._line.status())  # what somebody switched meanwhile has spoilt the touches
-        self._standing = request.setup.name, way.target.position
+        self._standing = setup.name, way.target.position
         pose = np.array(request.pose)
-        value, *others = read_as(self._machine, request.setup, pose, hits, met_from(self._machine, pose))
+        value, *others = read_as(self._machine, setup, pose, hits, met_from(self._machine, pose))
         return Answer(value, others=tuple(others), live=True)
-
-    def _put_down(self, off: Sequence[Step], placed: str) -> None:
-        """Get out of the way, and wait until the artefact is put down at its next place."""
-        self._go(off)
-        self._standing, self._singly = None, True
-        self._confirm(said("Put it down: {artefact}. Enter goes on, stop ends: ", artefact=placed))
-        self._refuse_unfit()
 
     def _between(self, way: _WayToBall, steps: Sequence[Step]) -> Iterator[Touched]:
         """Make the moves and yield the touches.  A move beside the ball ends, and the run, where it meets anything."""
-        standing = list(way.target.position)
+        standing = dict(enumerate(way.target.position))
         for step in steps:
             if isinstance(step, Touched):
                 yield step
@@ -132,8 +131,7 @@ class LiveSource:
                 what = "beside the ball of reading {number} the probe met something"
                 remedy = "Look where the ball stands: it is looked for within {most:g} mm"
                 raise SourceError(what, remedy, number=way.target.number, most=_FAR)
-            for k, value in step.to.items():
-                standing[k] = value
+            standing |= step.to
 
     def _go(self, steps: Sequence[Step], slow: int = 1) -> None:
         for step in steps:
@@ -141,29 +139,34 @@ class LiveSource:
             self._moved("G53 G1", step, slow)
 
     def _moved(self, kind: str, step: Move, slow: int = 1) -> dict[str, Any]:
-        words = " ".join(f"{self._machine.axes[k].name}{value:f}" for k, value in step.to.items())
-        return self._line.line(f"{kind} {words} F{_slowed(min(step.feed, _FASTEST), slow)}")
+        names = [self._machine.axes[k].name for k in step.to]
+        return self._sent(kind, names, [f"{value:f}" for value in step.to.values()], min(step.feed, _FASTEST), slow)
+
+    def _sent(self, kind: str, axes: Sequence[str], to: Sequence[str], feed: int, slow: int = 1) -> dict[str, Any]:
+        words = " ".join(map("".join, zip(axes, to, strict=True)))
+        return self._line.line(f"{kind} {words} F{max(1, feed // slow)}")
 
     def _touch(self, step: Touched, way: _WayToBall) -> Array:
         """Touch one side, fast and then slowly, and return the pose (q,) in which it was met."""
         expected = way.expected(step)
+        told: dict[str, Any] = {"touch": step.touch, "reading": step.reading}
         for feed in (step.fast, step.slow):
-            answer = self._line.line(f"G38.3 {_joined(step.words(step.into))} F{feed}")
+            answer = self._sent("G38.3", step.letters, step.into, feed)
             if not answer["tripped"]:
                 what = "at touch {touch} of reading {reading} the probe met nothing"
                 remedy = "Look where the ball stands: it is looked for within {most:g} mm"
-                raise SourceError(what, remedy, touch=step.touch, reading=step.reading, most=_FAR)
+                raise SourceError(what, remedy, most=_FAR, **told)
             status = self._line.status()
             hit = way.met(answer["probed"], status)
             if (far := float(np.linalg.norm(hit - expected))) > from_unit(_FAR, "mm"):
                 what = "touch {touch} of reading {reading} met something {far:.1f} mm from where the ball is stated"
-                remedy = "Look what stands there, and at the place of the ball"
-                raise SourceError(what, remedy, touch=step.touch, reading=step.reading, far=1e3 * far)
-            if self._line.line(f"G53 G1 {_back(step, status)} F{step.fast}")["probe"]:
+                raise SourceError(what, "Look what stands there, and at the place of the ball", far=1e3 * far, **told)
+            here = [Decimal(repr(round(status["position"][a] / status["scale"], _DECIMALS))) for a in step.letters]
+            back = [f"{at + Decimal(by):f}" for at, by in zip(here, step.back, strict=True)]
+            if self._sent("G53 G1", step.letters, back, step.fast)["probe"]:
                 what = "after touch {touch} of reading {reading} the stylus stays closed"
-                remedy = "Free it by hand, and look at the probe"
-                raise SourceError(what, remedy, touch=step.touch, reading=step.reading)
-        self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{step.travel}")
+                raise SourceError(what, "Free it by hand, and look at the probe", **told)
+        self._sent("G53 G1", step.letters, step.beside, step.travel)
         return hit
 
     def _try(self, trial: Sequence[Step]) -> None:
@@ -172,9 +175,9 @@ class LiveSource:
         for number, step in enumerate(trial, start=1):
             self._confirm(f"{first} " * (number == 1) + said("Step {number}: ", number=number))
             if isinstance(step, Touched):
-                if self._line.line(f"G38.3 {_joined(step.words(step.into))} F{_slowed(step.fast, _SLOWER)}")["tripped"]:
+                if self._sent("G38.3", step.letters, step.into, step.fast, _SLOWER)["tripped"]:
                     raise SourceError("20 mm above the ball the probe met something", "Look what stands in the way")
-                self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{_slowed(step.travel, _SLOWER)}")
+                self._sent("G53 G1", step.letters, step.beside, step.travel, _SLOWER)
             else:
                 self._go([step], slow=_SLOWER)
 
@@ -202,17 +205,9 @@ class LiveSource:
         for axis, left in zip(self._machine.axes, self._standing[1] if self._standing else (), strict=False):
             here = status["position"][axis.name] / status["angular" if axis.rotary else "scale"]
             if abs(here - float(left)) > _STRAYED:
-                unit = "deg" if axis.rotary else "mm"
                 what = "{axis} stands at {here:.3f} {unit} and not at {left:f}, where the last reading left it"
                 remedy = "Nothing has moved since. Look at the machine"
-                raise SourceError(what, remedy, axis=axis.name, here=here, unit=unit, left=left)
-
-    @staticmethod
-    def _refuse_other_instrument(setup: Setup) -> None:
-        if not setup.all_round:
-            what = "{setup} is of instrument {instrument}, and a probe in the spindle reads spheres"
-            remedy = 'Let a campaign that LinuxCNC reads by itself have set-ups of instrument = "sphere"'
-            raise SourceError(what, remedy, setup=shown(setup.name), instrument=setup.instrument)
+                raise SourceError(what, remedy, axis=axis.name, here=here, unit=axis.unit, left=left)
 
 
 class _WayToBall:
@@ -223,34 +218,30 @@ class _WayToBall:
 
     def __init__(self, machine: Machine, request: Request, above: float = 0.0) -> None:
         self._machine, self._request = machine, request
-        setup = request.setup
-        self._axes = ProgramAxes.from_setup(machine, setup, [_DECIMALS] * len(machine.axes))
-        self._pose = drawn_back(machine, np.array([request.pose]), above)[0] if above else np.array(request.pose)
-        back = drawn_back(machine, np.array([request.pose]), setup.retract)[0]
-        place = setup.name, request.reading, back.tolist(), request.approach
-        self.target: ReadingTarget = target(self._axes.scales, *place)
+        setup, pose = request.setup, np.array([request.pose])
+        self._axes = ProgramAxes.from_setup(machine, setup, _DECIMALS)
+        self._pose: Array = (drawn_back(machine, pose, above) if above else pose)[0]
+        back = drawn_back(machine, pose, setup.retract)[0].tolist()
+        self.target: ReadingTarget = target(self._axes.scales, setup.name, request.reading, back, request.approach)
 
     def to(self, standing: tuple[str, Decimals] | None) -> list[Step]:
         """Return the way from where the axes stand, from anywhere if nobody knows."""
         if standing is not None and standing[0] == self._request.setup.name:
             return list(self._axes.way_to(self.target, standing[1]))
         start = self.target.turning
-        steps = list[Step](self._axes.to_the_start(start))
-        steps += self._axes.way_to(self.target, start, first=True)
-        return steps
+        return [*self._axes.to_the_start(start), *self._axes.way_to(self.target, start, first=True)]
 
     def refuse_bodies(
         self, to: Sequence[Step], standing: tuple[str, Decimals] | None, touching: Sequence[Step]
     ) -> None:
         """Raise TravelError where nose, holder or tool would meet a ball or a post, going there or touching."""
-        setup, scales = self._request.setup, self._axes.scales
+        setup = self._request.setup
         if setup.artefact is None:
             return
-        begun = [] if standing is None else [Move(dict(enumerate(standing[1])), 1, 0.0)]
-        reached, known = Arrival(self.target), np.array([self._pose])
-        (ball,) = setup.artefact.nearest(self._machine.frames(known).tcp, setup.balls).tolist()
-        run = [*begun, *to, reached, *touching]
-        if not all(free_ways(self._machine, setup, {self._request.reading: ball}, scales, run)):
+        begun = [] if standing is None else [Move(dict(enumerate(standing[1])), 1)]
+        (ball,) = setup.artefact.nearest(self._machine.frames(self._pose[None]).tcp, setup.balls).tolist()
+        run, balls = [*begun, *to, Arrival(self.target), *touching], {self._request.reading: ball}
+        if not all(free_ways(self._machine, setup, balls, self._axes.scales, run)):
             what = (
                 "on the way to ball {ball} of {artefact} the tool, its holder or the spindle nose meet a ball or a post"
             )
@@ -270,10 +261,10 @@ class _WayToBall:
         return [*above.to(None), *above.touches()]
 
     def touches(self) -> Iterator[Step]:
-        """Yield the touches, with the moves between them."""
-        request = self._request
-        place = Place(request.setup.name, tuple(self._pose.tolist()), request.approach)
-        yield from SphereCycle(self._machine, request.setup, self._axes).steps(self.target, place)
+        """Return the touches, with the moves between them."""
+        setup = self._request.setup
+        place = Place(setup.name, tuple(self._pose.tolist()), self._request.approach)
+        return self._axes.touching(setup, self.target, place)
 
     def expected(self, step: Touched) -> Array:
         """Return the pose (q,) in which a side is expected: between where a touch begins and where it ends."""
@@ -286,27 +277,9 @@ class _WayToBall:
 
     def met(self, probed: dict[str, float], status: dict[str, Any]) -> Array:
         """Return the pose (q,) of a touch: rotary axes where they were sent.  probed : in the machine's units"""
-        pose = np.array(self._request.pose)
-        for k, axis in enumerate(self._machine.axes):
-            if not axis.rotary:
-                pose[k] = probed[axis.name] * scale(status, False)
-            else:
-                pose[k] = from_unit(float(self.target.position[k]), axis.unit)
-        return pose
-
-
-def _back(step: Touched, status: dict[str, Any]) -> str:
-    """Return the place to which the tool is drawn back from where it has met a side."""
-    here = {axis: round(at / status["scale"], _DECIMALS) for axis, at in status["position"].items()}
-    return " ".join(f"{axis}{Decimal(repr(here[axis])) + Decimal(by):f}" for axis, by in step.words(step.back))
-
-
-def _slowed(feed: int, slow: int) -> int:
-    return max(1, feed // slow)
-
-
-def _joined(words: Sequence[tuple[str, str]]) -> str:
-    return " ".join(axis + value for axis, value in words)
+        at = zip(self._machine.axes, self.target.position, strict=True)
+        sent = [from_unit(float(v), a.unit) if a.rotary else probed[a.name] * scale(status, False) for a, v in at]
+        return np.array(sent)
 
 
 _SAME = 1e-6
@@ -317,15 +290,13 @@ _CLOSE = 1e-6
 
 def scale(status: dict[str, Any], rotary: bool) -> float:
     """Return m or rad of one of the machine's units."""
-    if rotary:
-        return float(from_unit(1.0, "deg")) / float(status["angular"])
-    return float(from_unit(1.0, "mm")) / float(status["scale"])
+    return float(from_unit(1.0, "deg" if rotary else "mm")) / float(status["angular" if rotary else "scale"])
 
 
 def refuse(status: dict[str, Any], machine: Machine, in_force: InForce) -> None:
     """Raise SourceError for the first thing that is not as it has to be."""
-    if amiss := [each for each in _standing(status) if each[0]]:
-        raise SourceError(amiss[0][1], amiss[0][2])
+    if amiss := next((each for each in _standing(status) if each[0]), None):
+        raise SourceError(amiss[1], amiss[2])
     _refuse_other_machine(status, machine)
     in_force.refuse(status)
     if machine.tool_length <= 0:
@@ -333,34 +304,24 @@ def refuse(status: dict[str, Any], machine: Machine, in_force: InForce) -> None:
         raise SourceError(what, "Write how far the middle of the stylus' ball is from the spindle nose")
 
 
-def _standing(status: dict[str, Any]) -> list[tuple[bool, str, str]]:
+def _standing(status: dict[str, Any]) -> Iterator[tuple[object, str, str]]:
+    """Yield what may be amiss: whether it is, in words, and what to do then."""
     apart = any(abs(at - status["position"][axis]) > _SAME for axis, at in status["joints"])
     offsets = any(abs(each) > _SAME for each in status["offsets"])
-    return [
-        (status["estop"], said("LinuxCNC is in emergency stop"), said("Release it")),
-        (not status["enabled"], said("the machine is not switched on"), said("Switch it on")),
-        (not status["homed"], said("not every joint is homed"), said("Home the machine")),
-        (not status["idle"], said("a program is running or waiting"), said("Let it end, or stop it")),
-        (status["spindle"], said("the spindle turns"), said("Stop it: a probe is to be in it")),
-        (
-            not status["feed_heeded"],
-            said("the feed override is switched off (M48, M49)"),
-            said("Switch it on: a person must be able to slow down"),
-        ),
-        (status["feed"] > 1.0, said("the feed override is above 100 %"), said("Turn it down")),
-        (offsets, said("a tool length offset is in force"), said("Give G49")),
-        (
-            abs(status["rotation"]) > _SAME,
-            said("the coordinate system is turned (G10 R)"),
-            said("Set its rotation to zero"),
-        ),
-        (
-            apart or status["tip"],
-            said("the kinematics are not in their identity mode"),
-            said("Leave TCP mode, as by M429"),
-        ),
-        (status["probe"], said("the probe is closed"), said("Look at the stylus and at motion.probe-input")),
-    ]
+    yield status["estop"], said("LinuxCNC is in emergency stop"), said("Release it")
+    yield not status["enabled"], said("the machine is not switched on"), said("Switch it on")
+    yield not status["homed"], said("not every joint is homed"), said("Home the machine")
+    yield not status["idle"], said("a program is running or waiting"), said("Let it end, or stop it")
+    yield status["spindle"], said("the spindle turns"), said("Stop it: a probe is to be in it")
+    override = said("the feed override is switched off (M48, M49)")
+    yield not status["feed_heeded"], override, said("Switch it on: a person must be able to slow down")
+    yield status["feed"] > 1.0, said("the feed override is above 100 %"), said("Turn it down")
+    yield offsets, said("a tool length offset is in force"), said("Give G49")
+    turned = said("the coordinate system is turned (G10 R)")
+    yield abs(status["rotation"]) > _SAME, turned, said("Set its rotation to zero")
+    kinematics = said("the kinematics are not in their identity mode")
+    yield apart or status["tip"], kinematics, said("Leave TCP mode, as by M429")
+    yield status["probe"], said("the probe is closed"), said("Look at the stylus and at motion.probe-input")
 
 
 def _refuse_other_machine(status: dict[str, Any], machine: Machine) -> None:
@@ -371,8 +332,7 @@ def _refuse_other_machine(status: dict[str, Any], machine: Machine) -> None:
         remedy = "Describe the machine that runs: axiscal init DIR --from machine.ini"
         raise SourceError(what, remedy, own=" ".join(sorted(own)), described=" ".join(sorted(described)))
     for axis in machine.axes:
-        unit = scale(status, axis.rotary)
-        low, high = (float(end) * unit for end in status["axes"][axis.name])
+        low, high = (float(end) * scale(status, axis.rotary) for end in status["axes"][axis.name])
         if axis.travel[0] < low - _CLOSE or axis.travel[1] > high + _CLOSE:
             low_text, high_text = (format_quantity(end, axis.unit) for end in (low, high))
             ends = said("{low} to {high}", low=low_text, high=high_text)

@@ -1,4 +1,7 @@
-"""The line to the agent beside LinuxCNC: a process here, or over ssh, that is sent its program and then JSON lines."""
+"""The line to the agent beside LinuxCNC: a process here, or over ssh, that is sent its program and then JSON lines.
+
+What is to compensate the machine meanwhile: nothing, anything, or files that `axiscal export` wrote.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 from queue import Empty, Queue
-from typing import IO, Any
+from typing import Any
 
 from axiscal.exceptions import SourceError
 
@@ -69,6 +72,9 @@ class Connection:
         except OSError as error:
             what = "{word} cannot be started: {reason}"
             raise SourceError(what, "Install it, or start it here", word=words[0], reason=error.strerror) from None
+        assert self._process.stdin is not None  # both were asked for
+        assert self._process.stdout is not None
+        self._to, self._from = self._process.stdin, self._process.stdout
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
         try:
@@ -115,9 +121,8 @@ class Connection:
     def _send(self, message: object) -> None:
         try:
             with self._sending:
-                stream = _pipe(self._process.stdin)
-                stream.write(json.dumps(message) + "\n")
-                stream.flush()
+                self._to.write(json.dumps(message) + "\n")
+                self._to.flush()
         except (OSError, ValueError):
             raise self._lost() from None
 
@@ -145,7 +150,7 @@ class Connection:
 
     def _listen(self) -> None:
         with contextlib.suppress(OSError, ValueError):
-            for line in _pipe(self._process.stdout):
+            for line in self._from:
                 (self._last if line.startswith(_LAST) else self._lines).put(line)
         self._lines.put("")
 
@@ -157,7 +162,7 @@ class Connection:
 
     def _end(self) -> None:
         with contextlib.suppress(OSError, ValueError):
-            _pipe(self._process.stdin).close()
+            self._to.close()
         try:
             self._process.wait(15)
         except subprocess.TimeoutExpired:
@@ -166,7 +171,7 @@ class Connection:
         self._listener.join(1)
         self._say_left()
         with contextlib.suppress(OSError, ValueError):
-            _pipe(self._process.stdout).close()
+            self._from.close()
 
     def _say_left(self) -> None:
         """Say on stderr which modes are not as they were, if the agent could not set them again."""
@@ -176,8 +181,3 @@ class Connection:
                     modes = "millimetres, exact stop and the other modes of measuring"
                     sys.stderr.write(f"In LinuxCNC {modes} are still in force. To have yours again, type: {left}\n")
                     sys.stderr.flush()
-
-
-def _pipe(stream: IO[str] | None) -> IO[str]:
-    assert stream is not None  # both were asked for
-    return stream

@@ -5,11 +5,9 @@ It runs beside LinuxCNC with `agent`, under the system's Python. Coordinates are
 
 from __future__ import annotations
 
-import hashlib
 import re
 import subprocess
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 LETTERS = "XYZABCUVW"
@@ -24,17 +22,17 @@ class Stance:
     """stat : of LinuxCNC, as it was polled last; ini : opens an INI file by name."""
 
     def __init__(self, stat: Any, ini: Callable[[str], Any]) -> None:
-        self._stat, self._opened = stat, ini
+        self.stat, self._ini = stat, ini
 
     def document(self) -> dict[str, Any]:
-        """Return how the machine stands, in its own units."""
-        stat, letters, joints = self._stat, self.letters(), range(self._stat.joints)
-        spindles = getattr(stat, "spindle", ())
+        """Return how it stands, in its own units."""
+        stat, letters, joints = self.stat, self.letters(), range(self.stat.joints)
+        limits = {a: stat.axis[LETTERS.index(a)] for a in letters}
         return {
-            "homed": all(stat.homed[joint] for joint in joints),
+            "homed": self.homed(),
             "estop": bool(stat.estop),
             "enabled": bool(stat.enabled),
-            "spindle": any(each["enabled"] or each["speed"] for each in spindles[: stat.spindles]),
+            "spindle": self.spins(),
             "feed": float(stat.feedrate),
             "feed_heeded": bool(stat.feed_override_enabled),
             "probe": bool(stat.probe_val),
@@ -42,39 +40,41 @@ class Stance:
             "rotation": float(stat.rotation_xy),
             "scale": float(stat.linear_units) or 1.0,
             "angular": float(stat.angular_units) or 1.0,
-            "axes": {
-                a: [stat.axis[LETTERS.index(a)][f"{end}_position_limit"] for end in ("min", "max")] for a in letters
-            },
+            "axes": {a: [limits[a][f"{end}_position_limit"] for end in ("min", "max")] for a in letters},
             "position": {a: float(stat.position[LETTERS.index(a)]) for a in letters},
             "joints": self.joint_places(),
-            "compensated": [n for n in joints if self._named(n) or self._stat.joint[n]["backlash"] != 0.0],
-            "tables": [self._table(joint) for joint in joints],
+            "compensated": [
+                n for n in joints if self._said(f"JOINT_{n}", "COMP_FILE") or stat.joint[n]["backlash"] != 0.0
+            ],
             "whole": _bit(f"{_WHOLE}.active"),
             "checksum": _pin(f"{_WHOLE}.checksum"),
             "tip": self._tip(),
         }
 
+    def homed(self) -> bool:
+        """Return whether every joint is."""
+        return all(self.stat.homed[joint] for joint in range(self.stat.joints))
+
+    def spins(self) -> bool:
+        """Return whether a spindle turns, or is on."""
+        return any(each["enabled"] or each["speed"] for each in getattr(self.stat, "spindle", ())[: self.stat.spindles])
+
     def unit(self, letter: str) -> float:
         """Return one mm or deg in the machine's units."""
-        return float(self._stat.angular_units if letter in "ABC" else self._stat.linear_units) or 1.0
+        return float(self.stat.angular_units if letter in "ABC" else self.stat.linear_units) or 1.0
 
     def here(self, letter: str) -> float:
         """Return where an axis stands, mm or deg."""
-        return float(self._stat.position[LETTERS.index(letter)]) / self.unit(letter)
+        return float(self.stat.position[LETTERS.index(letter)]) / self.unit(letter)
 
     def at_limits(self) -> dict[str, float]:
         """Return the axes that stand at one of their limits, with it, mm or deg.
 
         After a touch LinuxCNC goes on from where they are seen to stand, and takes no line that ends 1e-17 beyond.
         """
-        found = {}
-        for a in self.letters():
-            limits = self._stat.axis[LETTERS.index(a)]
-            for end in ("min_position_limit", "max_position_limit"):
-                limit = float(limits[end]) / self.unit(a)
-                if abs(self.here(a) - limit) < _DUST:
-                    found[a] = limit
-        return found
+        ends = [(a, f"{end}_position_limit") for a in self.letters() for end in ("min", "max")]
+        limits = [(a, float(self.stat.axis[LETTERS.index(a)][end]) / self.unit(a)) for a, end in ends]
+        return {a: limit for a, limit in limits if abs(self.here(a) - limit) < _DUST}
 
     def off(self, letter: str, end: float) -> float:
         """Return how far an axis is from where it is to stand, mm or deg; full turns are none."""
@@ -83,49 +83,35 @@ class Stance:
 
     def shift(self, letter: str) -> float:
         """Return how far the zero of coordinates in force is from the machine's, mm."""
-        stat, k = self._stat, LETTERS.index(letter)
+        stat, k = self.stat, LETTERS.index(letter)
         return float(stat.g5x_offset[k] + stat.g92_offset[k] + stat.tool_offset[k]) / self.unit(letter)
 
     def letters(self) -> list[str]:
         """Return the axes."""
-        return list(dict.fromkeys(self.joints()))
+        return list(dict.fromkeys(self._joints()))
 
-    def joints(self) -> str:
+    def _joints(self) -> str:
         """Return the axis of each joint."""
-        found = re.search(r"coordinates=(\w+)", self._kinematics())
-        return str(found[1] if found else self._ini().find("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
+        found = re.search(r"coordinates=(\w+)", self._said("KINS", "KINEMATICS"))
+        return (found[1] if found else self._said("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
 
     def joint_places(self) -> list[tuple[str, float]]:
         """Return the axis of each joint and where the joint stands, in the machine's units: two belts as X and Y."""
-        at = [float(each) for each in self._stat.joint_position[: self._stat.joints]]
-        if self._kinematics().startswith("corexykins"):
+        at = [float(each) for each in self.stat.joint_position[: self.stat.joints]]
+        if self._said("KINS", "KINEMATICS").startswith("corexykins"):
             at[:2] = (at[0] + at[1]) / 2, (at[0] - at[1]) / 2
-        return list(zip(self.joints(), at, strict=False))
+        return list(zip(self._joints(), at, strict=False))
 
     def _tip(self) -> bool | None:
         """Whether switchable kinematics hold the tool point; None if LinuxCNC does not show it."""
-        words = self._kinematics().split()
+        words = self._said("KINS", "KINEMATICS").split()
         if not words or words[0] not in _SWITCHED:
             return None
         return _bit(f"kinstype.is-{1 if 'sparm=identityfirst' in words else 0}")
 
-    def _table(self, joint: int) -> str | None:
-        """Return the SHA-256 of a joint's COMP_FILE as it is on the disk, None where it has none that can be read."""
-        name = self._named(joint)
-        try:
-            text = (Path(self._stat.ini_filename).parent / name).read_bytes() if name else b""
-        except OSError:
-            return None
-        return hashlib.sha256(text).hexdigest() if name else None
-
-    def _named(self, joint: int) -> str:
-        return str(self._ini().find(f"JOINT_{joint}", "COMP_FILE") or "")
-
-    def _kinematics(self) -> str:
-        return self._ini().find("KINS", "KINEMATICS") or ""
-
-    def _ini(self) -> Any:
-        return self._opened(self._stat.ini_filename)
+    def _said(self, section: str, key: str) -> str:
+        """Return what the INI file says, "" where it is silent."""
+        return str(self._ini(self.stat.ini_filename).find(section, key) or "")
 
 
 def _bit(name: str) -> bool | None:

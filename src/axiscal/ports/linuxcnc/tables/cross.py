@@ -8,29 +8,33 @@ to the command of every joint of the axis and takes it off its feedback, so Linu
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.document.file import number_or_none
 from axiscal.document.ports import rendered
-from axiscal.exceptions import TableError
+from axiscal.exceptions import InputError, TableError
+from axiscal.tables.loaded import OldFile
 from axiscal.tables.table import CompensationTable
-from axiscal.units import to_unit
+from axiscal.units import from_unit, to_unit
+from axiscal_core.machine import Machine
 
 POINTS = 16
 """By LinuxCNC's manual: points of a `lincurve`."""
 RAMP = 1.0
 """Seconds from nothing to the whole correction."""
-LEAST_SPEED = 2e-4
+_LEAST_SPEED = 2e-4
 """m/s; the correction of an axis may always move as fast."""
-HEADROOM = 4.0
+_HEADROOM = 4.0
 """The correction may move as many times faster than the axes that are looked up ask for at their stated speed."""
+_POINT = re.compile(r"\s*setp\s+\S*[xy]-val-\d+\s")
+_CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
 
-@dataclass(frozen=True, slots=True)
-class Wiring:
+class Wiring(NamedTuple):
     """What the text must know of the machine.
 
     joints : numbers of the joints of each axis; speeds : of each axis, m/s; unit : of the configuration, mm or in
@@ -40,50 +44,38 @@ class Wiring:
     speeds: Mapping[str, float]
     unit: str = "mm"
 
-    def labels(self, axis: str) -> dict[int, str]:
-        """Return what the signals of each joint of an axis are called: x, or y-joint-1 where there are several."""
-        numbers, low = self.joints[axis], axis.lower()
-        return {n: low if len(numbers) == 1 else f"{low}-joint-{n}" for n in numbers}
-
 
 def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
     """Return the HAL text; tables : over other axes, 16 points at most.  Raises TableError."""
+    own, overs = dict[str, list[CompensationTable]](), dict[str, list[str]]()
     for table in tables:
         _refuse_what_it_cannot_hold(table, wiring)
-    axes, overs = (dict.fromkeys(getattr(table, key) for table in tables) for key in ("axis", "over"))
-    moved = [_moved(axis, [table for table in tables if table.axis == axis], wiring) for axis in axes]
-    joints = {over: [_name(table) for table in tables if table.over == over] for over in overs}
+        own.setdefault(table.axis, []).append(table)
+        overs.setdefault(table.over, []).append(_name(table))
+    moved = list[dict[str, object]]()
+    for axis, mine in own.items():
+        (first, *parts), low, numbers = map(_name, mine), axis.lower(), wiring.joints[axis]
+        joints = [(n, low if len(numbers) == 1 else f"{low}-joint-{n}") for n in numbers]
+        speed = f"{to_unit(fastest(mine, wiring.speeds), wiring.unit):.6g}"
+        told = {"low": low, "first": first, "parts": parts, "fastest": speed, "joints": joints}
+        moved.append({"axis": axis, **told})
+    curves = [{"name": _name(table), "points": _points(table, wiring.unit)} for table in tables]
+    positions = [(over.lower(), wiring.joints[over][0], names) for over, names in overs.items()]
+    values = {"ramp": f"{RAMP:g}", "slope": f"{1 / RAMP:g}", "headroom": f"{_HEADROOM:g}"}
     return rendered(
-        "axiscal.ports.linuxcnc",
-        "cross.hal.jinja",
-        curves=[{"name": _name(table), "points": _points(table, wiring.unit)} for table in tables],
-        positions=[(over.lower(), wiring.joints[over][0], names) for over, names in joints.items()],
-        moved=moved,
-        labels=[label for axis in moved for _, label in axis["joints"]],
-        ramp=f"{RAMP:g}",
-        slope=f"{1 / RAMP:g}",
-        headroom=f"{HEADROOM:g}",
+        "axiscal.ports.linuxcnc", "cross.hal.jinja", curves=curves, positions=positions, moved=moved, **values
     )
-
-
-def _moved(axis: str, own: Sequence[CompensationTable], wiring: Wiring) -> dict[str, Any]:
-    """Return an axis that is moved: its first curve, those that are added to it, its joints."""
-    first, *parts = map(_name, own)
-    speed, joints = f"{to_unit(fastest(own, wiring.speeds), wiring.unit):.6g}", [*wiring.labels(axis).items()]
-    return {"axis": axis, "low": axis.lower(), "first": first, "parts": parts, "fastest": speed, "joints": joints}
 
 
 def _refuse_what_it_cannot_hold(table: CompensationTable, wiring: Wiring) -> None:
     if (count := len(table.positions)) > POINTS:
         what = "the table of {axis} over {over} has {count} points, a lincurve holds {most}"
-        raise TableError(what, _FITS, axis=table.axis, over=table.over, count=count, most=POINTS)
+        remedy = "{most} points fit: set them further apart"
+        raise TableError(what, remedy, axis=table.axis, over=table.over, count=count, most=POINTS)
     for axis in (table.axis, table.over):
         if axis not in wiring.joints or len(axis) != 1:
             remedy = "Give its number; known are {known}"
             raise TableError("{axis} has no joint in LinuxCNC", remedy, axis=axis, known=", ".join(wiring.joints))
-
-
-_FITS = "{most} points fit: set them further apart"
 
 
 def _name(table: CompensationTable) -> str:
@@ -98,5 +90,34 @@ def _points(table: CompensationTable, unit: str) -> list[tuple[float, float]]:
 
 def fastest(own: Sequence[CompensationTable], speeds: Mapping[str, float]) -> float:
     """Return how fast the correction of an axis may move, m/s."""
-    asked = (float(np.max(np.abs(np.diff(t.forward) / np.diff(t.positions)))) * speeds[t.over] for t in own)
-    return max(LEAST_SPEED, HEADROOM * sum(asked))
+    return max(_LEAST_SPEED, _HEADROOM * sum(steepest(table) * speeds[table.over] for table in own))
+
+
+def steepest(table: CompensationTable) -> float:
+    """Return the largest slope of a table."""
+    return float(np.max(np.abs(np.diff(table.forward) / np.diff(table.positions))))
+
+
+def read(file: OldFile, machine: Machine, unit: str, untaken: list[InputError]) -> list[CompensationTable]:
+    """Return the curves of axes over other axes in a HAL text; untaken : takes points that are of none."""
+    found = dict[tuple[str, str], dict[str, dict[int, float]]]()
+    for line, text in enumerate(file.text.splitlines(), 1):
+        curve = _CURVE.search(text)
+        if curve is None and _POINT.match(text):
+            what, remedy = "{text!r} names no axis over another one", "name the curve as in setp y-x.x-val-00 0"
+            untaken.append(TableError(what, remedy, file.name, line, text=text.strip()[:60]))
+        if curve is not None:
+            if (number := number_or_none(curve[5])) is None:
+                remedy = "give the HAL file as it is"
+                raise TableError("{text!r} is no number of a curve", remedy, file.name, text=curve[5][:40])
+            sides = found.setdefault((curve[1].upper(), curve[2].upper()), {"x": {}, "y": {}})
+            sides[curve[3]][int(curve[4])] = number
+    tables = []
+    for (moved, over), sides in found.items():
+        x, y = (np.array([sides[side][i] for i in sorted(sides[side])]) for side in "xy")
+        if len(x) != len(y) or np.any(np.diff(x) <= 0):
+            remedy = "give the HAL file as it is"
+            raise TableError("the curve of {moved} over {over} is not whole", remedy, file.name, moved=moved, over=over)
+        at, added = (from_unit(each, "deg" if machine.axis(n).rotary else unit) for n, each in ((over, x), (moved, y)))
+        tables.append(CompensationTable(moved, at, -added, -added, over=over))
+    return tables

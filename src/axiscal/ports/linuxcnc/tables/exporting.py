@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.document.file import number_or_none
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import said
@@ -27,15 +26,10 @@ from axiscal.units import from_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
-_CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
-
-_POINT = re.compile(r"\s*setp\s+\S*[xy]-val-\d+\s")
 _LARGEST = 1e6
 """In the machine's unit: a kilometre in millimetres, which no table corrects."""
-
-MOST_TURNS = 5
+_MOST_TURNS = 5
 """256 rows hold five turns of 51 points."""
-
 _HAL_FILE = "axiscal-cross.hal"
 
 
@@ -53,78 +47,70 @@ class Linuxcnc(TableFormat):
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return tables of axes over as many turns as they make, and curves of axes over others."""
         machine = estimate.machine
-        new = tuple(one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
-        own = tuple(over_turns(t, machine) for t in options.old.alone(within=True).under_tables(new, machine, ROWS))
+        new = tuple(_one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
+        own = tuple(_over_turns(t, machine) for t in options.old.alone(within=True).under_tables(new, machine, ROWS))
         across = cross_tables(estimate, most=cross.POINTS, uneven=options.spacing is None)
         across = options.old.alone(within=False).under_tables(across, machine, cross.POINTS, even=True)
         return (*own, *(t.averaged() for t in across))  # a lincurve has no direction
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files."""
-        speeds, linear = {axis.name: axis.speed for axis in machine.axes}, options.unit_of(machine)
+        linear, speeds = options.unit_of(machine), {axis.name: axis.speed for axis in machine.axes}
         wiring = cross.Wiring(options.joints(machine), speeds, linear)
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
-        files, said = dict[str, str](), dict[str, None]()
+        files, said, steps = dict[str, str](), dict[str, None](), list[tuple[str, float]]()
         for table in own:
-            axis, unit = machine.axis(table.axis), table.value_unit(linear)
+            acceleration, unit = machine.axis(table.axis).acceleration, table.value_unit(linear)
             files[f"{table.axis}.comp"] = write(table, unit)
-            said |= dict.fromkeys(notes(table, unit, wiring.joints[table.axis], axis.acceleration))
-        files |= {_HAL_FILE: cross.write(over, wiring)} if over else {}
+            steps.append((table.axis, resolution(table, unit)))
+            said |= dict.fromkeys(notes(table, unit, wiring.joints[table.axis], acceleration))
+        value, position = (float(from_unit(last, linear)) for last in (1e-7, 1e-6))
+        steps += [(table.axis, value + cross.steepest(table) * position) for table in over]
         each = f"one COMP_FILE for each of {', '.join(table.axis for table in own)} (own positions, both directions)"
-        moves = "HAL text that moves linear axes over the positions of other linear axes"
-        holds = f"{' and '.join([*([each] if own else []), *([moves] if over else [])])}."
-        return Written(files, _resolution(own, over, linear), (*said, *_hal_notes(machine, over)), holds)
+        holds = [each] if own else []
+        if over:
+            files[_HAL_FILE] = cross.write(over, wiring)
+            holds.append("HAL text that moves linear axes over the positions of other linear axes")
+            said[
+                f"{_HAL_FILE} corrects axes over other axes: its first lines say how to wire it. Without it the "
+                "COMP_FILEs work alone. It acts once all joints are homed, within a second, and stops acting while one "
+                "is not."
+            ] = None
+        if any(axis.rotary for axis in machine.axes):
+            acts = "COMP_FILEs act on joints: with xyzac-trt-kins and its kin they are right as well, the HAL text too."
+            said[acts] = None
+        return Written(files, summed(steps), tuple(said), f"{' and '.join(holds)}.")
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what files did, by what they say alone; raises TableError."""
-        joints, unit = options.joints(machine), options.unit_of(machine)
+        joints, linear = options.joints(machine), options.unit_of(machine)
         tables, untaken = list[CompensationTable](), list[InputError]()
         for file in files:
-            if file.unit not in ("", unit):
+            if file.unit not in ("", linear):
                 what = "its INI file counts lengths in another unit than {new}, in which new tables would be"
-                raise TableError(what, "say --unit {its}", file.name, its=file.unit, new=unit)
+                raise TableError(what, "say --unit {its}", file.name, its=file.unit, new=linear)
             if file.name.lower().endswith(".hal"):
-                tables += _curves(file, machine, unit, untaken)
-            elif file.backlash:
-                axis = _axis(file, machine, joints)
-                lost = float(from_unit(file.backlash, "deg" if machine.axis(axis).rotary else unit))
-                tables += lost_motion(machine, {axis: lost})  # half to each side, as motion adds it (control.c)
+                tables += cross.read(file, machine, linear, untaken)
+                continue
+            axis = _axis(file, machine, joints)
+            unit = "deg" if machine.axis(axis).rotary else linear
+            if file.backlash:  # half to each side, as motion adds it (control.c)
+                tables += lost_motion(machine, {axis: float(from_unit(file.backlash, unit))})
             else:
-                tables += _table(file, _axis(file, machine, joints), machine, unit, untaken)
+                tables.append(_table(file, axis, unit, untaken))
         return Loaded(tuple(tables), untaken=tuple(untaken))
 
 
-def _resolution(own: Sequence[CompensationTable], over: Sequence[CompensationTable], linear: str) -> dict[str, float]:
-    value, position = (float(from_unit(last, linear)) for last in (1e-7, 1e-6))
-    alone = [(table.axis, resolution(table, table.value_unit(linear))) for table in own]
-    slopes = ((t.axis, float(np.max(np.abs(np.diff(t.forward) / np.diff(t.positions))))) for t in over)
-    return summed([*alone, *((axis, value + steepest * position) for axis, steepest in slopes)])
-
-
-def _hal_notes(machine: Machine, over: Sequence[CompensationTable]) -> tuple[str, ...]:
-    notes = []
-    if over:
-        notes.append(
-            f"{_HAL_FILE} corrects axes over other axes: its first lines say how to wire it. Without it the COMP_FILEs "
-            "work alone. It acts once all joints are homed, within a second, and stops acting while one is not."
-        )
-    if any(axis.rotary for axis in machine.axes):
-        notes.append(
-            "COMP_FILEs act on joints: with xyzac-trt-kins and its kin they are right as well, the HAL text too."
-        )
-    return tuple(notes)
-
-
-def one_turn(estimate: Estimate, table: CompensationTable) -> CompensationTable:
+def _one_turn(estimate: Estimate, table: CompensationTable) -> CompensationTable:
     """Return the table of a full-turn axis on as few points that all its turns fit; any other table as it is."""
     axis = estimate.machine.axis(table.axis)
-    fits = (ROWS - 1) // (sum(turns(axis)) + 1)
+    fits = (ROWS - 1) // (sum(_turns(axis)) + 1)
     if not axis.cyclic or len(table.positions) - 1 <= fits:
         return table
     return own_table(estimate, estimate.machine.index(axis.name), np.linspace(*axis.travel, fits + 1), uneven=True)
 
 
-def over_turns(table: CompensationTable, machine: Machine) -> CompensationTable:
+def _over_turns(table: CompensationTable, machine: Machine) -> CompensationTable:
     """Return a table of one turn repeated over the turns that its axis may make; any other table as it is.
 
     The end of one turn is the beginning of the next.
@@ -132,53 +118,55 @@ def over_turns(table: CompensationTable, machine: Machine) -> CompensationTable:
     axis, count = machine.axis(table.axis), len(table.positions)
     if not (axis.cyclic and np.allclose(table.positions[[0, -1]], axis.travel)):
         return table
-    below, above = turns(axis)
+    below, above = _turns(axis)
     shifts = 2 * np.pi * np.arange(-below, above + 1)
     again = np.append(np.tile(np.arange(count - 1), len(shifts)), count - 1)
     at = np.append((shifts[:, None] + table.positions[:-1]).ravel(), shifts[-1] + table.positions[-1])
-    forward, reverse, std = (values[again] for values in (table.forward, table.reverse, table.std))
-    return replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=table.prior_only[again])
+    sides = {name: getattr(table, name)[again] for name in ("forward", "reverse", "std", "prior_only")}
+    return replace(table, positions=at, **sides)
 
 
-def turns(axis: Axis) -> tuple[int, int]:
+def _turns(axis: Axis) -> tuple[int, int]:
     """Return the turns below and above the travel that a table holds: two each where nobody said, never over five."""
-    below, above = axis.turns or (MOST_TURNS // 2, MOST_TURNS // 2)
-    spare = MOST_TURNS - 1
+    below, above = axis.turns or (_MOST_TURNS // 2, _MOST_TURNS // 2)
+    spare = _MOST_TURNS - 1
     low = min(below, max(spare // 2, spare - above))
     return low, min(above, spare - low)
 
 
 def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) -> str:
     """Return the axis that a file is for: as said, by its joint, or by its name, X.comp or joint0.comp."""
-    names = {axis.name.casefold(): axis.name for axis in machine.axes}
     if file.axis:
         return machine.axis(file.axis).name
-    number = file.joint
-    if number is None and (numbered := re.search(r"joint_?(\d+)", file.stem, re.IGNORECASE)):
-        number = int(numbered[1])
+    numbered = re.search(r"joint_?(\d+)", file.stem, re.IGNORECASE)
+    number = int(numbered[1]) if file.joint is None and numbered else file.joint
     owners = [axis for axis, numbers in joints.items() if number in numbers]
-    if owners:
-        return owners[0]
-    for word in re.split(r"[^A-Za-z0-9]+", file.stem):
-        if word.casefold() in names:
-            return names[word.casefold()]
-    remedy = "write --on-top-of X={path}"
-    raise TableError("nothing says which axis this table is for", remedy, file.name, path=file.name)
+    words = {word.casefold() for word in re.split(r"[^A-Za-z0-9]+", file.stem)}
+    owners += [axis.name for axis in machine.axes if axis.name.casefold() in words]
+    if not owners:
+        remedy = "write --on-top-of X={path}"
+        raise TableError("nothing says which axis this table is for", remedy, file.name, path=file.name)
+    return owners[0]
 
 
-def _table(
-    file: OldFile, axis: str, machine: Machine, machine_unit: str, untaken: list[InputError]
-) -> list[CompensationTable]:
-    kept = _parsed(file, _type(file))
+def _table(file: OldFile, axis: str, unit: str, untaken: list[InputError]) -> CompensationTable:
+    """Return the table of a file as LinuxCNC keeps it.
+
+    COMP_FILE_TYPE is found from the values where nobody said: those of Type 0 go with the nominal ones.
+    """
+    kind = file.file_type
+    if kind is None:
+        rows = _parsed(file, 1)
+        kind = int(len(rows.nominal) > 1 and np.ptp(rows.forward) <= 0.5 * np.ptp(rows.nominal))
+    kept = _parsed(file, kind)
     if not len(kept.nominal):
         raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
     lines, remedy = file.text.split("\n"), said("take it out, or mend it: rows increase, 256 of them at most")
-    skipped = {number: lines[number - 1].strip()[:40] for number in kept.skipped}
-    whats = {text: said("LinuxCNC skips this row: {text!r}", text=text) for text in set(skipped.values())}
-    untaken += [TableError(whats[text], remedy, file.name, number) for number, text in skipped.items()]
-    unit = "deg" if machine.axis(axis).rotary else machine_unit
+    for number in kept.skipped:
+        text = lines[number - 1].strip()[:40]
+        untaken.append(TableError("LinuxCNC skips this row: {text!r}", remedy, file.name, number, text=text))
     at, forward, reverse = (from_unit(values, unit) for values in (kept.nominal, kept.forward, kept.reverse))
-    return [CompensationTable(axis, at, -forward, -reverse)]
+    return CompensationTable(axis, at, -forward, -reverse)
 
 
 def _parsed(file: OldFile, file_type: int) -> LinuxcncTable:
@@ -187,38 +175,3 @@ def _parsed(file: OldFile, file_type: int) -> LinuxcncTable:
         remedy = "give the file as the control loads it"
         raise TableError("it has a number that is too large for a machine", remedy, file.name)
     return kept
-
-
-def _type(file: OldFile) -> int:
-    """Return COMP_FILE_TYPE, found from the values where nobody said: those of Type 0 go with the nominal ones."""
-    if file.file_type is not None:
-        return file.file_type
-    rows = _parsed(file, 1)
-    if len(rows.nominal) < 2:
-        return 0
-    slope = np.ptp(rows.forward) / np.ptp(rows.nominal)
-    return 0 if slope > 0.5 else 1
-
-
-def _curves(file: OldFile, machine: Machine, unit: str, untaken: list[InputError]) -> list[CompensationTable]:
-    """Return the curves of axes over other axes."""
-    found: dict[tuple[str, str], dict[str, dict[int, float]]] = {}
-    for line, text in enumerate(file.text.splitlines(), 1):
-        if _POINT.match(text) and not _CURVE.search(text):
-            what, remedy = "{text!r} names no axis over another one", "name the curve as in setp y-x.x-val-00 0"
-            untaken.append(TableError(what, remedy, file.name, line, text=text.strip()[:60]))
-    for moved, over, side, place, value in _CURVE.findall(file.text):
-        if (number := number_or_none(value)) is None:
-            remedy = "give the HAL file as it is"
-            raise TableError("{text!r} is no number of a curve", remedy, file.name, text=value[:40])
-        found.setdefault((moved.upper(), over.upper()), {"x": {}, "y": {}})[side][int(place)] = number
-    tables = []
-    for (moved, over), sides in found.items():
-        x, y = (np.array([sides[side][i] for i in sorted(sides[side])]) for side in "xy")
-        if len(x) != len(y) or np.any(np.diff(x) <= 0):
-            remedy = "give the HAL file as it is"
-            raise TableError("the curve of {moved} over {over} is not whole", remedy, file.name, moved=moved, over=over)
-        units = ["deg" if machine.axis(name).rotary else unit for name in (over, moved)]
-        taken = -from_unit(y, units[1])
-        tables.append(CompensationTable(moved, from_unit(x, units[0]), taken, taken, over=over))
-    return tables

@@ -78,11 +78,31 @@ STEEPEST = 0.5
 
 def write(table: CompensationTable, unit: str) -> str:
     """Return the text; `unit` is the machine's, mm or in, deg.  Raises TableError if it does not fit."""
-    _refuse_what_it_cannot_hold(table)
+    count, span = len(table.positions), float(np.ptp(table.positions))
+    if count > ROWS:
+        fits = format_quantity(math.ceil(span / (ROWS - 1) * 1e6) / 1e6, table.unit)
+        what = "the table of {axis} has {count} points, a LinuxCNC COMP_FILE holds {most}"
+        remedy = "{most} points fit: over this travel one every {fits} or wider"
+        raise TableError(what, remedy, axis=table.axis, count=count, most=ROWS, fits=fits)
+    slopes = np.max([np.abs(np.diff(side)) for side in (table.forward, table.reverse)], axis=0) / np.diff(
+        table.positions
+    )
+    if np.any(slopes > STEEPEST):
+        where = format_quantity(float(table.positions[int(np.argmax(slopes))]), table.unit)
+        what = "the deviation of {axis} after {where} changes by more than {most} of the way"
+        remedy = "LinuxCNC cannot follow that; check the units of the readings"
+        raise TableError(what, remedy, axis=table.axis, where=where, most=f"{STEEPEST:.0%}")
     nominal = to_unit(table.positions, unit)
     forward, reverse = (nominal + to_unit(side, unit) for side in (table.forward, table.reverse))
     columns = np.round(np.array([nominal, forward, reverse]), 6) + 0.0
-    _refuse_equal_positions(table, columns[0], unit)
+    equal = np.flatnonzero(np.diff(columns[0]) <= 0)
+    if equal.size:
+        what, position = (
+            "two points of {axis} at {position:.6f} {unit} are one in the six decimals of the file",
+            columns[0],
+        )
+        remedy = "set the points at least {step:.6f} {unit} apart"
+        raise TableError(what, remedy, axis=table.axis, position=position[equal[0]], unit=unit, step=1e-6)
     return "".join("{:.6f} {:.6f} {:.6f}\n".format(*row) for row in columns.T)
 
 
@@ -90,31 +110,6 @@ def resolution(table: CompensationTable, unit: str) -> float:
     """Return what rounding may leave, m or rad: six decimals in both columns, trims kept in 32 bits."""
     largest = max(float(np.max(np.abs(table.forward))), float(np.max(np.abs(table.reverse))))
     return float(from_unit(2e-6, unit)) + 3e-7 * largest
-
-
-def _refuse_what_it_cannot_hold(table: CompensationTable) -> None:
-    n = len(table.positions)
-    span = float(table.positions[-1] - table.positions[0])
-    if n > ROWS:
-        fits = format_quantity(math.ceil(span / (ROWS - 1) * 1e6) / 1e6, table.unit)
-        what = "the table of {axis} has {count} points, a LinuxCNC COMP_FILE holds {most}"
-        remedy = "{most} points fit: over this travel one every {fits} or wider"
-        raise TableError(what, remedy, axis=table.axis, count=n, most=ROWS, fits=fits)
-    for values in (table.forward, table.reverse):
-        slopes = np.abs(np.diff(values)) / np.diff(table.positions)
-        if np.any(slopes > STEEPEST):
-            where = format_quantity(float(table.positions[int(np.argmax(slopes))]), table.unit)
-            what = "the deviation of {axis} after {where} changes by more than {most} of the way"
-            remedy = "LinuxCNC cannot follow that; check the units of the readings"
-            raise TableError(what, remedy, axis=table.axis, where=where, most=f"{STEEPEST:.0%}")
-
-
-def _refuse_equal_positions(table: CompensationTable, nominal: Array, unit: str) -> None:
-    equal = np.flatnonzero(np.diff(nominal) <= 0)
-    if equal.size:
-        what = "two points of {axis} at {position:.6f} {unit} are one in the six decimals of the file"
-        remedy = "set the points at least {step:.6f} {unit} apart"
-        raise TableError(what, remedy, axis=table.axis, position=nominal[equal[0]], unit=unit, step=1e-6)
 
 
 def notes(table: CompensationTable, unit: str, joints: Sequence[int], acceleration: float) -> tuple[str, ...]:
