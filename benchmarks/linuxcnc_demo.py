@@ -35,7 +35,7 @@ from axiscal.tables.registry import export
 from axiscal.tables.surface import left_by, rms
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
-from tests.linuxcnc.lab import can_load
+from tests.linuxcnc.lab import can_compile
 from tests.linuxcnc.virtual import EXAMPLES, Build, LinuxcncMachine, description
 
 _WHAT = {
@@ -99,7 +99,7 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
             campaign.run(SimulatedSource(control.seen, seed), _unwatched)
         estimation, readings = campaign.estimate(ended=True), len(campaign.state.readings)
     offers = [export(estimation.estimate(), "linuxcnc", options)]
-    if can_load("axiscal_vcomp"):
+    if can_compile():
         offers.append(export(estimation.estimate(), "linuxcnc-volumetric", options))
     for offered in offers:
         write_files(offered, out / offered.controller / name)

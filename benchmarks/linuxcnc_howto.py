@@ -294,7 +294,7 @@ def main(arguments: list[str]) -> int:
     work = Path(tempfile.mkdtemp(prefix="axiscal-howto-", dir=BASE))
     try:
         work.chmod(0o755)
-        add_modules(work, {"axiscal_balls.comp": BALLS}, apart=True)
+        add_modules(work, {"axiscal_balls.comp": BALLS})
         mounts = " && ".join([_own_tmp(work), *mounted(work)])
         again = shlex.join([sys.executable, "-m", "benchmarks.linuxcnc_howto", "--inside", str(work)])
         path = {"PYTHONPATH": ":".join(str(Path(part).resolve()) for part in (".", "src"))}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from typing import TYPE_CHECKING
 
 import pytest
@@ -69,31 +69,10 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
-def _skipped(config: pytest.Config) -> list[str]:
-    """Return one line per skipped test; empty in the workers of a distributed run."""
-    reporter = config.pluginmanager.get_plugin("terminalreporter")
-    reports = reporter.stats.get("skipped", []) if reporter is not None else []
-    return sorted({f"{report.nodeid}: {_reason(report.longrepr)}" for report in reports})
-
-
-def _reason(longrepr: object) -> str:
-    """Return the sentence given to the skip."""
-    text = longrepr[2] if isinstance(longrepr, tuple) else longrepr
-    return str(text).removeprefix("Skipped: ")
-
-
-@pytest.hookimpl(trylast=True)
-def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Fail a run in which a test was skipped, where AXISCAL_NO_SKIPS=1 says that nothing may be missing."""
-    if os.environ.get("AXISCAL_NO_SKIPS") == "1" and _skipped(session.config) and session.exitstatus == 0:
-        session.exitstatus = pytest.ExitCode.TESTS_FAILED
-
-
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """List what was skipped as the failure that it is."""
-    skipped = _skipped(terminalreporter.config)
-    if os.environ.get("AXISCAL_NO_SKIPS") != "1" or not skipped:
-        return
-    terminalreporter.section("skipped, and AXISCAL_NO_SKIPS=1 allows no skip", red=True)
-    for line in skipped:
-        terminalreporter.line(line)
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Fail a test that is skipped, where AXISCAL_NO_SKIPS=1 says that nothing may be missing."""
+    report = yield
+    if report.skipped and os.environ.get("AXISCAL_NO_SKIPS") == "1":
+        report.outcome, report.longrepr = "failed", f"AXISCAL_NO_SKIPS=1 allows no skip: {report.longrepr}"
+    return report

@@ -1,7 +1,5 @@
 """Screws under a bed: a tilted map becomes turns of each, in the words of Klipper."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

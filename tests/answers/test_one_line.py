@@ -1,7 +1,5 @@
 """A machine of which displacements of one axis alone are described knows the line that was read, and no volume."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

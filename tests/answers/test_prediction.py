@@ -1,7 +1,5 @@
 """Predictions of the tool point: drawn machines, the ends of each travel, what is left out."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace

@@ -3,8 +3,6 @@
 The truth is a machine that goes where other coordinates, or other axis lines, would bring it, by its exact chain.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache

@@ -1,17 +1,14 @@
-"""A record, and a type, of before knots stood at a quarter of the length: they keep their knots and their figures."""
+"""A record of before knots stood at a quarter of the length: it keeps its knots and its figures."""
 
 import json
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.estimation.inheritance import inherited
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.record.carried import carried_text
 from axiscal.record.events import Created
 from axiscal.record.payload import decode, encode
 from axiscal.record.store import Record
@@ -81,16 +78,3 @@ def test_a_record_of_before_keeps_its_knots_and_its_figures(tmp_path: Path) -> N
     assert not np.allclose(std, figures(new)[1], rtol=1e-3)
     with Campaign.open(new) as campaign:
         assert campaign.case().errors.by_name["EXX"].spline.size == 17
-
-
-def test_what_lies_between_its_knots_is_not_known_from_it(tmp_path: Path) -> None:
-    """What its nine knots cannot hold of a curve of seventeen (scipy's natural splines) is as the prior states."""
-    old = written(tmp_path / "old.axiscal", described(), before=True)
-    new = described()
-    errors, knots = new.machine, np.linspace(0.0, 0.6, 17)
-    found = inherited(carried_text(old), errors)
-    held = CubicSpline(knots[::2], np.eye(9), bc_type="natural")(knots)
-    beyond = np.linalg.qr(held, mode="complete")[0][:, 9:]
-    stated = beyond.T @ errors.covariance() @ beyond
-    np.testing.assert_allclose(beyond.T @ found.covariance @ beyond, stated, rtol=1e-6, atol=1e-6 * stated.max())
-    assert np.sqrt(np.diagonal(found.covariance)).min() > 0.5e-6

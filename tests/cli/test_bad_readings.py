@@ -1,7 +1,5 @@
 """A reading that is not believed, through the command line: complained of under the number that a program gave it."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """An instrument that came with a record runs only where somebody said yes to its text on this computer."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import py_compile

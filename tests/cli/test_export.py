@@ -1,7 +1,5 @@
 """`axiscal export`: files with what they leave, or one sentence and nothing written."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A signed record whose readings somebody changed, sums and chain made anew: no command goes on with it unsaid."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

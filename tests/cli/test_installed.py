@@ -1,7 +1,5 @@
 """The program without a checkout: the wheel, installed in an environment of its own."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

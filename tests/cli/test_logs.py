@@ -1,7 +1,5 @@
 """`plan --gcode --log`, `estimate --log`, `record --log`: from a plan over a control's log to what is known."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

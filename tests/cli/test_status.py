@@ -1,7 +1,5 @@
 """`axiscal status FOLDER`: a line for each record, as it stands there, and what it needs next."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Texts that people and programs type: none steers a terminal, damages a record or ends in a traceback."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """`python -m tests.controls [--only NAME]`: every control that is here, a row each."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

@@ -4,8 +4,6 @@
 `Move::ApplyBacklashCompensation` takes the whole of `M425` off once an axis moves backwards.
 """
 
-from __future__ import annotations
-
 import re
 import subprocess
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Where the controls come from: archives of their sources, unpacked and built once, and the Python that runs them."""
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import os

@@ -1,7 +1,5 @@
 """Klipper's own host in batch mode: where each motor goes, by the steps that it would send to the micro-controller."""
 
-from __future__ import annotations
-
 import re
 import time
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """Klipper's own bed mesh: its height at places, and the nodes that it counts, in a Python of its own."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """A machine that is known to the last digit, what is exported for it, and what a control that has the files leaves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

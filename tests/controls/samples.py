@@ -1,7 +1,5 @@
 """Every sample configuration of LinuxCNC: from its INI to tables that the component reads, or refused by `init`."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 from tempfile import TemporaryDirectory

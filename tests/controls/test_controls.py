@@ -1,7 +1,5 @@
 """Real controls do what our exports say, to 1 % of the correction, and take the errors of a machine away."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.controls.fetched import MissingError

@@ -13,7 +13,7 @@ from tests.controls import duet, klipper_host
 from tests.controls.fetched import MissingError, run
 from tests.controls.known import BED, OWN, SQUARE, STRAIGHT, TURNS, Known, Row, known
 from tests.controls.samples import counted
-from tests.linuxcnc.lab import available, can_load
+from tests.linuxcnc.lab import available, can_compile
 from tests.linuxcnc.virtual import LinuxcncMachine
 
 LOST = {f"E{axis}{axis}_reversal": "20 um" for axis in "XYZ"}
@@ -58,7 +58,7 @@ def linuxcnc() -> Row:
 
 def linuxcnc_volumetric() -> Row:
     """The component in the LinuxCNC that is installed."""
-    if not can_load("axiscal_vcomp"):
+    if not can_compile():
         raise MissingError("gcc and linuxcnc-uspace-dev are not installed")
     machine = known(OWN, LOST, STRAIGHT, SQUARE, TURNS, BED)
     return _on_linuxcnc("linuxcnc-volumetric", "axiscal_vcomp in the servo thread", machine)

@@ -86,20 +86,6 @@ print(threads())
     assert said(script, tmp_path).split("\n") == ["[1]", "[2]"]
 
 
-def test_a_door_that_is_opened_before_numpy_is_loaded_holds_it(tmp_path: Path) -> None:
-    script = """
-import os, sys
-os.environ["OPENBLAS_NUM_THREADS"] = "2"
-from axiscal_core.threads import one_thread
-with one_thread():
-    assert "numpy" not in sys.modules
-    import axiscal.numerics
-    from threadpoolctl import threadpool_info
-    print([library["num_threads"] for library in threadpool_info()])
-"""
-    assert said(script, tmp_path, "") == "[1]"
-
-
 @pytest.mark.long
 def test_every_command_computes_with_one_thread(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)

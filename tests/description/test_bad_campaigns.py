@@ -1,7 +1,5 @@
 """Campaign files that are wrong: each ends in one failure that names file, line, value and remedy."""
 
-from __future__ import annotations
-
 import contextlib
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """How fast a zero may wander where a set-up is silent, says that it is warm, or says that nothing drifts."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Readings that do not fit their set-up or machine: each refusal says what is wrong and what would be right."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

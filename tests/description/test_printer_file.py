@@ -1,7 +1,5 @@
 """Machines from a printer.cfg of Klipper, and files that are none."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

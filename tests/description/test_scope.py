@@ -1,7 +1,5 @@
 """Machines of another kind: robots are described as their page says; what is out of scope is refused with its page."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Where a tracker sees the tool: within its range, and within the cone of its reflector; and what is refused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

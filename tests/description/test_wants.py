@@ -1,7 +1,5 @@
 """Rows that a target asks for: what is understood, refused with its line, or described and read by nobody."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

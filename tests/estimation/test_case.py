@@ -1,4 +1,4 @@
-"""What a case makes of its description: prior, stations, scales, sides; a problem keeps every variance."""
+"""What a case makes of its description: sides that are allowed; a problem keeps every variance."""
 
 from dataclasses import replace
 
@@ -8,30 +8,16 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise import problem
-from axiscal.estimation.promise.problem import MOST_COLUMNS, Inherited
+from axiscal.estimation.promise.problem import MOST_COLUMNS
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.columns import PlaneUnknowns
 from axiscal_core.problem import MOST_NUMBERS, Problem
 from tests.generators import laser_axis
-from tests.generators.campaigns import mixed
 from tests.generators.dense_posterior import Dense
 from tests.generators.problems import asked
 from tests.generators.texts import campaign_text, setup_text
-
-
-def test_what_is_to_be_learnt_is_what_the_campaign_says_and_of_an_inherited_prior_what_readings_alone_suffer() -> None:
-    plain = mixed('sure = "exactly"\nusual = "off"')
-    assert plain.sizes.of == ()
-    learning = mixed()
-    kinds = {size.kind for size in learning.sizes.of}
-    assert {"std", "reversal", "noise", "rest", "drift", "cycle", "growth", "way"} <= kinds
-    size = learning.errors.size
-    left = replace(learning, inherited=Inherited(np.zeros(size), np.eye(size))).sizes
-    alone = ("noise", "rest", "drift", "cycle", "growth", "way")
-    assert left.of == tuple(each for each in learning.sizes.of if each.kind in alone)
-
 
 SIDES = campaign_text(
     "m", setup_text("laser", "interferometer", direction="x", approach="{approach}"), target={"readings": 1}

@@ -124,18 +124,6 @@ def test_a_step_is_named_beside_a_bad_reading() -> None:
     assert named(estimated(foreign_case(DIAL), readings)) == [("jump", 9)]
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("times", [1.0, 4.0])
-def test_of_two_dozen_right_records_none_has_a_jump(times: float) -> None:
-    """Nor where the curves are four times as large as stated, and rough."""
-    found = list[object]()
-    for seed in range(24):
-        setup, count = (DIAL, LASER)[seed % 2], (9, 15, 18, 28)[seed // 2 % 4]
-        readings = foreign_readings(setup, count, 1000 + seed, times * (4e-6 if setup is DIAL else 10e-6))
-        found += named(estimated(foreign_case(setup), readings))
-    assert found == []
-
-
 def _out_and_back(setup: str, runs: int, step: float) -> list[Reading]:
     """Return readings out and back, a step less on every way back, m, as a display of 1 um shows them."""
     case, out = foreign_case(setup), np.linspace(0.05, 0.55, 9)

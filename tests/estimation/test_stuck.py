@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.promise.sick import Repeats, stuck
+from axiscal.estimation.promise.sick import Repeats, _step, stuck
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import put_right
 from axiscal_core.draws import sized as weighed
@@ -70,6 +70,19 @@ def test_somebody_who_vouches_for_equal_values_is_believed() -> None:
     readings = _stuck(_shown(foreign_readings(LASER, 18, 3), 1e-6), 8)
     known = estimated(foreign_case(LASER), [replace(each, accepted=True) for each in readings])
     assert "stuck" not in {name for name, _ in named(known)}
+
+
+@pytest.mark.parametrize(
+    ("values", "step"),
+    [
+        ([12.4], 0.2), ([5.0], 1.0), ([0.0], 1.0), ([-31.0, 12.0, 25.0], 1.0), ([1.3, 12.4, 14.9], 0.1),
+        ([2.5, 5.1, 7.6, 12.7], 2.5), ([2.54, 7.62, 10.16], 2.54), ([0.123456789, 0.987654321, 5.55544433], 0.0),
+    ],
+)  # fmt: skip
+def test_the_step_of_a_display_is_its_last_digit_or_what_its_values_are_multiples_of(
+    values: list[float], step: float
+) -> None:
+    assert _step(np.array(values) * 1e-6, 1e-6) == pytest.approx(step * 1e-6)
 
 
 def test_readings_none_of_which_is_used_are_no_agreement_and_leave_no_uncertainty() -> None:

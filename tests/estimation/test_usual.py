@@ -1,23 +1,10 @@
 """Which sizes vary, and how: exp θ is log-normal where x is standard normal."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.stats import lognorm, norm
 
-from axiscal_core.theta import Kind, Size, Sizes, Sure
-from axiscal_core.usual import sizes_of
-from tests.generators.problems import case_of
-
-
-def test_one_error_may_be_known_and_another_not() -> None:
-    described = case_of("plate").description
-    errors = [replace(each, sure="exactly") if each.name == "EZX" else each for each in described.machine.stated]
-    plain = replace(described.machine, errors=tuple(errors))
-    sizes = sizes_of(plain, [], "roughly", usual=False)
-    assert sizes.index("std", "EZX") == sizes.index("length", "EZX") == -1
-    assert sizes.index("std", "EZY") >= 0
+from axiscal_core.theta import Kind, Size, Sizes
 
 
 def test_a_size_is_lognormal_about_what_is_stated() -> None:
@@ -29,17 +16,6 @@ def test_a_size_is_lognormal_about_what_is_stated() -> None:
         wanted = lognorm(spread, scale=median)
         np.testing.assert_allclose(wanted.cdf(np.exp(theta[:, column])), norm.cdf(x), rtol=1e-9)
     assert lognorm(1.4, scale=np.exp(-(1.4**2))).moment(2) == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize(("sure", "found"), [("roughly", True), ("exactly", False)])
-def test_a_stated_drift_is_learnt_as_noise_is(sure: Sure, found: bool) -> None:
-    """Without what usually goes wrong, and unless sizes are exact."""
-    described = case_of("axis").description
-    names = [each.name for each in described.setups]
-    assert (
-        sizes_of(described.machine, names, sure, usual=False, wandering=names).index("drift", names[0]) >= 0
-    ) == found
-    assert sizes_of(described.machine, names, sure, usual=False).index("drift", names[0]) < 0
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def plain_case(kind: str) -> Case:
     if kind == "axis":
         return _case(AXIS, _LASER)
     if kind == "plate":
-        return _case(warped((5, 4)), _PROBE)
+        return _case(warped((5, 4)).replace('rest = "2 um"', 'rest = "2 um", smoothness = 1.5'), _PROBE)
     if kind == "five axes":
         return _case(load_machine("dmu60").text, _NEST)
     text = load_machine("three-axis-mill").text

@@ -19,14 +19,13 @@ from tests.linuxcnc.running import (
     ControlError,
     add_modules,
     available,
-    can_load,
+    can_compile,
     fill,
     log_of,
-    spaces_allowed,
     started,
 )
 
-__all__ = ["Ending", "Joint", "Session", "Settings", "available", "can_load", "files", "run"]
+__all__ = ["Ending", "Joint", "Session", "Settings", "available", "can_compile", "files", "run"]
 
 _DRIVER = Path(__file__).with_name("driver.py")
 _START = 30.0
@@ -99,7 +98,7 @@ class Session:
 
     def __init__(self, joints: Sequence[Joint], settings: Settings | None = None, timeout: float = 60.0) -> None:
         if not available():
-            raise ControlError("LinuxCNC is not installed here", "Install the Debian package linuxcnc-uspace")
+            raise ControlError("LinuxCNC is not here with namespaces of its own", "Install Debian's linuxcnc-uspace")
         self.errors: tuple[str, ...] = ()
         self._timeout = timeout
         self._stack = ExitStack()
@@ -154,7 +153,7 @@ class Session:
         driver = _DRIVER.read_text(encoding="utf-8")
         fill(self._work, {"driver.py": driver, "job.json": job, **files(joints, settings)})
         if settings.sources:
-            add_modules(self._work, settings.sources, spaces_allowed())
+            add_modules(self._work, settings.sources)
         listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
         listener.bind(str(self._work / "socket"))
         listener.listen(1)

@@ -2,18 +2,13 @@
 
 import pytest
 
-from tests.linuxcnc.lab import available, can_load
+from tests.linuxcnc.lab import available, can_compile
 
 LINUXCNC = [
     pytest.mark.linuxcnc,
-    pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
+    pytest.mark.skipif(not available(), reason="needs Debian's linuxcnc-uspace, and namespaces"),
 ]
 LONG = [*LINUXCNC, pytest.mark.long]
-WITH_SPHERES = [
-    *LONG,
-    pytest.mark.skipif(not can_load("axiscal_balls"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
-]
-WITH_COMPONENT = [
-    *LINUXCNC,
-    pytest.mark.skipif(not can_load("axiscal_vcomp"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
-]
+_COMPILED = pytest.mark.skipif(not can_compile(), reason="needs Debian's linuxcnc-uspace-dev and gcc")
+WITH_COMPONENT = [*LINUXCNC, _COMPILED]
+WITH_SPHERES = [*LONG, _COMPILED]

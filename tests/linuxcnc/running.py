@@ -1,21 +1,18 @@
 """Debian's LinuxCNC as processes of a run, apart from everything else on the machine, and modules that it alone sees.
 
 LinuxCNC is one per machine: fixed shared-memory keys, one port, and a stop script that ends others by name.  So it gets
-its own namespaces where the kernel allows them. Elsewhere one run waits for the other, and none starts beside another
-LinuxCNC.
+its own namespaces, and does not start where the kernel allows none.
 
 LinuxCNC looks for modules in its own folder only. A copy of it, with a new module compiled by `halcompile`, is laid
 over it inside the namespace of the run; nothing is installed.
 """
 
-import fcntl
 import os
 import shutil
 import signal
 import subprocess
 import tempfile
-import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -35,14 +32,18 @@ NOBODY = 65534
 BASE = Path("/var/tmp")  # not /tmp, which the run gets anew
 
 
+@cache
 def available() -> bool:
-    """Return whether LinuxCNC is installed here."""
-    return shutil.which("linuxcnc") is not None
+    """Return whether LinuxCNC is installed here, and gets namespaces of its own."""
+    trial = [*SPACES, "sh", "-c", "mount -t tmpfs none /tmp"]
+    return (
+        shutil.which("linuxcnc") is not None and not subprocess.run(trial, capture_output=True, check=False).returncode
+    )
 
 
-def can_load(component: str) -> bool:
-    """Return whether a realtime component can be tried here: compiled, and installed or seen in the run's namespace."""
-    return can_compile() and (spaces_allowed() or (MODULES / f"{component}.so").exists())
+def can_compile() -> bool:
+    """Return whether realtime components can be compiled and tried here."""
+    return available() and shutil.which("halcompile") is not None and shutil.which("gcc") is not None
 
 
 def fill(work: Path, texts: Mapping[str, str]) -> None:
@@ -58,9 +59,9 @@ def fill(work: Path, texts: Mapping[str, str]) -> None:
 @contextmanager
 def started(work: Path) -> Iterator[subprocess.Popen[bytes]]:
     """Yield the running LinuxCNC, and end it."""
-    with _apart(work) as command, (work / "log.txt").open("wb") as log:
+    with (work / "log.txt").open("wb") as log:
         process = subprocess.Popen(
-            command,
+            [*SPACES, "sh", "-c", " && ".join([OWN_TMP, *mounted(work), _START_IT])],
             cwd=work,
             env=_environment(work),
             stdin=subprocess.DEVNULL,
@@ -95,42 +96,6 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     process.wait()
 
 
-@contextmanager
-def _apart(work: Path) -> Iterator[Sequence[str]]:
-    """Yield the command that starts LinuxCNC without meeting another one."""
-    if spaces_allowed():
-        yield (*SPACES, "sh", "-c", " && ".join([OWN_TMP, *mounted(work), _START_IT]))
-        return
-    with (BASE / f"axiscal-linuxcnc-{os.geteuid()}.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        _wait_for_others(60)
-        yield ("linuxcnc", "-r", "machine.ini")
-
-
-def spaces_allowed() -> bool:
-    trial = subprocess.run([*SPACES, "sh", "-c", "mount -t tmpfs none /tmp"], capture_output=True, check=False)
-    return trial.returncode == 0
-
-
-def _wait_for_others(seconds: float) -> None:
-    end = time.monotonic() + seconds
-    while others := _running():
-        if time.monotonic() > end:
-            what = "a LinuxCNC runs on this machine ({others}) and cannot be kept apart"
-            raise ControlError(what, "Stop it first", others=others)
-        time.sleep(0.2)
-
-
-def _running() -> str:
-    """Name the processes of a LinuxCNC that are alive, not those that have ended and only wait to be noticed."""
-    names = set()
-    for entry in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):
-            name, _, state = entry.read_text().partition("(")[2].rpartition(")")
-            names |= {name} if state.split()[0] not in "ZX" else set()
-    return ", ".join(sorted(names & {"milltask", "linuxcncsvr", "rtapi_app"}))
-
-
 def _environment(work: Path) -> dict[str, str]:
     """The environment without a display and without our own Python's paths."""
     dropped = {"DISPLAY", "PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV"}
@@ -150,22 +115,9 @@ _OWN = "modules"
 _REMEDY = "Install the Debian packages linuxcnc-uspace-dev and gcc"
 
 
-def can_compile() -> bool:
-    """Return whether components can be compiled here."""
-    return shutil.which("halcompile") is not None and shutil.which("gcc") is not None
-
-
-def add_modules(work: Path, sources: Mapping[str, str], apart: bool) -> None:
-    """Put LinuxCNC's modules and one of these sources into a run's folder; raises ControlError.
-
-    apart : whether the run has namespaces of its own; if not, the component has to be installed
-    """
+def add_modules(work: Path, sources: Mapping[str, str]) -> None:
+    """Put LinuxCNC's modules and one of these sources into a run's folder; raises ControlError."""
     name = next(Path(name).stem for name in sources if name.endswith(".comp"))
-    if not apart:
-        if not (MODULES / f"{name}.so").exists():
-            remedy = "sudo halcompile --install {name}.comp"
-            raise ControlError("the component {name} is not installed here", remedy, name=name)
-        return
     shutil.copytree(MODULES, work / _OWN)
     (work / _OWN / f"{name}.so").write_bytes(compiled(*(part for pair in sorted(sources.items()) for part in pair)))
     (work / _OWN / f"{name}.so").chmod(0o644)

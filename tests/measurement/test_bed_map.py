@@ -3,8 +3,6 @@
 The round map is filled by a twin of Klipper's own code (bed_mesh.py, generate_points and probe_finalize).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A warm scale on a machine that is true at 20 degC, against readings worked out by hand: 5 K at 11.7 um/m/K."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

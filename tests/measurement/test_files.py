@@ -1,7 +1,5 @@
 """What each file of a trade is read as, reviewed as text beside it in `trade_files.toml`."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 import tomllib

@@ -1,7 +1,5 @@
 """A mesh is zero where the printer homes Z: by its own file, as stated, or in the middle."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

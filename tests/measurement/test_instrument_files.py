@@ -1,7 +1,5 @@
 """Files of instruments and controllers: what they say, and that each way to break them is an error with its line."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """How far a probe stands beside the nozzle: read from a printer's files where nobody says it, else asked for."""
 
-from __future__ import annotations
-
 from io import StringIO
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """CSV: readings, poses, truth curves, refusals in words; every text comes back, and none is a formula."""
 
-from __future__ import annotations
-
 import csv
 import io
 from math import pi

@@ -1,7 +1,5 @@
 """Virtual machines scatter as the prior says, and displays move in steps."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

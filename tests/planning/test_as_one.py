@@ -1,7 +1,5 @@
 """What is not seen as a whole: the common scale of three spheres is said, with its size, until something shows it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

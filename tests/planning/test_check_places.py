@@ -1,7 +1,5 @@
 """Checks are a fifth of a plan, drawn and put where they cost least; small plans and exact ones have none."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

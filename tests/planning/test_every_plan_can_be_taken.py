@@ -1,7 +1,5 @@
 """What a plan, the next reading, or a renewed plan of each kind of example asks for can be taken as its text says."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Readings interleaved: what passes looks like no error of the axis, in hardly more time."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from axiscal.estimation.promise.causes import passing_columns

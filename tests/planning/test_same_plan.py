@@ -1,7 +1,5 @@
 """The same plan everywhere: the last bits of rows and products, and the number of threads, move no reading."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What happens while measuring, on a machine of one axis: the plan stands, or the rest is renewed, from the record."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Machines of every kind of chain, and every campaign of the documents, as they are drawn."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from axiscal.description.campaign import CampaignDescription, read_campaign

@@ -1,7 +1,5 @@
 """Displays that move in coarse steps which nobody stated: found where values show it, not where chance might do it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """What a report holds beside curves: standards' figures."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

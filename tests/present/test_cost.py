@@ -1,7 +1,5 @@
 """What skipping a reading and leaving a set-up cost, before it is done."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words

@@ -1,7 +1,5 @@
 """What a reading should show, against the conditional Gaussian written out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

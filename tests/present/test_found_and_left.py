@@ -1,7 +1,5 @@
 """The bent volume: what is drawn is what the estimate says, enlarged to scale, on one scale in both panels."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

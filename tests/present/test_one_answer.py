@@ -1,7 +1,5 @@
 """The same first line and the same rows on a terminal, on the page, in HTML, in the PDF and in JSON."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import get_args

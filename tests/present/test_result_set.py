@@ -1,7 +1,5 @@
 """Results in a folder that holds other things as well: those stay, whatever a manifest there says."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

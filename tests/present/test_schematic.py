@@ -1,7 +1,5 @@
 """Schematics of set-ups: where their parts are, against a chain of matrices of the tests' own, for every machine."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from xml.etree import ElementTree

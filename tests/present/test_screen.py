@@ -1,7 +1,5 @@
 """The last screen, and what is said after a reading: budgets in both languages, first line, commands."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from pathlib import Path

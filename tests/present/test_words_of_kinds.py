@@ -1,7 +1,5 @@
 """Every kind that data may have has words: of sizes, of causes that no reading shows, of rows."""
 
-from __future__ import annotations
-
 from typing import get_args
 
 import pytest

@@ -1,7 +1,5 @@
 """Random machines and plans as programs, and a judge who knows only the plan and what the machine would do."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace

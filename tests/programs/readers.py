@@ -4,8 +4,6 @@ A reader knows the few words that a measuring program may have and refuses every
 machine would do.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

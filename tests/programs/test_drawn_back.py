@@ -1,7 +1,5 @@
 """Programs that go off a ball and back to it, read by a reader of their own and driven by matrices of their own."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

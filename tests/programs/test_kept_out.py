@@ -1,7 +1,5 @@
 """Ways of programs, entries too, keep out of boxes: read from their text by kinematics of the tests' own."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 
 import numpy as np

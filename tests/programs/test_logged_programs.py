@@ -1,7 +1,5 @@
 """Programs that touch spheres by themselves and write logs: run, read back, and what a log may not be."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from functools import cache

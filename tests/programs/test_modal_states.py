@@ -1,7 +1,5 @@
 """Whatever is in force before a measuring program, its motion is the same: tried on LinuxCNC's own interpreter."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path

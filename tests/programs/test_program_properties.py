@@ -1,7 +1,5 @@
 """Measuring programs by properties: any plan, any name, any control."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

@@ -1,7 +1,5 @@
 """Measuring programs: what each control is told, what is refused, and what the judge of random plans would catch."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from decimal import Decimal

@@ -1,7 +1,5 @@
 """A small control that runs programs that touch spheres and write logs. The machine is that of `touched_table`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """What a person accepts puts right just what went wrong: the mistake made by hand, and then taken back."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Records of the first form: they are refused by name, and a tool brings all that they held into today's."""
 
-from __future__ import annotations
-
 import gzip
 import sqlite3
 from pathlib import Path

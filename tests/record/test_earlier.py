@@ -1,7 +1,5 @@
 """Records of before open to what they held, go on in today's form, and keep what they were beside."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Folding events: against a twin that tells the story anew without what was taken back."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

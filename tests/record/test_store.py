@@ -1,7 +1,5 @@
 """The record: append-only, whole after any kill, and plain about what is wrong with a file."""
 
-from __future__ import annotations
-
 import fcntl
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """A record against a list: writers, kills, copies, older heads, lines twice and branches, in any order."""
 
-from __future__ import annotations
-
 import shutil
 import tempfile
 from pathlib import Path

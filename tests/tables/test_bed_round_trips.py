@@ -3,8 +3,6 @@
 The readers here are twins of the printers' own: Klipper's configfile.py and bed_mesh.py, RepRapFirmware's HeightMap.
 """
 
-from __future__ import annotations
-
 import configparser
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A bump in mid travel tells which way a control takes its tables: as assumed, or the other way round."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every controller: what is read back of its files corrects a machine that really turns; nothing else is offered."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """FANUC's pitch data, read by a reader of its own: by the manual's sections, one increment after the other."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 

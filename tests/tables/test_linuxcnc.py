@@ -1,7 +1,5 @@
 """LinuxCNC tables: read as the controller was seen to read them, written so that it corrects."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

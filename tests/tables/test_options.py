@@ -1,7 +1,5 @@
 """Options of `axiscal export`: each format uses what it says that it takes, and refuses all others by name."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 

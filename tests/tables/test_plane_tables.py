@@ -3,8 +3,6 @@
 Against means over places that fill the volume evenly.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.stats import qmc

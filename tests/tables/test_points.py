@@ -1,7 +1,5 @@
 """Where the points of a table are: against what is asked of them, said again in exact fractions."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What printers' files say to the firmware and to their reader: against what the firmware's documents compute."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Rotary tables over all turns: a `COMP_FILE`, read by a reader of its own, is right wherever the joint may stand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """SINUMERIK's tables, read by a reader of its own: system variables into tables, tables into corrections."""
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 

@@ -1,7 +1,5 @@
 """Tables hold what was read: rows that readings tell, as far as they were read, and the figures of the answer."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 

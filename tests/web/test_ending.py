@@ -2,14 +2,12 @@
 
 import contextlib
 import signal
-import sys
 import threading
 from pathlib import Path
 
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.web.counter import lost_interruptions
 from tests.web.served import PATIENCE, Served, serving, started
 
 LONG = """
@@ -76,23 +74,3 @@ def test_a_reading_that_was_kept_is_there_when_its_answer_was_broken_off(tmp_pat
     assert "What was being computed was broken off" in said
     with Campaign.open(record, write=False) as campaign:
         assert [reading.value for reading in campaign.state.readings] == [pytest.approx(0.4e-6)]
-
-
-def test_an_interruption_that_is_lost_while_python_clears_up_is_not_said_and_all_else_is(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    class Cleared:
-        def __init__(self, failure: type[BaseException]) -> None:
-            self.failure = failure
-
-        def __del__(self) -> None:
-            raise self.failure
-
-    monkeypatch.setattr(sys, "unraisablehook", sys.__unraisablehook__)
-    with lost_interruptions():
-        Cleared(KeyboardInterrupt)
-        assert capsys.readouterr().err == ""
-        Cleared(ZeroDivisionError)
-        assert "ZeroDivisionError" in capsys.readouterr().err
-    Cleared(KeyboardInterrupt)
-    assert "KeyboardInterrupt" in capsys.readouterr().err
