@@ -106,7 +106,8 @@ def _points(known: Estimation, function: Term, readings: Sequence[Reading], rows
     setups, axis = known.case.description.setups, known.case.errors.axes[function.axis]
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
     bears = _shares(rows, function) > _BEARS_ON * sum(_shares(rows, each) for each in known.case.errors.curves)
-    bears &= [function.axis in moves[each.setup] and i not in known.left_out for i, each in enumerate(readings)]
+    own = [function.axis in moves[each.setup] and i not in known.left_out for i, each in enumerate(readings)]
+    bears &= np.array(own, dtype=bool)  # of no readings, too
     at = np.array([reading.pose[function.axis] for reading in readings])[bears]
     basis = function.spline.rows(at)
     levers = np.sum(rows[bears][:, function.columns] * basis, axis=1) / np.sum(basis**2, axis=1)
