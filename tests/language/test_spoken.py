@@ -86,7 +86,7 @@ def test_a_failure_is_said_in_the_language_that_is_spoken_when_it_is_printed() -
     faults = Faults()
     for line in (3, 5, 7):
         with faults.noted():
-            raise ReadingError("{value} is not a finite number", "Give one of them", "a.csv", line, value="nan")
+            raise ReadingError("{text} is not a finite number", "Give one of them", "a.csv", line, text="nan")
     with faults.noted():
         raise RecordError("There is nothing to take back", "Go on with `axiscal step next`", "a.csv", 9)
     with pytest.raises(ReadingError) as raised:
