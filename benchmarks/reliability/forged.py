@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 from unittest.mock import patch
 
-from axiscal.record import signing, store
+from axiscal.record import signing
 from axiscal.record.events import Noted
 from axiscal.record.lines import EMPTY, EventText, chained
 from axiscal.record.signing import KEY, PERSON, make_key
@@ -48,8 +48,7 @@ def signed_record(path: Path) -> Record:
     for day in range(DAYS):
         times = iter([f"2026-03-0{day + 1}T12:00:{second:02}.000+00:00" for second in range(60)])
         someone = person(("Anna", "Otto")[day % 2], path.with_name(f"{day % 2}.pem"))
-        later = patch.multiple(store, now=times.__next__), patch.object(signing, "now", times.__next__)
-        with someone, later[0], later[1]:
+        with someone, patch.object(signing, "now", times.__next__):
             record = Record.create(path, CREATED) if day == 0 else Record.open(path)
             for number in range(READINGS):
                 record.append(recorded(1e-6 * (number + READINGS * day)))

@@ -27,9 +27,9 @@ READINGS = tuple(
     for x, value in ((0.0, 0.0), (0.07, 9e-6), (0.21, -4e-6), (0.28, 2e-6), (0.45, 11e-6), (0.6, 3e-6))
 )
 PLACES = np.array([0.1, 0.33, 0.52])
-MEAN = (7.914902007275632e-06, 7.947668671089699e-06, 7.4262076362034805e-06)
-STD = (1.9899566803117915e-06, 3.758173796836754e-06, 5.984484805295907e-06)
-"""m, at the places, less what EXX is at 0: of this record in the last commit in which half of the length was usual."""
+MEAN = (7.914893429797382e-06, 7.947658443731208e-06, 7.426206284250218e-06)
+STD = (1.9899868604924287e-06, 3.7581953995115035e-06, 5.984487017031259e-06)
+"""m, at the places, less what EXX is at 0: of this record when half of the length was usual; by a billionth more variance."""
 
 
 def described(knots: str = "") -> CampaignDescription:

@@ -1,6 +1,5 @@
-"""How far a probe stands beside the nozzle: read from a printer's files where nobody says it, else asked for."""
+"""How far a probe stands beside the nozzle: read from a printer's files where nobody says it, else a question of the plan."""
 
-from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -65,13 +64,3 @@ def test_what_looks_at_the_tool_point_has_no_offset(tmp_path: Path, instrument: 
     found = given("plan", described(job, tmp_path / "job"))
     assert found.status == 1
     assert "offset without an instrument that reads a length in one direction" in " ".join(found.err.split())
-
-
-@pytest.mark.parametrize(("answer", "offset"), [("-20.5, 4", "-20.5 mm, 4 mm"), ("", "0 mm, 0 mm")])
-def test_whoever_has_a_probe_is_asked(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answer: str, offset: str
-) -> None:
-    monkeypatch.setattr("sys.stdin", StringIO(f"probe\n{answer}\n"))
-    assert given("init", tmp_path, "--machine", "printer-gantry", "--target", "50 um").status == 0
-    x, y = offset.split(", ")
-    assert f'\noffset = ["{x}", "{y}", "0 mm"]' in (tmp_path / "campaign.toml").read_text()

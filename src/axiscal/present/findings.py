@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.errors.gauge import undescribed
+from axiscal.errors.iso230 import words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.intervals import as_shown
@@ -131,7 +132,7 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     return [
         *_unobservable(estimation),
         *coarse_displays(estimation.readings, estimation.stated.description.setups),
-        *(each for warned in (beside_the_tool, lagging, once_over) for each in warned(estimation)),
+        *(each for warned in (beside_the_tool, lagging, turned_alike, once_over) for each in warned(estimation)),
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
         *(Finding(code="drift", text=listed(" ", found)) for found in drifted if found),
@@ -139,7 +140,7 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
     ]
 
 
-OF_THE_READING = ("sign", "beside", "lag", "resolution", "passes", "period")
+OF_THE_READING = ("sign", "beside", "reversal", "lag", "resolution", "passes", "period")
 """Codes of warnings that other readings, or others in another order, would answer; what weighs most is first."""
 
 
@@ -205,6 +206,29 @@ def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: S
                 others = said(more, places=listed(", ", odd)) if seen else said("Its raster has no others.")
                 named = {"axis": axes[k].name, "period": f"{1 / hidden[0]:.4g} {unit}", "others": others}
                 yield Finding(code="period", text=said(text, setup=setup.name, **named))
+
+
+_ENDS = 0.05
+"""Of the travel, beside the farthest places: who turns there has come as far at each place, from either side."""
+
+
+def turned_alike(estimation: Estimation) -> Iterator[Finding]:
+    """Yield a warning for each reversal that varies along its axis, where the way since a turn would look the same.
+
+    Out and back over the whole travel, a place is reached by one way since the turn from each side.
+    """
+    text = (
+        "The {what} differs from place to place, or it is complete only some way after a turn. Out and back over the "
+        "whole travel both look alike. To tell them apart, read three places again from both sides, soon after a turn."
+    )
+    errors, setups = estimation.case.errors, estimation.case.description.setups
+    for term in errors.curves:
+        axis = errors.axes[term.axis]
+        if term.kind == "reversal" and term.spline.size > 1 and not axis.rotary:
+            found = [_turns(estimation, setup, term.axis) for setup in setups if term.axis in setup.moves]
+            inside = [np.minimum(turns - at.min(), at.max() - turns) for at, turns in found if len(at)]
+            if all(np.all(far < _ENDS * axis.length) for far in inside):
+                yield Finding(code="reversal", error=term.name, text=said(text, what=words(term.name)))
 
 
 def once_over(estimation: Estimation) -> Iterator[Finding]:

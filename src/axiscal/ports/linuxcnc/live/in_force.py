@@ -41,7 +41,6 @@ class InForce:
         """Raise SourceError where the machine is compensated by anything else.  status : as the agent says it"""
         joints, whole = ", ".join(str(joint) for joint in status["compensated"]), status["whole"]
         held, wanted = status["checksum"], self.checksum is not None
-        what = remedy = ""
         if not self.active and joints:
             what = "COMP_FILE or BACKLASH of joint {joints} is in force, and the campaign is measured without"
             remedy = "Take it out of the INI file, or name its files in compensation_active"
@@ -60,5 +59,6 @@ class InForce:
         elif self.active and not (wanted or joints or whole):
             what = "a compensation is to be in force, and neither COMP_FILE nor BACKLASH nor axiscal-vcomp.active is"
             remedy = "Switch it on, or say compensation_active = false"
-        if what:
-            raise SourceError(what, remedy, joints=joints, to=int(wanted))
+        else:
+            return
+        raise SourceError(what, remedy, joints=joints, to=int(wanted))
