@@ -29,7 +29,7 @@ READINGS = tuple(
 PLACES = np.array([0.1, 0.33, 0.52])
 MEAN = (7.914893429797382e-06, 7.947658443731208e-06, 7.426206284250218e-06)
 STD = (1.9899868604924287e-06, 3.7581953995115035e-06, 5.984487017031259e-06)
-"""m, at the places, less what EXX is at 0: of this record when half of the length was usual; by a billionth more variance."""
+"""m, at the places, less what EXX is at 0: of this record when half of the length was usual."""
 
 
 def described(knots: str = "") -> CampaignDescription:

@@ -1,4 +1,4 @@
-"""How far a probe stands beside the nozzle: read from a printer's files where nobody says it, else a question of the plan."""
+"""How far a probe stands beside the nozzle: read from a printer's files, else a plan asks."""
 
 from pathlib import Path
 
