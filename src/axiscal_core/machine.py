@@ -94,12 +94,20 @@ class Machine:
         axes = tuple(one("Machine", "axes", axis, Axis, _MADE) for axis in listed("Machine", "axes", axes))
         each_once("Machine", "axes", [axis.name for axis in axes])
         if isinstance(tool, str | int | float):
-            x, y, z = 0.0, 0.0, -(tool if isinstance(tool, float) else si(tool, "Machine", "tool", METRES))
+            x, y, z = (
+                0.0,
+                0.0,
+                -(
+                    float(finite("Machine", "tool", tool, ()))
+                    if isinstance(tool, float)
+                    else si(tool, "Machine", "tool", METRES)
+                ),
+            )
         elif isinstance(tool, tuple) and all(isinstance(each, float) and math.isfinite(each) for each in tool):
             x, y, z = tool  # as `replace` has it, which is asked often
         else:
             x, y, z = quantities(tool, "Machine", "tool", (3,), [METRES]).tolist()
-        every = tuple(errors)
+        every = tuple(one("Machine", "errors", errors, Iterable, '[Error("EXX", "10 um")]'))
         told = {
             "axes": axes, "errors": every, "tool": (x, y, z), "held": None if held is None else _held(held),
             "name": name, "nose": nose or Nose(), "unit": unit,
