@@ -80,7 +80,7 @@ class Machine:
             def read(self, request: Request) -> Answer:
                 outer.asked.append((in_force.active, request.reading))
                 if len(outer.asked) == outer.dies_at:
-                    raise SourceError("the line to LinuxCNC was cut", "Look at the machine")
+                    raise SourceError("LinuxCNC: {message}", "Look at the machine", message="cut")
                 answer = inner.read(request)
                 assert isinstance(answer, Answer)
                 return answer

@@ -181,14 +181,11 @@ def _dials(machine: Machine, setups: Any) -> Iterator[str]:
         yield from (setups.dial(axis, way) for way in sorted(ways - {_way(axis)}))
 
 
-def _tilts(what: str, ways: str) -> _Setups:
-    """Return set-ups that read angles as one axis moves.  ways : about which `what` reads; a mirror sees no roll"""
-
-    def made(machine: Machine, setups: Any) -> Iterator[str]:
-        every = product(_linear(machine), ways)
-        return (setups.tilt(what, axis, way) for axis, way in every if what == "level" or way != _way(axis))
-
-    return made
+def _tilts(what: str, ways: str, machine: Machine, setups: Any) -> Iterator[str]:
+    """Yield set-ups that read angles as one axis moves.  ways : about which `what` reads; a mirror sees no roll"""
+    for axis, way in product(_linear(machine), ways):
+        if what == "level" or way != _way(axis):
+            yield setups.tilt(what, axis, way)
 
 
 def _middle(machine: Machine, **places: float) -> Array:
@@ -308,8 +305,8 @@ OFFERED = {
     "ballbar": Offer(later("ball bar, double ball bar"), _ball_bars),
     "sphere": Offer(later("touch probe, sphere, spheres, ball, balls, ball plate"), _spheres),
     "probe": Offer(later("bed probe, probe, Z probe"), _probes),
-    "level": Offer(later("level, electronic level, spirit level, inclinometer"), _tilts("level", "xy")),
-    "autocollimator": Offer(later("autocollimator, collimator"), _tilts("autocollimator", "xyz")),
+    "level": Offer(later("level, electronic level, spirit level, inclinometer"), partial(_tilts, "level", "xy")),
+    "autocollimator": Offer(later("autocollimator, collimator"), partial(_tilts, "autocollimator", "xyz")),
     "indexer": Offer(later("rotary indexer, indexer, rotary calibrator, polygon, reference encoder"), _indexers),
     "tracker": Offer(later("tracker, laser tracker"), _trackers),
 }

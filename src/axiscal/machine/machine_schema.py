@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from axiscal.document import QuantityText, meant, shown
-from axiscal.document.toml_table import WITH_NAMES, NamedTable, Table
-from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
+from axiscal.document.toml_table import Table
+from axiscal.document.validation import NAME, Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import ChainError, DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, iso_axis
@@ -147,6 +147,22 @@ _Ends = list[QuantityText]
 _Coordinate = Annotated[float, QuantityOf("length", -LONGEST_TRAVEL, LONGEST_TRAVEL)]
 
 
+class NamedTable(Table):
+    """A table whose keys are read by the name that it stands under, such as that of an axis."""
+
+    name: str = Field(alias=NAME)
+
+
+def _named(tables: Any) -> Any:
+    if not isinstance(tables, dict):
+        return tables
+    return {key: {NAME: key, **each} if isinstance(each, dict) else each for key, each in tables.items()}
+
+
+_WITH_NAMES = BeforeValidator(_named)
+"""Marks a table of `NamedTable`s: each is given its name."""
+
+
 class AxisTable(NamedTable):
     """[axes.X]"""
 
@@ -219,13 +235,13 @@ class MachineFile(Table):
     serial: str = Field("", examples=['"M-1042"'])
     chain: Annotated[tuple[Axis, ...], ReadAs(str, parse_chain)] = Field(examples=["\"w-X'-Y'-b-Z-t\""])
     tool: ToolTable = Field(default_factory=lambda: ToolTable.model_validate({}))
-    axes: Annotated[dict[str, Axis], ReadAs(Annotated[dict[str, AxisTable], WITH_NAMES], _axes, by=True)] = Field(
+    axes: Annotated[dict[str, Axis], ReadAs(Annotated[dict[str, AxisTable], _WITH_NAMES], _axes, by=True)] = Field(
         examples=['{ X = { travel = ["0 mm", "600 mm"] } }']
     )
     errors: Annotated[
         tuple[Error, ...],
         ReadAs(
-            Annotated[dict[str, Two], EachAs(Annotated[dict[str, ErrorTable], WITH_NAMES], prior_of)],
+            Annotated[dict[str, Two], EachAs(Annotated[dict[str, ErrorTable], _WITH_NAMES], prior_of)],
             every_error,
             by=True,
         ),
