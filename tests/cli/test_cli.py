@@ -134,9 +134,6 @@ COMMANDS = ("axiscal.campaign", "axiscal.cli.plan", "axiscal.cli.report", "numpy
     [
         (["--version"], HEAVY, "axiscal 0."),
         (["--help"], COMMANDS, "Commands:"),
-        (["step", "--help"], COMMANDS, "Commands:"),
-        (["plan", "--help"], COMMANDS, "--readings"),
-        (["data", "repair", "--help"], COMMANDS, "--json"),
         (["plan", "--help"], (*COMMANDS, "numpy"), "--readings"),
         (["next", "m.axiscal"], SLOW, "Reading 1"),
         (["status", "m.axiscal"], SLOW, "READINGS"),

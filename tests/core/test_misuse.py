@@ -115,7 +115,6 @@ MISUSES: dict[str, tuple[Callable[[], object], str, str]] = {
     "axes that are names": (lambda: anything.Machine(["X"], [ac.Error("EXX", 1e-6)]), "Machine", "axes"),
     "a tool of no length": (lambda: ac.Machine(_machine().axes, [_bend(6, UNIT)], tool=np.nan), "Machine", "tool"),
     "no errors at all": (lambda: anything.Machine(_machine().axes, None), "Machine", "errors"),
-    "more places than there is room for": (lambda: _case().plan(3, candidates=10**30), "Case.plan", "candidates"),
     "a tool held by no turn": (lambda: anything.Machine(_machine().axes, [_bend(6, UNIT)], held=3), "Machine", "held"),
     "a class for an error": (lambda: _with(type(_bend(6, UNIT))), "Machine", "errors"),
     "rows that cannot be computed": (lambda: _with(_bend(-1, UNIT)), "bend", "rows(poses)"),

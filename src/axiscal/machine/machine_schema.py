@@ -147,12 +147,6 @@ _Ends = list[QuantityText]
 _Coordinate = Annotated[float, QuantityOf("length", -LONGEST_TRAVEL, LONGEST_TRAVEL)]
 
 
-class NamedTable(Table):
-    """A table whose keys are read by the name that it stands under, such as that of an axis."""
-
-    name: str = Field(alias=NAME)
-
-
 def _named(tables: Any) -> Any:
     if not isinstance(tables, dict):
         return tables
@@ -160,12 +154,13 @@ def _named(tables: Any) -> Any:
 
 
 _WITH_NAMES = BeforeValidator(_named)
-"""Marks a table of `NamedTable`s: each is given its name."""
+"""Marks a table of tables: each is given the name that it stands under."""
 
 
-class AxisTable(NamedTable):
+class AxisTable(Table):
     """[axes.X]"""
 
+    name: str = Field(alias=NAME)
     travel: Annotated[Span, ReadAs(_Ends, _travel, by=True)] = Field(examples=['["0 mm", "600 mm"]'])
     speed: Annotated[float, _along("speed", "rotation_speed", 1e-9, 1e4)] = Field(0.0, examples=['"10 m/min"'])
     acceleration: Annotated[float, _along("acceleration", "rotation_acceleration", 1e-9, 1e6)] = Field(

@@ -37,8 +37,6 @@ _NAMED = 3
 """Sentences that are read; the others would repeat them."""
 _CANDIDATES = 1000
 """Enough to say that a target needs too many readings, which a plan then says better."""
-_ROUNDS = 12
-"""Doublings of the readings, to the most that a plan has."""
 MOST = 1000
 """Readings beyond which no plan is made."""
 MOST_CANDIDATES = 500_000
