@@ -36,14 +36,11 @@ class InputError(ValueError):
         super().__init__(f"{function}: {argument}{at} {what}. {remedy}.")
 
 
-_MOST = 10**8  # of things that are counted: numbers of one double each would fill a gigabyte
-
-
 def whole(function: str, argument: str, value: object, least: int) -> int:
     """Return a whole number that is not below `least`, and not beyond what any memory holds."""
     is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if not is_whole or not least <= cast("int", value) <= _MOST:
-        what = f"is not from {least} to {_MOST}" if is_whole else "is no whole number"
+    if not is_whole or not least <= cast("int", value) <= 1e8:
+        what = f"is not from {least} to 1e8" if is_whole else "is no whole number"
         raise InputError(function, argument, f"= {value!r} {what}", f"Give {least} or more")
     return int(cast("int", value))
 

@@ -154,7 +154,6 @@ def _named(tables: Any) -> Any:
 
 
 _WITH_NAMES = BeforeValidator(_named)
-"""Marks a table of tables: each is given the name that it stands under."""
 
 
 class AxisTable(Table):

@@ -250,8 +250,7 @@ class Schematic:
         return drawn(self.parts, frame) + words
 
 
-_DOTS = 300
-"""Readings of a set-up that are drawn: more lie on each other."""
+_DOTS = 300  # readings of a set-up that are drawn: more lie on each other
 
 
 def setup_schematic(

@@ -3,8 +3,6 @@
 A page from elsewhere that is open in the same browser can reach the port. Three things stop it: its Host if it has
 renamed itself (rebinding), its Origin, and the token, which each request carries in its head. A browser would send a
 cookie to every port of this computer; what a page keeps for itself, other ports cannot read.
-
-Then the page answers: by files, documents that FastAPI describes, refusals as documents, defects that hide nothing.
 """
 
 from __future__ import annotations
@@ -17,7 +15,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from fastapi import FastAPI, Request, Response, Security
+from fastapi import Depends, FastAPI, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.security import HTTPBearer
@@ -72,7 +70,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
         },
         default_response_class=PageDocument,
         responses=_REFUSALS,
-        dependencies=[Security(token)],
+        dependencies=[Security(token), Depends(_refuse_unknown)],
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
@@ -97,6 +95,13 @@ def problem(status: int, code: str, sentence: str) -> Response:
 async def _words(request: Request) -> Response:
     """Answer with the language of the page, and its messages by the English ones."""
     return JSONResponse({"language": spoken_now(), "messages": messages(spoken_now())})
+
+
+async def _refuse_unknown(request: Request) -> None:
+    """Raise RequestValidationError for a query that the path does not take."""
+    taken = {each.alias for each in request.scope["route"].dependant.query_params}
+    if unknown := set(request.query_params) - taken:
+        raise RequestValidationError([{"loc": ("query", min(unknown)), "msg": "Extra inputs are not permitted"}])
 
 
 async def _malformed(request: Request, failure: Exception) -> Response:
