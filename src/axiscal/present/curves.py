@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.errors.iso230 import words
 from axiscal.estimation.estimation import Estimation
@@ -32,11 +33,13 @@ def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, Cur
     left = numbers.values[firsts] - rows @ estimation.printed.belief.mean
     drawn = [function for function in estimation.case.errors.curves if function.spline.size > 1]
     drawn.sort(key=lambda function: function.name.endswith("_reversal"))
-    found = dict[str, CurveFigures]()
+    shares = {each.name: _shares(rows, each) for each in estimation.case.errors.curves}
+    whole, found = sum(shares.values()), dict[str, CurveFigures]()
     for each in drawn:
         axis, unseen = estimation.case.errors.axes[each.axis], estimation.case.yardstick.unseen[each.columns]
         now, before = estimation.printed.belief, estimation.without_readings
-        points = _points(estimation, each, readings, rows, left)
+        bears = shares[each.name] > _BEARS_ON * whole
+        points = _points(estimation, each, readings, rows[bears], left[bears], bears)
         found[each.name] = curve_figures(each, axis, now, before, unseen, points)
     return found
 
@@ -101,15 +104,19 @@ def _shares(rows: Array, function: Term) -> Array:
     return shares
 
 
-def _points(known: Estimation, function: Term, readings: Sequence[Reading], rows: Array, left: Array) -> ReadPoints:
-    """Return place and value of each reading that is believed: less what the rest of the model says, per lever."""
+def _points(
+    known: Estimation, function: Term, readings: Sequence[Reading], rows: Array, left: Array, bears: NDArray[np.bool_]
+) -> ReadPoints:
+    """Return place and value of each reading that is believed: less what the rest of the model says, per lever.
+
+    bears : (readings,) which of them show enough of the error; rows, left : of these
+    """
     setups, axis = known.case.description.setups, known.case.errors.axes[function.axis]
     moves = {setup.name: setup.moves if setup.base is None else () for setup in setups}  # a slope is no height
-    bears = _shares(rows, function) > _BEARS_ON * sum(_shares(rows, each) for each in known.case.errors.curves)
-    own = [function.axis in moves[each.setup] and i not in known.left_out for i, each in enumerate(readings)]
-    bears &= np.array(own, dtype=bool)  # of no readings, too
-    at = np.array([reading.pose[function.axis] for reading in readings])[bears]
+    some = [(i, readings[i]) for i in np.flatnonzero(bears).tolist()]
+    own = np.array([function.axis in moves[each.setup] and i not in known.left_out for i, each in some], dtype=bool)
+    at = np.array([reading.pose[function.axis] for _, reading in some])[own]
     basis = function.spline.rows(at)
-    levers = np.sum(rows[bears][:, function.columns] * basis, axis=1) / np.sum(basis**2, axis=1)
-    values = basis @ known.printed.belief.mean[function.columns] + left[bears] / levers
+    levers = np.sum(rows[own][:, function.columns] * basis, axis=1) / np.sum(basis**2, axis=1)
+    values = basis @ known.printed.belief.mean[function.columns] + left[own] / levers
     return ReadPoints(position=to_unit(at, axis.unit).tolist(), value=to_unit(values, value_unit(function)).tolist())
