@@ -94,15 +94,7 @@ class Machine:
         axes = tuple(one("Machine", "axes", axis, Axis, _MADE) for axis in listed("Machine", "axes", axes))
         each_once("Machine", "axes", [axis.name for axis in axes])
         if isinstance(tool, str | int | float):
-            x, y, z = (
-                0.0,
-                0.0,
-                -(
-                    float(finite("Machine", "tool", tool, ()))
-                    if isinstance(tool, float)
-                    else si(tool, "Machine", "tool", METRES)
-                ),
-            )
+            x, y, z = 0.0, 0.0, -si(tool, "Machine", "tool", METRES)
         elif isinstance(tool, tuple) and all(isinstance(each, float) and math.isfinite(each) for each in tool):
             x, y, z = tool  # as `replace` has it, which is asked often
         else:
