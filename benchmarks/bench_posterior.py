@@ -132,7 +132,7 @@ def rests_left_out(count: int) -> None:
     stated = volume.rest
     for factor in (1.0, 3.0):
         theta = np.log(factor) * np.array([kind == "rest" for kind in kinds])
-        true, promised = _squares(every, few, theta, volume.root.matrix) + factor**2 * stated
+        true, promised = _squares(every, few, theta, volume.root) + factor**2 * stated
         print(f"{count} readings, rests x {factor:.0f}, {few.rows.shape[1]} columns: {np.sqrt(true / promised):.3f}")
 
 

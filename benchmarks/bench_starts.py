@@ -78,7 +78,7 @@ class _Exchange:
     def __init__(self, task: Task, rows: Array) -> None:
         self.rows = rows
         self.prior, self.noise = np.linalg.inv(task.belief.covariance), task.observation.setups[0].noise ** 2
-        self.weights = task.root.matrix.T @ task.root.matrix
+        self.weights = task.root.T @ task.root
 
     def settled(self, places: Indices, steps: Indices, around: bool) -> Array:
         """Exchange coordinates, in place, until a sweep gains less than 1e-5 of J; return J of each plan, (starts,).

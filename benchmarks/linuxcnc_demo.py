@@ -110,12 +110,12 @@ def _verified(
     estimation: Estimation, offers: Sequence[Export], truth: VirtualMachine, build: Build, readings: int
 ) -> Loop:
     estimate, yardstick = estimation.estimate(), estimation.case.yardstick
-    poses, approaches = _positions(estimate, yardstick.sample)
+    poses, approaches = _positions(estimate, yardstick.volume.sample)
     std, messages = estimation.accuracy.rms, list[str]()
 
     def off(deviation: Array) -> Array:
         centred: Array = deviation - deviation.mean(axis=0)
-        return centred if yardstick.alignment is None else yardstick.alignment.left(poses, deviation)
+        return centred if yardstick.volume.alignment is None else yardstick.volume.alignment.left(poses, deviation)
 
     def size(deviation: Array) -> float:
         return rms(off(deviation))

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.interpolate import CubicSpline
 
-from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.machine import machine_from_text
 from axiscal.machine.kinematics import small_motions, tool_motion
 from axiscal.measurement.instruments.displacement import Indicator
@@ -21,6 +20,7 @@ from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core import terms
+from axiscal_core.criterion import joint
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
@@ -241,7 +241,7 @@ def test_overall_variance_of_stacked_vectorial_splines() -> None:
             variance = np.einsum("ij,jk,ik->i", rows, covariance[function.columns, function.columns], rows)
             total += float(weight @ variance)
     belief = Normal(np.zeros(model.size), covariance)
-    assert joint_root(model).criterion(belief.factor) == pytest.approx(total, rel=1e-12, abs=0.0)
+    assert joint(model, model.size).value(belief.factor) == pytest.approx(total, rel=1e-12, abs=0.0)
 
 
 def forward_recurrence(control: Array) -> Array:

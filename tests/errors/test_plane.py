@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.machine import machine_from_text
 from axiscal.machine.kinematics import small_motions, tool_motion
+from axiscal_core.criterion import joint
 from axiscal_core.machine import Machine
 from axiscal_core.rigid import SmallMotions
 from axiscal_core.terms import Term
@@ -68,7 +68,7 @@ def test_the_paper_s_criterion_is_the_kronecker_product_of_the_gram_matrices() -
     grid = np.stack([g.ravel() for g in np.meshgrid(*at, indexing="ij")], axis=1)
     rows = plane.rows(*grid.T)
     integral = rows.T @ (rows * np.outer(*share).ravel()[:, None])
-    root = joint_root(model).matrix[:, plane.columns]
+    root = joint(model, model.size).root[:, plane.columns]
     np.testing.assert_allclose(root.T @ root, integral, rtol=0, atol=1e-12 * np.abs(integral).max())
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from axiscal.estimation.accuracy.yardstick import joint_root
 from axiscal.machine.description import machine_from_text
+from axiscal_core.criterion import joint
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text(
@@ -28,4 +28,4 @@ def test_the_joint_criterion_is_the_integral_of_each_square_rotations_at_the_rea
         at = np.linspace(function.spline.knots[0], function.spline.knots[-1], 20_001)
         curve = function.spline.rows(at) @ drawn[function.columns]
         total += (reach if function.angular else 1.0) ** 2 * float(np.trapezoid(curve**2, at))
-    assert joint_root(model).criterion(drawn) == pytest.approx(total, rel=1e-6)
+    assert joint(model, model.size).value(drawn[:, None]) == pytest.approx(total, rel=1e-6)

@@ -50,8 +50,8 @@ def belief() -> Normal:
 
 def defined(stick: Yardstick, covariance: Array) -> Array:
     """Return Σ at each pose: what readings could tell, what they cannot without its constant shift, and the rests."""
-    errors, mean = CASE.errors, stick.moments.mean
-    rows, levers = errors.rows_at(*stick.poses), errors.levers(stick.poses[0])
+    errors, mean = CASE.errors, stick.volume.moments.mean
+    rows, levers = errors.rows_at(*stick.volume.poses), errors.levers(stick.volume.poses[0])
     zeroed = np.diag([float(each) for each in stick.zeroed]) @ mean
     known, never = covariance[: errors.size, : errors.size], stick.unseen @ stick.unseen.T
     told = (rows - zeroed) @ (known - never) @ (rows - zeroed).transpose(0, 2, 1)
@@ -75,20 +75,19 @@ def test_covariances_at_the_poses_their_worst_and_their_rms(zeroed: tuple[bool, 
     np.testing.assert_allclose(stick.variances(known.factor), traces, atol=1e-9 * scale)
     found = stick.measure(known)
     if counted == ALL:  # the moments of this case are those of all directions
-        assert found.rms == pytest.approx(float(np.sqrt(traces[stick.evenly].mean())), rel=0.02)
-        assert stick.rms_of(stick.root.criterion(known.factor)) == pytest.approx(found.rms, rel=1e-9)
+        assert found.rms == pytest.approx(float(np.sqrt(traces[stick.volume.evenly].mean())), rel=0.02)
+        assert stick.rms_of(stick.total(known.factor)) == pytest.approx(found.rms, rel=1e-9)
     assert found.worst == pytest.approx(max(float(np.sqrt(traces.max())), found.rms), rel=1e-9)
-    at, size = int(np.argmax(traces)), CASE.errors.size
-    poses, sides = (each[[at]] for each in stick.poses)
+    at = int(np.argmax(traces))
+    poses, sides = (each[[at]] for each in stick.volume.poses)
     rows = CASE.errors.rows_at(poses, sides)[0]
-    rows = np.array(counted)[:, None] * (rows - np.array(zeroed)[:, None] * stick.moments.mean)
-    np.testing.assert_allclose(stick.worst_root(known).matrix, rows, atol=1e-12)
-    assert stick.worst_root(known).unknowns == size
+    rows = np.array(counted)[:, None] * (rows - np.array(zeroed)[:, None] * stick.volume.moments.mean)
+    np.testing.assert_allclose(stick.worst_root(known), rows, atol=1e-12)
 
 
 def test_endless_readings_leave_the_floor() -> None:
     stick = replace(yardstick_of((False, False, False), ALL), left=1e-6 * np.eye(CASE.errors.size))
     variances = traces_of(defined(stick, 1e-12 * np.eye(CASE.errors.size)), ALL)
     rms, worst = stick.floors
-    assert rms == pytest.approx(float(np.sqrt(variances[stick.evenly].mean())), rel=0.02)
+    assert rms == pytest.approx(float(np.sqrt(variances[stick.volume.evenly].mean())), rel=0.02)
     assert worst == pytest.approx(float(np.sqrt(variances.max())), rel=1e-9)

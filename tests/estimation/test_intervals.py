@@ -1,5 +1,6 @@
 """Readings of a coarse display or within bounds, against exact integrals, weighted draws, and coverage."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +9,14 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.intervals import Fitted, sited, sites
+from axiscal.estimation.intervals import at_precisions, sited, sites
+from axiscal.estimation.promise.problem import problem
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal_core.problem import Problem
+from axiscal_core.spaces import turned
+from axiscal_core.theta import Sizes
 from tests.generators.campaigns import built_in
 from tests.generators.one_axis import observed, readings_at
 from tests.generators.texts import campaign_text, setup_text
@@ -17,10 +24,21 @@ from tests.generators.texts import campaign_text, setup_text
 _CURVE = 10.0
 
 
+def rows_of(posed: Problem) -> Array:
+    stated = np.zeros(0)
+    return turned(posed, posed.rows, stated, [curves.roots(stated) for curves in posed.curves])
+
+
+def normal(observation: Observation, readings: list[Reading]) -> Sequence[Reading]:
+    """Return readings with normal ones in the place of coarse ones."""
+    posed = problem(observation, readings, Sizes(()), usual=False)
+    return sited(posed, rows_of(posed), observation.setups, readings)
+
+
 @pytest.mark.parametrize(("step", "shown"), [(1.0, 0.3), (8.0, 24.0), (40.0, -40.0), (100.0, 0.0)])
 def test_one_interval_leaves_mean_and_variance_of_the_exact_posterior(step: float, shown: float) -> None:
-    fitted = Fitted(np.array([[_CURVE]]), np.array([1.0 + step**2 / 12]), np.array([shown]), np.array([0]))
-    (value,), (variance,) = sites(fitted, np.array([step]), np.array([1.0]))
+    given = np.array([[1.0 + step**2 / 12], [shown], [step], [1.0]])
+    (value,), (variance,) = sites(np.array([[_CURVE]]), *given)
     precision = 1 / _CURVE**2 + 1 / variance
     mean = value / variance / precision
 
@@ -38,8 +56,8 @@ def test_one_interval_leaves_mean_and_variance_of_the_exact_posterior(step: floa
 def test_only_readings_of_a_coarse_display_are_changed() -> None:
     fine, coarse = observed('resolution = "1 um"'), observed('resolution = "20 um"')
     readings = readings_at((0.1, 0.1, 0.3, 0.6), 20e-6)
-    assert sited(fine, readings) == readings
-    changed = sited(coarse, [*readings, Reading("it", (0.4,), (1,), 20e-6, std=1e-6)])
+    assert normal(fine, readings) == readings
+    changed = normal(coarse, [*readings, Reading("it", (0.4,), (1,), 20e-6, std=1e-6)])
     assert changed[-1].value == 20e-6
     assert all(abs(new.value - old.value) < 20e-6 and new.std for new, old in zip(changed, readings, strict=False))
 
@@ -51,11 +69,12 @@ def test_of_each_interval_the_estimate_has_the_mean_and_the_variance_that_all_ot
     shown = 20e-6 * rng.integers(-1, 3, len(at))
     readings = [replace(each, value=float(value)) for each, value in zip(readings_at(at, 0.0), shown, strict=True)]
     readings[4] = replace(readings[4], std=1e-6)
-    fitted, setup = Fitted.expected(coarse, readings), coarse.setups[0]
-    changed, scatter = sited(coarse, readings), setup.scatter
-    values = fitted.values + np.array([new.value - old.value for new, old in zip(changed, readings, strict=True)])
+    posed, setup = problem(coarse, readings, Sizes(()), usual=False), coarse.setups[0]
+    before, features = posed.values * posed.noise, posed.noise[:, None] * rows_of(posed)
+    changed, scatter = normal(coarse, readings), setup.scatter
+    values = before + np.array([new.value - old.value for new, old in zip(changed, readings, strict=True)])
     precisions = np.array([(each.std or np.nan) ** -2 for each in changed])
-    mean, variance = fitted.at_precisions(values, precisions)
+    mean, variance = at_precisions(features, values, precisions)
     assert changed[4] == readings[4]
     assert len({each.std for each in changed}) > 3
     z = np.linspace(-8, 8, 4001)
@@ -63,7 +82,7 @@ def test_of_each_interval_the_estimate_has_the_mean_and_the_variance_that_all_ot
         cavity = 1 / (1 / variance[number] - precisions[number])
         centre = cavity * (mean[number] / variance[number] - precisions[number] * values[number])
         truth = centre + np.sqrt(cavity) * z
-        ends = (fitted.values[number] + half for half in (10e-6, -10e-6))
+        ends = (before[number] + half for half in (10e-6, -10e-6))
         density = norm.pdf(z) * -np.diff([norm.cdf((end - truth) / scatter) for end in ends], axis=0)[0]
         whole, first, second = (np.trapezoid(z**k * density, z) for k in range(3))
         assert (mean[number] - centre) / np.sqrt(cavity) == pytest.approx(first / whole, abs=1e-3)

@@ -28,8 +28,8 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     prior = observation.prior_covariance()
     noise = numbers.variances
     gain = prior @ numbers.rows.T @ np.linalg.inv(numbers.rows @ prior @ numbers.rows.T + np.diag(noise))
-    tool = np.zeros((len(case.yardstick.root.matrix), len(prior)))
-    tool[:, :size] = case.yardstick.root.matrix
+    tool = np.zeros((len(case.yardstick.root), len(prior)))
+    tool[:, :size] = case.yardstick.root
     kept = tool @ (np.eye(len(prior)) - gain @ numbers.rows)
 
     def of(columns: Sequence[int]) -> float:
@@ -52,7 +52,7 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     rest = known.case.yardstick.rest
     assert found["detail", ""] == pytest.approx(np.sqrt(of(cells) ** 2 + rest), rel=1e-4)
     sized = known.case.yardstick_as_sized
-    never = float(np.linalg.norm(sized.root.matrix @ sized.unseen))  # shifts that do not count too
+    never = float(np.linalg.norm(sized.root @ sized.unseen))  # shifts that do not count too
     assert found["prior", ""] == pytest.approx(np.sqrt(of(range(size)) ** 2 - never**2), rel=1e-4)
     assert found["unseen", ""] == pytest.approx(sized.unseen_rms)
     assert found["artefact", ""] == 0.0

@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 
 from axiscal.errors.volume import even_poses, volume_moments, whole_travel
-from axiscal.estimation.accuracy.yardstick import Yardstick, joint_root
+from axiscal.estimation.accuracy.yardstick import Volume, Yardstick
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instruments.displacement import Indicator
@@ -59,8 +59,8 @@ def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint:
     model = machine
     observation = Observation(model, setups)
     sample, nothing = even_poses(whole_travel(model), 2000), np.zeros((model.size, 0))
-    yardstick = Yardstick(model, sample, volume_moments(model, sample), nothing, nothing)
-    root = joint_root(model) if joint else yardstick.root
+    yardstick = Yardstick(Volume(model, sample, volume_moments(model, sample)), model, nothing, nothing)
+    root = joint(model, model.size).root if joint else yardstick.root
     belief = Normal(np.zeros(observation.size), observation.prior_covariance())
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))
 

@@ -37,7 +37,7 @@ def test_how_a_part_lies_is_said_where_it_counts() -> None:
 def test_it_is_as_much_as_a_fit_of_seven_takes_off() -> None:
     """Three shifts, three turns and one strain fitted to what is not seen, one direction of it after the other."""
     yardstick = case_of(0, aligned=False).yardstick
-    poses = yardstick.inside
+    poses = yardstick.volume.inside
     hidden = yardstick.errors.rows_at(poses, np.zeros_like(poses)) @ yardstick.unseen
     tips = yardstick.errors.frames(poses).tcp
     x, y, z = (tips - tips.mean(axis=0)).T

@@ -48,7 +48,7 @@ def dense_value(asked: Task, places: Places) -> float:
     observation = asked.observation
     assert not visited(observation, places).numbers(places).reach.any()
     known = dense.DenseState(observation, observation.prior_covariance())
-    return dense.value(dense.after_readings(known, places), asked.root.matrix.T @ asked.root.matrix)
+    return dense.value(dense.after_readings(known, places), asked.root.T @ asked.root)
 
 
 def _falls(asked: Task, places: Places, indices: Array) -> Array:

@@ -70,7 +70,7 @@ def best_of_all(asked: Task, budget: float) -> float:
     told = (rows / np.sqrt(variances)[:, None]) @ asked.belief.factor
     grams = (told[:, :, None] * told[:, None, :]).reshape(len(told), -1)
     known = np.eye(told.shape[1]) + (often[within] @ grams).reshape(-1, told.shape[1], told.shape[1])
-    reach = asked.root.times(asked.belief.factor)
+    reach = asked.root @ asked.belief.factor[: asked.root.shape[1]]
     return float(np.tensordot(np.linalg.inv(known), reach.T @ reach).min())
 
 

@@ -22,7 +22,7 @@ def _problem(posed: Posed) -> Task:
 
 def picker(posed: Posed) -> Callable[[Array], Array]:
     """Return the next measurement, exactly, by the exact integral."""
-    case, root = alone(posed.case), _problem(posed).root.matrix
+    case, root = alone(posed.case), _problem(posed).root
     wanted = np.pad(root, ((0, 0), (0, case.size - root.shape[1])))  # the dial's zero, which is known
 
     def pick(taken: Array) -> Array:

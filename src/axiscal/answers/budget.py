@@ -48,13 +48,13 @@ def budget(known: Estimation) -> list[BudgetShare]:
         parts = {"detail": yardstick.rest, "unseen": yardstick.unseen_rms**2}
         parts["prior"] = max(known.accuracy.rms**2 - sum(parts.values()), 0.0)
         return [BudgetShare(kind, "", float(np.sqrt(each))) for kind, each in parts.items()]
-    figures = np.zeros((yardstick.root.matrix.shape[0], len(known.posterior.mean)))
-    figures[:, : yardstick.root.unknowns] = yardstick.root.matrix
+    figures = np.zeros((len(yardstick.root), len(known.posterior.mean)))
+    figures[:, : yardstick.errors.size] = yardstick.root
     squares, whole = dict.fromkeys(_OF_ALL, 0.0), known.accuracy.rms**2
     for drawn in known.posterior.draws:
         for source, square in _squares(known, drawn, figures):
             squares[source] = squares.get(source, 0.0) + known.widening * square
-    squares[_PRIOR] -= yardstick.root.criterion(known.printed.belief.factor) - (whole - yardstick.rest)
+    squares[_PRIOR] -= yardstick.total(known.printed.belief.factor) - (whole - yardstick.rest)
     squares[_UNSEEN] = float(np.clip(known.case.yardstick_as_sized.unseen_rms**2, 0.0, max(squares[_PRIOR], 0.0)))
     squares[_PRIOR] -= squares[_UNSEEN]
     squares["detail", "", None] += yardstick.rest

@@ -13,8 +13,8 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES
 from axiscal.description.usual import rescaled_machine
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
-from axiscal.errors.volume import Alignment, VolumeMoments, even_poses, volume_moments
-from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.errors.volume import Alignment, even_poses, volume_moments
+from axiscal.estimation.accuracy.yardstick import Volume, Yardstick
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
@@ -26,7 +26,7 @@ from axiscal.measurement.reading_rows import places_of, rows_at, seen, visited
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
-from axiscal.numerics.remembered import Itself, Memo
+from axiscal.numerics.remembered import Memo
 from axiscal_core.eigen import root_of
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
@@ -208,7 +208,7 @@ class Case:
         covariance, errors = self.observation.prior_covariance(), self.errors.size
         mean = np.zeros(len(covariance))
         if self.inherited is not None:
-            mean[:errors], covariance[:errors, :errors] = self.inherited
+            mean[:errors], covariance[:errors, :errors] = self.inherited.mean, self.inherited.covariance
         return Normal.of_factor(mean, root_of(covariance))
 
     @property
@@ -229,9 +229,9 @@ class Case:
     def yardstick(self) -> Yardstick:
         """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
         if self.sized_from is not None:
-            return replace(self.sized_from, both=self.both).yardstick.with_rests_of(self.errors)
+            return replace(replace(self.sized_from, both=self.both).yardstick, errors=self.errors)
         described = self.description
-        grounds = self.errors, described.target, described.setups, described.usual, self.both, Itself(self.inherited)
+        grounds = self.errors, described.target, described.setups, described.usual, self.both, self.inherited
         return self.yardsticks.answer(grounds, self._found_yardstick)
 
     def _found_yardstick(self) -> Yardstick:
@@ -240,25 +240,24 @@ class Case:
             replace(machine, errors=tuple(replace(each, rest=0.0) for each in machine.stated)),
             self.description.target,
         )
-        moments, sample, alignment = self.volumes.answer(grounds, self._found_volume)
+        volume = self.volumes.answer(grounds, self._found_volume)
         factor, left = self.prior.factor, self._left
         unseen = left[:, : factor.shape[1]]
         # Tilts count about the middle of the volume: where the machine's zero lies is no matter.
-        mean = moments.mean.copy()
+        mean = volume.moments.mean.copy()
         mean[:, self.errors.tilts] = 0.0
         before, after = (np.sum((mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
-        boxed = alignment is None and self.description.target.part is None
-        ends = corners(self.description.target.volume) if boxed else None
-        return Yardstick(self.errors, sample, moments, unseen, left, (x, y, z), alignment, ends)
+        return Yardstick(volume, self.errors, unseen, left, (x, y, z))
 
     @cached_property
     def yardstick_as_sized(self) -> Yardstick:
         """The same with what endless readings leave of errors, and nothing sees, as large as they are here."""
-        return self.yardstick if self.sized_from is None else self.yardstick.with_rests_of(self.errors, self._left)
+        found, left = self.yardstick, self.yardstick.left if self.sized_from is None else self._left
+        return replace(found, unseen=left[:, : found.unseen.shape[1]], left=left)
 
-    def _found_volume(self) -> tuple[VolumeMoments, Array, Alignment | None]:
-        """Return means over the target's volume, the poses they are of, and what probing the part takes off.
+    def _found_volume(self) -> Volume:
+        """Return the target's volume.
 
         Along one axis there is nothing that the part could lie askew to: a rigid motion never counts.
         """
@@ -267,7 +266,9 @@ class Case:
         sample = even_poses(target.volume, POSES) if part is None else part.poses(machine)
         aligned = target.aligned or len(machine.axes) == 1
         alignment = Alignment(self.errors, sample, target.counted) if aligned else None
-        return volume_moments(self.errors, sample, alignment, target.counted), sample, alignment
+        ends = corners(target.volume) if alignment is None and part is None else None
+        moments = volume_moments(self.errors, sample, alignment, target.counted)
+        return Volume(self.errors, sample, moments, alignment, ends)
 
     @cached_property
     def about_volume(self) -> Array:

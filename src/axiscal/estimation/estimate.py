@@ -16,8 +16,10 @@ from axiscal.estimation.case import Case, timed
 from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
-from axiscal.estimation.learnt import posed, posterior_of, without_bad
+from axiscal.estimation.learnt import framed, posed, turned
 from axiscal.estimation.located import history, located, refuse_mirrors
+from axiscal.estimation.promise.posterior import sorted_out
+from axiscal.estimation.promise.sick import repeats
 from axiscal.estimation.stations import progressed
 from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
@@ -34,7 +36,8 @@ def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
     if not times.readings:
         return Estimation(stated, times, implausible, {}, history(case, ()))
     case = progressed(case, times.readings, implausible) if case.bends else case
-    kept = without_bad(case, times.readings, implausible)
+    sure = [index for index, reading in enumerate(times.readings) if reading.accepted]
+    kept = sorted_out(posed(case, times.readings), implausible, sure)
     implausible = {index: each for index, each in implausible.items() if index not in kept.mine.problem.reading}
     bad = {index: Doubt(index, each.z) for index, each in kept.bad.items()}
     known = located(history(case.rescaled(kept.sizes), times.readings, [*implausible, *bad]))
@@ -43,7 +46,9 @@ def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
         at = case
     else:
         kept = kept.where(posed(at, taken))
-    return Estimation(stated, times, implausible, bad, known, posterior_of(at, taken, kept))
+    again = repeats(at.description.setups, taken)
+    posterior = kept.posterior(turned(at, taken), framed(at, taken), again, at.about_volume)
+    return Estimation(stated, times, implausible, bad, known, posterior)
 
 
 @one_thread()

@@ -124,11 +124,11 @@ class Estimation:
     @remembered
     def estimate(self) -> Estimate:
         """Return what tables are made of: the belief about the machine, over the volume of the target."""
-        description, errors, yardstick = self.case.description, self.case.errors, self.case.yardstick
+        description, errors, volume = self.case.description, self.case.errors, self.case.yardstick.volume
         grid = map_grid(description.machine, description.setups, self.readings)
         found = self.posterior
         rests = rest_means(errors, {} if found is None else found.cells)
-        place = description.target.volume, grid, rests, yardstick.sample, yardstick.alignment, yardstick.counted
+        place = description.target.volume, grid, rests, volume.sample, volume.alignment, volume.moments.counted
         used = [each for index, each in enumerate(self.readings) if index not in self.left_out]
         mounted = [(description.setup(each.setup), each.pose) for each in used]
         mounted += [(setup, setup.start) for setup, _ in mounted if setup.start is not None]

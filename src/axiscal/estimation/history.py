@@ -73,7 +73,7 @@ class History:
     @cached_property
     def normal(self) -> Sequence[Reading]:
         """The readings with normal ones in the place of those that are far from normal; themselves if none is."""
-        return sited(self.case.observation, self.readings, self.case.inherited, self.left_out)
+        return sited(self.problem, self.rows, self.case.observation.setups, self.readings, self.left_out)
 
     @cached_property
     def problem(self) -> Problem:

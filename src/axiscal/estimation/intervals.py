@@ -24,18 +24,14 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from axiscal.estimation.promise.problem import Inherited, problem
-from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
 from axiscal.numerics.displays import step_of
 from axiscal_core.eigen import of_rank
 from axiscal_core.from_scipy import log_normal_share
-from axiscal_core.spaces import turned
-from axiscal_core.theta import Sizes
+from axiscal_core.problem import Problem
 
 _SWEEPS, _DAMPING, _SETTLED = 30, 0.5, 1e-4
 """Sweeps end where the intervals settle; half steps keep them from swinging."""
@@ -78,28 +74,28 @@ def _passed(readings: Sequence[Reading], step: float) -> bool:
 
 
 def sited(
-    observation: Observation,
-    readings: Sequence[Reading],
-    prior: tuple[Array, Array] | None = None,
-    left_out: Collection[int] = (),
+    posed: Problem, rows: Array, setups: Sequence[Setup], readings: Sequence[Reading], left_out: Collection[int] = ()
 ) -> Sequence[Reading]:
     """Return readings with the normal ones in the place of those of coarse set-ups; themselves where none is.
 
-    prior : mean and covariance of the errors, where they are not the stated ones; left_out : that do not count
+    posed : the readings, at sizes that do not vary; rows : (m, p) of unknowns of variance one, over the noise
+    left_out : that do not count
     Readings of three values, and those that state a std of their own, stay as they are.
     """
-    setups, kept = {each.name: each for each in observation.setups}, np.setdiff1d(range(len(readings)), [*left_out])
-    some = [readings[index] for index in kept]
-    coarse = np.array([len(r.values) == 1 and r.std is None and setups[r.setup].coarse for r in some], dtype=bool)
-    if not coarse.any():
+    coarse = {setup.name for setup in setups if setup.coarse}
+    mine = [index for index, r in enumerate(readings) if len(r.values) == 1 and r.std is None and r.setup in coarse]
+    mine = [index for index in mine if index not in left_out]
+    if not mine:
         return readings
-    fitted = Fitted.expected(observation, some, prior)
-    which, owners = coarse[fitted.reading], [setups[some[int(i)].setup] for i in fitted.reading]
+    kept = ~np.isin(posed.reading, [*left_out])
+    which, noise = np.isin(posed.reading[kept], mine), posed.noise[kept]
+    owners, shown = [setups[index] for index in posed.setup[kept]], posed.values[kept] * noise
     steps = np.where(which, [setup.resolution for setup in owners], 0.0)
     soft = np.where(steps > 0, [setup.scatter for setup in owners], FINEST)
-    found = sites(fitted, steps, np.maximum(fitted.noise - steps**2 / 12.0, soft**2))
-    each = np.array([*found, fitted.values])[:, which].T
-    instead = {i: _moved(readings[i], *by) for i, by in zip(kept[coarse].tolist(), each.tolist(), strict=True)}
+    features, scatter = of_rank(rows[kept] * noise[:, None]), np.maximum(noise**2 - steps**2 / 12.0, soft**2)
+    found = sites(features, noise**2, shown, steps, scatter)
+    each = np.array([*found, shown])[:, which].T.tolist()
+    instead = {index: _moved(readings[index], *by) for index, by in zip(mine, each, strict=True)}
     return [instead.get(index, reading) for index, reading in enumerate(readings)]
 
 
@@ -107,20 +103,19 @@ def _moved(reading: Reading, value: float, variance: float, before: float) -> Re
     return replace(reading, value=reading.value + value - before, std=float(np.sqrt(variance)))
 
 
-def sites(fitted: Fitted, steps: Array, scatter: Array) -> tuple[Array, Array]:
+def sites(features: Array, noise: Array, shown: Array, steps: Array, scatter: Array) -> tuple[Array, Array]:
     """Return the sites of all numbers: their values and variances, (m,) each.
 
-    fitted : the numbers, with their priors; steps : (m,) widths of intervals, 0 where there is none
-    scatter : (m,) σ²
+    features : (m, r) Φ; noise : (m,) variances as stated; shown : (m,) what was read
+    steps : (m,) widths of intervals, 0 where there is none; scatter : (m,) σ²
     """
-    which = steps > 0
-    values, precisions = fitted.values.copy(), 1.0 / fitted.noise
+    which, values, precisions = steps > 0, shown.copy(), 1.0 / noise
     for _ in range(_SWEEPS):
-        mean, spread = fitted.at_precisions(values, precisions)
-        cavity = 1.0 / np.maximum(1.0 / spread - precisions, 1.0 / (WIDEST * fitted.noise))
+        mean, spread = at_precisions(features, values, precisions)
+        cavity = 1.0 / np.maximum(1.0 / spread - precisions, 1.0 / (WIDEST * noise))
         centre = cavity * (mean / spread - precisions * values)
-        wanted_mean, wanted = _moments(fitted.values, steps, scatter, centre, cavity)
-        fresh = np.maximum(1.0 / wanted - 1.0 / cavity, 1.0 / (WIDEST * fitted.noise))
+        wanted_mean, wanted = _moments(shown, steps, scatter, centre, cavity)
+        fresh = np.maximum(1.0 / wanted - 1.0 / cavity, 1.0 / (WIDEST * noise))
         pull = wanted_mean / wanted - centre / cavity
         change = np.where(which, fresh - precisions, 0.0)
         target = (1 - _DAMPING) * precisions * values + _DAMPING * pull
@@ -151,28 +146,8 @@ WIDEST = 1e8
 """Times the noise: so wide a site says nothing."""
 
 
-class Fitted:
-    """Numbers before any of them was read, and their estimate.
-
-    features : (m, r) Φ; noise : (m,) σ²; values : (m,); reading : (m,) index of the reading of each number
-    """
-
-    def __init__(self, features: Array, noise: Array, values: Array, reading: NDArray[np.intp]) -> None:
-        self._features, self.noise, self.values, self.reading = of_rank(features), noise, values, reading
-
-    @classmethod
-    def expected(
-        cls, observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
-    ) -> Fitted:
-        """Return the numbers of readings, by the stated model or another prior of the errors (mean, covariance)."""
-        posed = problem(observation, readings, Sizes(()), None if prior is None else Inherited(*prior), usual=False)
-        stated = np.zeros(0)
-        features = turned(posed, posed.rows, stated, [curves.roots(stated) for curves in posed.curves])
-        return cls(features * posed.noise[:, None], posed.noise**2, posed.values * posed.noise, posed.reading)
-
-    def at_precisions(self, values: Array, precisions: Array) -> tuple[Array, Array]:
-        """Return mean and variance of the numbers without noise, (m,), if these values had these precisions 1/σ²."""
-        information = np.eye(self._features.shape[1]) + (self._features.T * precisions) @ self._features
-        spread = self._features @ np.asarray(np.linalg.inv(information), dtype=float)
-        mean: Array = spread @ (self._features.T @ (precisions * values))
-        return mean, np.einsum("mr,mr->m", spread, self._features)
+def at_precisions(features: Array, values: Array, precisions: Array) -> tuple[Array, Array]:
+    """Return mean and variance of the numbers without noise, (m,), if these values had these precisions 1/σ²."""
+    information = np.eye(features.shape[1]) + (features.T * precisions) @ features
+    spread = features @ np.asarray(np.linalg.inv(information), dtype=float)
+    return np.asarray(spread @ (features.T @ (precisions * values))), np.einsum("mr,mr->m", spread, features)

@@ -1,38 +1,19 @@
-"""Third stage: the posterior of errors, set-ups' unknowns and sizes, and the readings that are bad."""
+"""Readings as a problem, as they were read and as they would be if they were read otherwise than said."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.agreement import Framed, Turned
 from axiscal.estimation.promise.causes import at_feed
 from axiscal.estimation.promise.mistaken import with_feed
-from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import problem
-from axiscal.estimation.promise.sick import repeats
 from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import in_workpiece
 from axiscal_core.problem import Problem
-
-
-def posterior_of(case: Case, readings: Sequence[Reading], kept: Sorted) -> Posterior:
-    """Return the posterior of readings where a case has them linear.
-
-    case : with the sizes as stated; kept : the readings without the bad ones
-    How they were read if not as said is made only where somebody asks for it.
-    """
-    again = repeats(case.description.setups, readings)
-    return kept.posterior(turned(case, readings), framed(case, readings), again, case.about_volume)
-
-
-def without_bad(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Sorted:
-    """Return the readings without the bad ones, where a case has them linear.  case : with the sizes as stated"""
-    return sorted_out(
-        posed(case, readings), implausible, [index for index, reading in enumerate(readings) if reading.accepted]
-    )
 
 
 def posed(case: Case, readings: Sequence[Reading]) -> Problem:

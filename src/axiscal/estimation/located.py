@@ -14,7 +14,6 @@ from axiscal.exceptions import AmbiguityError
 from axiscal.language.spoken import said
 from axiscal.measurement.reading import Reading, drawn, place_text
 from axiscal.measurement.reading_rows import linear_values, places_of
-from axiscal.numerics import Array
 from axiscal.units import to_unit
 
 
@@ -38,7 +37,7 @@ def located(known: History) -> History:
     as far, and so do those after it: else the rounds would swing.
     known : with the sizes as learnt
     """
-    share, last = 1.0, np.inf
+    share, last, count = 1.0, np.inf, known.case.errors.size + len(known.case.observation.unknowns)
     for _ in range(_ROUNDS):
         mean = known.knowledge.belief.mean
         asked = moved_by(known, known.case.linear_about(mean))
@@ -46,20 +45,12 @@ def located(known: History) -> History:
         if asked < (_LINEAR if known.case.about is None else SETTLED):
             better = known.case.located(mean)
         else:
-            better = known.case.linear_about(_towards(known.case, mean, share))
+            start = np.zeros(count) if known.case.about is None else known.case.about
+            better = known.case.linear_about(start + share * (mean[:count] - start))
         if better is None:
             break
         known = history(better, known.readings, known.left_out)
     return known
-
-
-def _towards(case: Case, mean: Array, share: float) -> Array:
-    """Return a mean that is a share of the way from where readings are linearised now.  mean : (size,)"""
-    count = case.errors.size + len(case.observation.unknowns)
-    start = np.zeros(count) if case.about is None else case.about
-    result = mean.copy()
-    result[:count] = start + share * (mean[:count] - start)
-    return result
 
 
 def moved_by(known: History, better: Case) -> float:
@@ -109,7 +100,9 @@ def _ambiguity(case: Case, index: int, number: int, best: Optimum, other: Optimu
     stated, columns = np.array(setup.standing[number]), list(case.station_columns(index)[number])
     spots = (to_unit(stated + each.point[columns], "mm").tolist() for each in (best, other))
     first, second = ("(" + ", ".join(f"{along:.1f}" for along in spot) + ") mm" for spot in spots)
-    pose, differ = _decisive(case, index, number, best.point, other.point)
+    poses, sides = case.lattice.in_setup(index)
+    one, two = (case.observation.shown(index, poses, sides, each.point)[:, number] for each in (best, other))
+    decisive, apart = int(np.argmax(np.abs(one - two))), float(np.abs(one - two).max())
     axes, name = case.description.machine.axes, setup.name
     whose = said("station {number}", number=number + 1) if setup.stations else said("the station")
     what = '{whose} of "{name}" fits its readings as well at {first} as at {second} (x, y, z in the workpiece frame)'
@@ -117,13 +110,5 @@ def _ambiguity(case: Case, index: int, number: int, best: Optimum, other: Optimu
         'Read "{name}" at {place} as well: there the two differ by {apart:.3g} mm. '
         "Points in one plane cannot tell a station from its mirror image; or state the station nearer"
     )
-    place, apart = place_text(axes, pose), to_unit(differ, "mm")
-    return AmbiguityError(what, remedy, whose=whose, name=name, first=first, second=second, place=place, apart=apart)
-
-
-def _decisive(case: Case, index: int, number: int, first: Array, second: Array) -> tuple[list[float], float]:
-    """Return the place where the predictions of two optima differ the most, and by how much, m."""
-    poses, sides = case.lattice.in_setup(index)
-    one, two = (case.observation.shown(index, poses, sides, point)[:, number] for point in (first, second))
-    best = int(np.argmax(np.abs(one - two)))
-    return poses[best].tolist(), float(abs(one - two)[best])
+    at = {"place": place_text(axes, poses[decisive].tolist()), "apart": to_unit(apart, "mm")}
+    return AmbiguityError(what, remedy, whose=whose, name=name, first=first, second=second, **at)

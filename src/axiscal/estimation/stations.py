@@ -11,49 +11,36 @@ points in one plane, a station and its mirror image in that plane are alike.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.estimation.case import Case, Knowledge
 from axiscal.measurement.reading import Reading, drawn
-from axiscal.measurement.reading_rows import Seen, scaled_values, seen, shown_by_each
+from axiscal.measurement.reading_rows import places_of, rows_at, scaled_values, seen, shown_by_each
 from axiscal.numerics import Array
 from axiscal_core.eigen import settled
 from axiscal_core.from_scipy import least_squares
 
 
 class BentReadings:
-    """case : whose prior counts; readings : believed ones."""
+    """Readings by the exact chain, nothing linearised.  case : whose prior counts; readings : believed ones"""
 
     def __init__(self, case: Case, readings: Sequence[Reading]) -> None:
         self.case, self.readings = case, readings
-        self.start = case.prior.mean
-        self.root = case.prior.factor
+        self.start, self.root = case.prior.mean, case.prior.factor
+        self.places = places_of(case.observation.setups, readings)
         self.values = scaled_values(case.observation.setups, readings)
-        self.variances = seen(case.observation, readings).variances
-
-    def linearised(self, point: Array) -> Seen:
-        """Return the readings linearised about a point (k,) of errors and unknowns."""
-        located = self.case.located(point) or self.case
-        about = replace(self.case.observation, setups=located.description.setups, about=point)
-        return seen(about, self.readings)
+        self.noise = np.sqrt(seen(case.observation, readings).variances)
 
     def rows(self, point: Array) -> Array:
         """Return the rows about a point, (m, k): they change with where a station or tracker is found alone."""
-        return self._still if self.case.located(point) is None else self.linearised(point).rows
-
-    @cached_property
-    def _still(self) -> Array:
-        return seen(self.case.observation, self.readings).rows
+        return rows_at((self.case.located(point) or self.case).observation, self.places).rows
 
     def left(self, point: Array) -> Array:
         """Return what the readings leave at a point, over their noise, (m,)."""
         shown = shown_by_each(self.case.observation, self.readings, point[None])[0]
-        left: Array = (self.values - shown) / np.sqrt(self.variances)
-        return left
+        return np.asarray((self.values - shown) / self.noise)
 
     def whitened(self, point: Array) -> Array:
         """Return z of a point, (k,)."""
@@ -75,7 +62,7 @@ def polished(problem: BentReadings, start: Array) -> Optimum:
 
     def slopes(z: Array) -> Array:
         rows = problem.rows(problem.start + problem.root @ z) @ problem.root
-        return np.vstack([np.eye(len(z)), rows / np.sqrt(problem.variances)[:, None]])
+        return np.vstack([np.eye(len(z)), rows / problem.noise[:, None]])
 
     z, cost = least_squares(left, slopes, problem.whitened(start))
     return Optimum(problem.start + problem.root @ z, cost)
@@ -116,24 +103,16 @@ def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[
     """Return the case linearised about the mode that its plausible readings show; as it was where that is linear.
 
     A distance or a tracker is linear only about its assumed place. If that is 100 mm or 20 mrad off, good readings look
-    bad. So the mode is found before readings are doubted.
+    bad. So the mode is found before readings are doubted: from closed form and from the prior. What stands on the table
+    is turned by little and has one optimum: the prior leads there.
     """
-    kept = [reading for index, reading in enumerate(readings) if index not in implausible]
-    some = drawn(kept, MOST)
+    some = drawn([reading for index, reading in enumerate(readings) if index not in implausible], MOST)
     if float(np.max(indices(case.knowledge, some), initial=0.0)) <= GAUSSIAN:
         return case
-    return case.linear_about(mode(BentReadings(case, some)).point)
-
-
-def mode(problem: BentReadings) -> Optimum:
-    """Return the best optimum: from closed form and from the prior.
-
-    What stands on the table is turned by little and has one optimum: the prior leads there.
-    """
-    case, prior = problem.case, problem.case.prior.mean
+    problem, prior = BentReadings(case, some), case.prior.mean
     touched = all(setup.artefact is not None and setup.length is None for setup in case.description.setups)
-    starts = [prior] if touched else [prior, closed_form(case, problem.readings, prior)]
-    return min((polished(problem, start) for start in starts), key=lambda found: found.cost)
+    starts = [prior] if touched else [prior, closed_form(case, some, prior)]
+    return case.linear_about(min((polished(problem, start) for start in starts), key=lambda found: found.cost).point)
 
 
 _SOUND = 1e-6

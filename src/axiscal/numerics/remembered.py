@@ -4,26 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from functools import wraps
-from typing import Concatenate, Generic, ParamSpec, TypeVar, cast
+from typing import Concatenate, ParamSpec, TypeVar, cast
 from weakref import WeakKeyDictionary
 
 Of = TypeVar("Of")
 About = ParamSpec("About")
 Answer = TypeVar("Answer")
-Part = TypeVar("Part")
-
-
-class Itself(Generic[Part]):
-    """A part of what an answer follows from that compares by its identity.  part : kept, so that no other has its"""
-
-    def __init__(self, part: Part) -> None:
-        self.part = part
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Itself) and other.part is self.part
-
-    def __hash__(self) -> int:
-        return id(self.part)
 
 
 class Memo:
@@ -37,11 +23,7 @@ class Memo:
     ) -> Answer:
         """Return what follows from a content.  find : it, where it is not kept; of, named : its arguments"""
         answers = self._answers
-        if content not in answers:
-            answers[content] = find(*of, **named)
-        elif self._most is not None:
-            answers[content] = answers.pop(content)  # asked for last
-        found = answers[content]
+        found = answers[content] = answers.pop(content) if content in answers else find(*of, **named)
         while self._most is not None and len(answers) > self._most:
             del answers[next(iter(answers))]
         return cast(Answer, found)

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.estimation.accuracy.yardstick import Root, joint_root
 from axiscal.estimation.case import Case, Knowledge, timed
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.judged import Doubt
@@ -38,6 +37,7 @@ from axiscal.planning.plan.order import seconds_along
 from axiscal.planning.plan.plan import MANY, Plan, make_plan, renewed
 from axiscal.planning.plan.task import Goal, Limits, Task
 from axiscal.record.events import Asked, Gap
+from axiscal_core.criterion import joint, root_of_gram
 from axiscal_core.normal import Normal
 from axiscal_core.threads import one_thread
 
@@ -187,17 +187,17 @@ def limits_left(case: Case, readings: Sequence[Reading]) -> Limits:
     return replace(limits, readings=most, budget=budget)
 
 
-def root_of(case: Case, belief: Normal) -> Root:
+def root_of(case: Case, belief: Normal) -> Array:
     """Return V of the target's criterion, W = VᵀV."""
     name = case.description.target.criterion
     if name == "joint":
-        return joint_root(case.errors)
+        return joint(case.errors, case.errors.size).root
     if name == "rows":
         return rows_root(case)
     return case.yardstick.root if name == "volume" else case.yardstick.worst_root(belief)
 
 
-def rows_root(case: Case) -> Root:
+def rows_root(case: Case) -> Array:
     """Return V of J = Σ v / g², v the mean variance of a row and g its standard deviation where it is as wanted."""
     parts = [np.zeros((0, case.errors.size))]
     for asked in asked_rows(case.description, (), whole=True):
@@ -206,13 +206,13 @@ def rows_root(case: Case) -> Root:
         if goal > 0:
             parts.append(_own(asked, case) * BAND / goal)
     stacked = np.concatenate(parts)
-    return Root.of_gram(stacked.T @ stacked)
+    return root_of_gram(stacked.T @ stacked)
 
 
 def _own(asked: AskedRow, case: Case) -> Array:
     """Return V of the mean variance of a row, (k, size)."""
     if asked.map is None:
-        return case.yardstick.root.matrix
+        return case.yardstick.root
     scaled: Array = asked.map.rows(case.errors) / np.sqrt(len(asked.map.weights) / asked.map.dimensions)
     return scaled
 

@@ -36,7 +36,7 @@ def hidden_of(case: Case) -> tuple[Hidden, ...]:
     """Return the errors that the allowed readings cannot see, in words."""
     tool = tool_doubt(case.observation, case.yardstick, case.prior.factor, case.allowed_rows()[0])
     whole = seen_as_one(case.yardstick)
-    return (*tool, *whole, *hidden(case.errors, case.yardstick.unseen, case.yardstick.moments))
+    return (*tool, *whole, *hidden(case.errors, case.yardstick.unseen, case.yardstick.volume.moments))
 
 
 def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
@@ -53,7 +53,7 @@ def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
             "It makes {size} of the {whole} that cannot be seen."
         )
         yield Hidden(("EXX", "EYY", "EZZ"), said(text, **_part(scale, unseen)), scale)
-    if turn > _SAID * unseen and yardstick.alignment is None:
+    if turn > _SAID * unseen and yardstick.volume.alignment is None:
         text = (
             "Your instruments cannot see how the part lies: it is aligned by probing, which aligned = true takes off. "
             "It makes {size} of the {whole} that cannot be seen."
@@ -63,11 +63,11 @@ def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
 
 def uniform_parts(yardstick: Yardstick) -> tuple[float, float]:
     """Return what a common scale and a turn of the whole make of the unseen, RMS over the volume, m."""
-    poses = yardstick.inside
+    poses = yardstick.volume.inside
     machine, sides = yardstick.errors, np.zeros_like(poses)
     rows = yardstick.errors.rows_at(poses, sides)
-    if yardstick.alignment is not None:
-        rows = rows - yardstick.alignment.taken_off(poses)
+    if yardstick.volume.alignment is not None:
+        rows = rows - yardstick.volume.alignment.taken_off(poses)
     hidden = rows.reshape(-1, yardstick.errors.size) @ yardstick.unseen
     away = machine.frames(poses).tcp
     away = away - away.mean(axis=0)

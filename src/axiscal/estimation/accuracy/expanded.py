@@ -59,7 +59,7 @@ class Expanded:
 def expanded(yardstick: Yardstick, belief: Normal) -> Expanded:
     """Return the expanded uncertainties of a belief over the yardstick's volume, shifts not counted taken off."""
     covariances = yardstick.covariances(belief.factor)
-    return expanded_of(covariances, yardstick.evenly, yardstick.counted, belief.degrees, yardstick.errors.ways)
+    return expanded_of(covariances, yardstick.volume.evenly, yardstick.counted, belief.degrees, yardstick.errors.ways)
 
 
 @one_thread()
@@ -68,7 +68,7 @@ def known_to(name: str, yardstick: Yardstick, belief: Normal) -> float:
     if name == "U":
         return expanded(yardstick, belief).space
     if name.lower() == "rms":
-        return yardstick.rms_of(yardstick.root.criterion(belief.factor))
+        return yardstick.rms_of(yardstick.total(belief.factor))
     return yardstick.measure(belief).worst
 
 
@@ -76,7 +76,7 @@ def known_to(name: str, yardstick: Yardstick, belief: Normal) -> float:
 def expanded_floor(yardstick: Yardstick) -> Expanded:
     """Return the expanded uncertainties that endless readings would leave."""
     covariances = yardstick.covariances(yardstick.left)
-    return expanded_of(covariances, yardstick.evenly, yardstick.counted, ways=yardstick.errors.ways)
+    return expanded_of(covariances, yardstick.volume.evenly, yardstick.counted, ways=yardstick.errors.ways)
 
 
 def floor_of(name: str, yardstick: Yardstick) -> float:

@@ -10,7 +10,7 @@ What a reading is to make small is J = tr(W C) = tr(V C Vᵀ), by a root V of it
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -19,40 +19,9 @@ from numpy.typing import NDArray
 
 from axiscal.errors.volume import Alignment, Counted, VolumeMoments
 from axiscal.numerics import Array, even_subset
-from axiscal_core.criterion import joint, root_of_gram
+from axiscal_core.criterion import root_of_gram
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Root:
-    """V of a criterion J = tr(V C Vᵀ).  matrix : (r, n), over the leading n unknowns"""
-
-    matrix: Array
-
-    @classmethod
-    def of_gram(cls, gram: Array) -> Root:
-        """Return V (r, n) with W = VᵀV, for W of any rank r.  gram : W (n, n), symmetric"""
-        return cls(root_of_gram(gram))
-
-    @property
-    def unknowns(self) -> int:
-        """How many unknowns count, n."""
-        return int(self.matrix.shape[1])
-
-    def times(self, factor: Array) -> Array:
-        """Return V F.  factor : F (m, k) or a vector (m,), over all unknowns, m at least n"""
-        return self.matrix @ factor[: self.unknowns]
-
-    def criterion(self, factor: Array) -> float:
-        """Return J of C = F Fᵀ.  factor : F (m, k) or a vector (m,), m at least n"""
-        return float(np.sum(self.times(factor) ** 2))
-
-
-def joint_root(model: Machine) -> Root:
-    """Return V of the paper's criterion over the errors of a machine."""
-    return Root(joint(model, model.size).root)
-
 
 _INNER_POINTS = 400
 
@@ -73,11 +42,6 @@ def attainable(limit: float, floor: float) -> float:
     return limit if floor <= limit else _NEAR * floor
 
 
-_BY_PLACES = "_shift", "root", "shifts", "poses", "inside", "places", "evenly"
-_OF_UNSEEN = "unseen_rms", "_unseen_shift"
-"""What a yardstick has found that depends on no size of an error, and on no other size than those of the unseen."""
-
-
 def _summed(parts: Array) -> Array:
     """Return the sums of the first 0, 1, 2, ... parts."""
     return np.concatenate([np.zeros_like(parts[:1]), np.cumsum(parts, axis=0)])
@@ -89,44 +53,75 @@ def _squared(parts: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Yardstick:
-    """Measures a belief against the working volume.
+class Volume:
+    """What of a volume does not depend on how large errors are.
 
-    moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
-    left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
-    zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
-    sample : (m, q) poses spread evenly over the volume; ends : (e, q) where it may be worst besides
+    sample : (m, q) poses spread evenly over it; moments : over these; ends : (e, q) where it may be worst besides
     alignment : what probing the part takes off
-    like : one for errors of other sizes, whose rows at these places it has, found where somebody asks for them
     """
 
     errors: Machine
     sample: Array
     moments: VolumeMoments
+    alignment: Alignment | None = None
+    ends: Array | None = None
+
+    @cached_property
+    def inside(self) -> Array:
+        """The poses at which it is looked at that are spread evenly: any of them stands for as much of it, (n, q)."""
+        whole = self.ends is not None  # a box, of which the first so many are as even as all
+        return self.sample[:_INNER_POINTS] if whole else self.sample[even_subset(self.sample, _INNER_POINTS)]
+
+    @cached_property
+    def places(self) -> Array:
+        """All of these poses, once each, (m, q)."""
+        return self.inside if self.ends is None else np.concatenate([self.ends, self.inside])
+
+    @cached_property
+    def poses(self) -> tuple[Array, Array]:
+        """The same and the sides from which their axes come, (m, q) each."""
+        poses = self.places
+        if not self.errors.reversing:
+            return poses, np.ones_like(poses)
+        return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
+
+    @cached_property
+    def evenly(self) -> NDArray[np.bool_]:
+        """Which of them are spread evenly: all but its ends, (m,)."""
+        places = np.arange(len(self.places)) >= len(self.places) - len(self.inside)
+        return np.tile(places, len(self.poses[0]) // len(places))
+
+    @cached_property
+    def rows(self) -> Array:
+        """H at each of them, (m, 3, size)."""
+        rows: Array = self.errors.rows_at(*self.poses)
+        return rows if self.alignment is None else rows - self.alignment.taken_off(self.poses[0])
+
+    @cached_property
+    def levers(self) -> Array:
+        """What a unit of each rest does there, (m, 3, terms)."""
+        return self.errors.levers(self.poses[0]).transpose(1, 2, 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Yardstick:
+    """Measures a belief against the working volume.
+
+    volume : whose errors may be of other sizes; unseen : (errors.size, r) factor of C_∞, the machine's own errors
+    left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
+    zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
+    """
+
+    volume: Volume
+    errors: Machine
     unseen: Array
     left: Array
     zeroed: tuple[bool, bool, bool] = (False, False, False)
-    alignment: Alignment | None = None
-    ends: Array | None = None
-    like: Yardstick | None = None
-
-    def with_rests_of(self, errors: Machine, left: Array | None = None) -> Yardstick:
-        """Return the same yardstick for errors of other sizes: what follows from places alone is not found again.
-
-        left : what endless readings leave of these errors, with what is unseen; None where both stay
-        """
-        stays = left is None
-        left = self.left if left is None else left
-        unseen = self.unseen if stays else left[:, : self.unseen.shape[1]]
-        other = replace(self, errors=errors, unseen=unseen, left=left, like=self)
-        for name in (*_BY_PLACES, *(_OF_UNSEEN if stays else ())):
-            other.__dict__[name] = getattr(self, name)
-        return other
 
     @property
     def counted(self) -> Counted:
         """Directions x, y, z of the workpiece frame along which deviations count: of a printer's bed the height."""
-        return self.moments.counted
+        return self.volume.moments.counted
 
     @cached_property
     def _counts(self) -> Array:
@@ -136,24 +131,27 @@ class Yardstick:
     @cached_property
     def _shift(self) -> Array:
         """E[H] in the directions in which the constant shift is not counted, else zero, (3, size)."""
-        shift: Array = self.moments.mean * np.array(self.zeroed, dtype=float)[:, None]
-        return shift
+        return np.asarray(self.volume.moments.mean * np.array(self.zeroed, dtype=float)[:, None])
 
     @cached_property
-    def root(self) -> Root:
+    def root(self) -> Array:
         """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
         counted = self._counts * self._shift
-        return Root.of_gram(self.moments.gram - counted.T @ counted)
+        return root_of_gram(self.volume.moments.gram - counted.T @ counted)
+
+    def total(self, factor: Array) -> float:
+        """Return J = tr(V C Vᵀ) of C = F Fᵀ, m².  factor : F (n, r) or a vector (n,)"""
+        return float(np.sum((self.root @ factor[: self.errors.size]) ** 2))
 
     @property
     def rest(self) -> float:
         """The share of rests in the mean square of the TCP over the volume, m²."""
-        return float(self.errors.rests**2 @ self.moments.squares)
+        return float(self.errors.rests**2 @ self.volume.moments.squares)
 
     @cached_property
     def unseen_rms(self) -> float:
         """RMS over the volume of what no allowed reading sees, m."""
-        return float(np.sqrt(max(self.root.criterion(self.unseen) - self._unseen_shift, 0.0)))
+        return float(np.sqrt(max(self.total(self.unseen) - self._unseen_shift, 0.0)))
 
     @cached_property
     def floors(self) -> tuple[float, float]:
@@ -163,7 +161,7 @@ class Yardstick:
     @cached_property
     def rms_floor(self) -> float:
         """The first of them, for which no place has to be looked at."""
-        return self.rms_of(self.root.criterion(self.left))
+        return self.rms_of(self.total(self.left))
 
     @cached_property
     def _unseen_shift(self) -> float:
@@ -173,7 +171,7 @@ class Yardstick:
     @cached_property
     def shifts(self) -> Array:
         """E[H] in the directions in which a constant shift counts but for what of it is unseen, (3, size)."""
-        return self._counts * (self.moments.mean - self._shift)
+        return self._counts * (self.volume.moments.mean - self._shift)
 
     def measure(self, belief: Normal) -> Accuracy:
         """Return the figures of a belief."""
@@ -181,7 +179,7 @@ class Yardstick:
 
     def measure_factor(self, factor: Array) -> Accuracy:
         """Return the figures of a covariance C = F Fᵀ.  factor : F (n, r)"""
-        return self.figures(self.root.criterion(factor), self.variances(factor))
+        return self.figures(self.total(factor), self.variances(factor))
 
     def accuracies(self, factor: Array, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
         """Return the figures after each of many readings.
@@ -190,8 +188,8 @@ class Yardstick:
         ends : how many numbers there were after each reading
         """
         own = losses[:, : self.errors.size]
-        total, variances = self.root.criterion(factor), self.variances(factor)
-        totals = total - _summed(np.sum((own @ self.root.matrix.T) ** 2, axis=1))[ends]
+        variances = self.variances(factor)
+        totals = self.total(factor) - _summed(np.sum((own @ self.root.T) ** 2, axis=1))[ends]
         lost = (own @ self.rows.reshape(-1, self.errors.size).T).reshape(len(own), -1, 3)
         left = variances - _summed(np.einsum("ipc,ipc->ip", lost, lost))[ends]
         return [self.figures(float(each), spread) for each, spread in zip(totals, left, strict=True)]
@@ -205,55 +203,19 @@ class Yardstick:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
         return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.rest))
 
-    def worst_root(self, belief: Normal) -> Root:
+    def worst_root(self, belief: Normal) -> Array:
         """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
-        return Root(self.rows[self.variances(belief.factor).argmax()])
-
-    @cached_property
-    def poses(self) -> tuple[Array, Array]:
-        """Poses at which it measures and the sides from which their axes come, (m, q) each."""
-        poses = self.places
-        if not self.errors.reversing:
-            return poses, np.ones_like(poses)
-        return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
-
-    @cached_property
-    def places(self) -> Array:
-        """Poses at which it measures, once each, (m, q)."""
-        return self.inside if self.ends is None else np.concatenate([self.ends, self.inside])
-
-    @cached_property
-    def inside(self) -> Array:
-        """Those of them that are spread evenly over the volume, (n, q): any of them stands for as much of it."""
-        whole = self.ends is not None  # a box, of which the first so many are as even as all
-        return self.sample[:_INNER_POINTS] if whole else self.sample[even_subset(self.sample, _INNER_POINTS)]
-
-    @cached_property
-    def evenly(self) -> NDArray[np.bool_]:
-        """Which of the yardstick's poses are spread evenly over the volume: all but its ends, (m,)."""
-        places = np.arange(len(self.places)) >= len(self.places) - len(self.inside)
-        return np.tile(places, len(self.poses[0]) // len(places))
+        return np.asarray(self.rows[self.variances(belief.factor).argmax()])
 
     @cached_property
     def rows(self) -> Array:
-        """H at each pose of the yardstick, less the shift that is not counted, (m, 3, size); zero where none counts."""
+        """H at each pose, less the shift that is not counted, (m, 3, size); zero where none counts."""
         return self._every_row if all(self.counted) else self._every_row * self._counts
 
     @cached_property
     def _every_row(self) -> Array:
         """The same in every direction, counted or not."""
-        if self.like is not None:
-            return self.like._every_row
-        rows: Array = self.errors.rows_at(*self.poses) - self._shift
-        return rows if self.alignment is None else rows - self.alignment.taken_off(self.poses[0])
-
-    @cached_property
-    def _here(self) -> Array:
-        """Deviations that the allowed readings cannot see, at each pose, counted or not: (m, 3, r)."""
-        if self.like is not None and self.like.unseen is self.unseen:
-            return self.like._here
-        here = self._every_row.reshape(-1, self.errors.size) @ self.unseen
-        return here.reshape(len(self.rows), 3, -1)
+        return self.volume.rows - self._shift if any(self.zeroed) else self.volume.rows
 
     def covariances(self, factor: Array) -> Array:
         """Return the covariance of the TCP deviation at each pose, (m, 3, 3) m²: traces `variances` where all counts.
@@ -263,32 +225,17 @@ class Yardstick:
         return _squared(self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)) + self._anyway
 
     @cached_property
-    def _loose(self) -> Array:
-        """Effect of one standard deviation of each rest at each pose, counted or not, (terms, m, 3), m."""
-        return self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]
-
-    @cached_property
-    def _hidden(self) -> Array:
-        """Deviations that the allowed readings cannot see, less the constant shifts that are not counted, (m, 3, r)."""
-        return self._here - (self.moments.mean - self._shift) @ self.unseen
-
-    @cached_property
     def _anyway(self) -> Array:
         """What rests add, and shifts that are not counted take off, at each pose, (m, 3, 3), m²."""
-        return _squared(self._loose.transpose(1, 2, 0)) + _squared(self._hidden) - _squared(self._here)
-
-    @cached_property
-    def _correction(self) -> Array:
-        """The same of the directions that count, added, (m,), m²."""
-        loose, here = self._loose[:, :, list(self.counted)], self._here[:, list(self.counted)]
-        hidden = np.sum((self._counts * self._hidden) ** 2, axis=(1, 2))
-        return np.asarray(np.sum(loose**2, axis=(0, 2)) + hidden - np.sum(here**2, axis=(1, 2)))
+        here = self._every_row @ self.unseen  # what allowed readings cannot see
+        hidden = here - (self.volume.moments.mean - self._shift) @ self.unseen
+        return _squared(self.volume.levers * self.errors.rests) + _squared(hidden) - _squared(here)
 
     def variances(self, factor: Array) -> Array:
-        """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
+        """Return the TCP variance at each pose of the volume, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
         seen = self._seen(factor, self.rows)
-        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
-        return spread
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1)
+        return spread + np.einsum("pcc->pc", self._anyway)[:, list(self.counted)].sum(axis=1)
 
     def _seen(self, factor: Array, rows: Array) -> Array:
         """Return H F at each pose, (3 m, r), r no more than the errors have coefficients.

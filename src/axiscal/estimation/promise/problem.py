@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +35,8 @@ Of 2,000 readings on five axes the true RMS is then 1.03 times the promised one,
 """
 
 
-class Inherited(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Inherited:
     """The prior of the errors where an earlier campaign left one: mean (size,), covariance (size, size)."""
 
     mean: Array

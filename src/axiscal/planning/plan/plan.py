@@ -302,7 +302,7 @@ def judged(task: Task, places: Places) -> Plan:
     known = zip(_after_each(task, places), ends, strict=True)
     readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)
     value = readings[-1].value if readings else state.value
-    seen = task.yardstick.root.times(state.known)
+    seen = task.yardstick.root @ state.known[: task.yardstick.errors.size]
     numbers = len(places) * max(len(setup.names) for setup in task.observation.setups)
     bound = task.yardstick.rms_of(rank_bound(seen @ seen.T, numbers))
     rms = readings[-1].accuracy.rms if readings else before.rms
@@ -323,7 +323,7 @@ def _after_each(task: Task, order: Places) -> Iterator[tuple[float, Accuracy]]:
         rows, none = state.wide(n), np.zeros(len(n.rows), dtype=np.intp)
         root, *_, losses = condition(state.root, np.zeros(len(state.root)), rows, np.zeros(len(rows)), n.noise**2, none)
         ends = np.searchsorted(n.place, np.arange(len(part)), side="right")
-        values = state.value - np.cumsum(np.sum(task.root.times(losses.T) ** 2, axis=0))[ends - 1]
+        values = state.value - np.cumsum(np.sum((task.root @ losses.T[: task.root.shape[1]]) ** 2, axis=0))[ends - 1]
         yield from zip(values.tolist(), task.yardstick.accuracies(state.root, losses, ends), strict=True)
         state = state.opened(n)
         state.root = root

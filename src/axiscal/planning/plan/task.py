@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.yardstick import Root, Yardstick
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
@@ -47,7 +47,7 @@ class Task:
 
     observation: Observation
     belief: Normal
-    root: Root
+    root: Array
     yardstick: Yardstick
     lattice: Places
     here: Places | None = None
@@ -65,11 +65,11 @@ class Task:
         """Return the task of some set-ups, without unknowns that only others have: neither read here nor weighed."""
         beside = [] if self.beside is None else self.beside.setups.tolist()
         whole, root, more = self.observation, self.root, list[int]()
-        if root.unknowns > whole.errors.size:
-            weighed = np.asarray(root.matrix.any(axis=0))
+        if root.shape[1] > whole.errors.size:
+            weighed = np.asarray(root.any(axis=0))
             more = [setup for setup in range(len(whole.setups)) if weighed[whole.unknowns_of(setup)].any()]
         observation, kept = whole.among({*setups, *beside, *more})
-        root = root if root.unknowns <= whole.errors.size else Root(root.matrix[:, kept[kept < root.unknowns]])
+        root = root if root.shape[1] <= whole.errors.size else root[:, kept[kept < root.shape[1]]]
         lattice = self.lattice.within(np.isin(self.lattice.setups, list(setups)))
         return replace(self, observation=observation, belief=self.belief.among(kept), lattice=lattice, root=root)
 
@@ -77,7 +77,7 @@ class Task:
     @remembered
     def state(self) -> State:
         """What is known before the first reading of the plan, with those beside it."""
-        return self.begun(Criterion(self.root.matrix))
+        return self.begun(Criterion(self.root))
 
     def begun(self, goal: Criterion) -> State:
         """Return the same by any criterion."""
