@@ -13,7 +13,7 @@ from axiscal_core.draws import Slope
 from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 from axiscal_core.problem import Problem
 from axiscal_core.refusals import Array
-from axiscal_core.spaces import Answered, Given, factors_of, raised, raw_cells, turned, variances_of
+from axiscal_core.spaces import Answered, Given, factors_of, raised, turned, variances_of
 
 
 class Numbers:
@@ -147,24 +147,9 @@ class InNumbers(Given):
         covariance -= known @ known.T
         return Answered(mean, covariance)
 
-    def cell_means(self) -> Array:
-        """Return the means of the rests of the cells that were visited, (c,) m or rad."""
-        problem = self.problem
-        part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
-        factors = factors_of(problem, self.theta)[part]
-        return raw_cells(problem, factors**2 * (problem.rows[:, part].T @ self.weighted))
-
     def blocks(self, part: NDArray[np.intp]) -> Array:
         """Return the blocks of K⁻¹."""
         return np.asarray(self._inverse[part[:, :, None], part[:, None, :]])
-
-    def _pulls(self, values: Array) -> tuple[float, Array]:
-        solved = self.precision(values[:, None])[:, 0]
-        return float(values @ solved), self.problem.type_b.T @ solved
-
-    def told(self, part: NDArray[np.intp] | slice) -> tuple[Array, Array]:
-        """Return K⁻¹y and K⁻¹B of some numbers."""
-        return self.weighted[part], self.precision(self.problem.type_b[:, self.problem.judging])[part]
 
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹B, (m, c).  columns : B (m, c), over the noise"""

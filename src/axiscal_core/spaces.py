@@ -119,20 +119,12 @@ class Given(ABC):
         """Return the posterior of the answered unknowns without causes of type B."""
 
     @abstractmethod
-    def cell_means(self) -> Array:
-        """Return the means of the rests of the cells that were visited, (c,) m or rad."""
-
-    @abstractmethod
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹X, (m, n).  columns : X (m, n), over the noise"""
 
     @abstractmethod
     def blocks(self, part: NDArray[np.intp]) -> Array:
         """Return the blocks of K⁻¹, (r, k, k), over the noise.  part : (r, k) numbers of readings"""
-
-    @abstractmethod
-    def told(self, part: NDArray[np.intp] | slice) -> tuple[Array, Array]:
-        """Return K⁻¹y (n,) and, of the causes that judge, K⁻¹B (n, c) of some numbers, over the noise."""
 
     @abstractmethod
     def shown(self, columns: Array, starts: NDArray[np.intp], part: slice) -> tuple[Array, Array]:
@@ -146,13 +138,28 @@ class Given(ABC):
         """Return low (k, u, q) and sign, as of `Sums`."""
 
     @cached_property
-    def every(self) -> tuple[Array, Array]:
-        """(K + B Bᵀ)⁻¹y (m,) and K⁻¹B (m, c) of all numbers, over the noise."""
-        return self._judged(*self.told(slice(None)))
+    def weighted(self) -> Array:
+        """K⁻¹y, (m,)."""
+        return np.asarray(self.precision(self.problem.values[:, None])[:, 0])
 
-    def _judged(self, weighted: Array, spread: Array) -> tuple[Array, Array]:
-        """Return (K + B Bᵀ)⁻¹y and K⁻¹B of what was told."""
-        return weighted - spread @ (self.within @ self.type_b.pulled[self.problem.judging]), spread
+    @cached_property
+    def spread(self) -> Array:
+        """K⁻¹B of all causes of type B, (m, c)."""
+        return self.precision(self.problem.type_b)
+
+    @cached_property
+    def every(self) -> tuple[Array, Array]:
+        """(K + B Bᵀ)⁻¹y (m,) and K⁻¹B (m, c) of the causes that judge, over the noise."""
+        judging = self.problem.judging
+        mine = self.spread[:, judging]
+        return self.weighted - mine @ (self.within @ self.type_b.pulled[judging]), mine
+
+    def cell_means(self) -> Array:
+        """Return the means of the rests of the cells that were visited, (c,) m or rad."""
+        problem = self.problem
+        part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
+        factors = factors_of(problem, self.theta)[part]
+        return raw_cells(problem, factors**2 * (problem.rows[:, part].T @ self.weighted))
 
     def gain(self, columns: Array) -> Array:
         """Return G X, (answered, n) m and rad: by what the mean m = G y moves.  columns : X (m, n), over the noise"""
@@ -167,7 +174,7 @@ class Given(ABC):
     @cached_property
     def type_b(self) -> Caused:
         """What causes of type B do."""
-        problem, spread = self.problem, self.precision(self.problem.type_b)
+        problem, spread = self.problem, self.spread
         return Caused(self._moved(spread), problem.type_b.T @ spread, spread.T @ problem.values)
 
     def posterior(self) -> Answered:
@@ -198,11 +205,8 @@ class Given(ABC):
 
     def misfit_of(self, values: Array) -> float:
         """Return the same of other values.  values : (m,) over the noise"""
-        return self._judged_square(*self._pulls(values))
-
-    @abstractmethod
-    def _pulls(self, values: Array) -> tuple[float, Array]:
-        """Return vᵀK⁻¹v and BᵀK⁻¹v (c,).  values : v (m,)"""
+        solved = self.precision(values[:, None])[:, 0]
+        return self._judged_square(float(values @ solved), self.problem.type_b.T @ solved)
 
     def _judged_square(self, square: float, pulled: Array) -> float:
         mine = pulled[self.problem.judging]
@@ -223,9 +227,8 @@ class Given(ABC):
 
         part : (r, k) numbers of readings
         """
-        weighted, spread = self._judged(*self.told(part.ravel()))
-        mine = spread.reshape(*part.shape, -1)
-        return weighted.reshape(part.shape), self.blocks(part) - mine @ self.within @ mine.transpose(0, 2, 1)
+        weighted, mine = (each[part] for each in self.every)
+        return weighted, self.blocks(part) - mine @ self.within @ mine.transpose(0, 2, 1)
 
 
 def sums_of(each: Sequence[Given], columns: Array, starts: NDArray[np.intp]) -> Iterator[Sums]:

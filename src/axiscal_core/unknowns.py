@@ -16,11 +16,9 @@ from axiscal_core.problem import MOST_NUMBERS, Problem
 from axiscal_core.refusals import Array
 from axiscal_core.spaces import (
     Answered,
-    Caused,
     Given,
     factors_of,
     raised,
-    raw_cells,
     times_roots,
     turned,
     variances_of,
@@ -38,14 +36,12 @@ class Unknowns:
         self.groups = np.unique(problem.groups).tolist() or [-1]
         self.counts, self.totals = list[int](), list[float]()
         self.squares, self.products = list[Array](), list[Array]()
-        self.causes = list[tuple[Array, Array, Array]]()
         for group in self.groups:
             mine = problem if len(self.groups) == 1 else problem.only(problem.groups == group)
             self.counts.append(len(mine.values))
             self.totals.append(float(mine.values @ mine.values))
             self.squares.append(mine.rows.T @ mine.rows)
             self.products.append(mine.rows.T @ mine.values)
-            self.causes.append((mine.rows.T @ mine.type_b, mine.type_b.T @ mine.type_b, mine.type_b.T @ mine.values))
 
     @cached_property
     def setups(self) -> list[list[tuple[int, Array]]]:
@@ -182,30 +178,6 @@ class InUnknowns(Given):
         covariance = problem.raw(half.T, self.theta, self.roots)
         return Answered(problem.mean + problem.raw(self.solved[first:], self.theta, self.roots), covariance)
 
-    @cached_property
-    def type_b(self) -> Caused:
-        """What causes of type B do, from products that no number of readings makes dear."""
-        problem, half, (_, fisher, pulled) = self.problem, self._seen, self._causes
-        gains = problem.raw(back_solution(self.root, half)[problem.first :], self.theta, self.roots)
-        return Caused(gains, fisher - half.T @ half, pulled - half.T @ self.half)
-
-    @cached_property
-    def _causes(self) -> tuple[Array, Array, Array]:
-        """ZᵀB (p, c), BᵀB (c, c) and Bᵀy (c,), of numbers over their noise."""
-        weights, (rows, fisher, pulled) = self.space.weights(self.theta), zip(*self.space.causes, strict=True)
-        return np.tensordot(weights, rows, 1), np.tensordot(weights, fisher, 1), np.tensordot(weights, pulled, 1)
-
-    @cached_property
-    def _seen(self) -> Array:
-        """F⁻¹ZᵀB, (p, c)."""
-        return solution(self.root, turned(self.problem, self._causes[0].T, self.theta, self.roots).T)
-
-    def cell_means(self) -> Array:
-        """Return the means of the rests of the cells that were visited."""
-        problem = self.problem
-        part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
-        return raw_cells(problem, factors_of(problem, self.theta)[part] * self.solved[part])
-
     def blocks(self, part: NDArray[np.intp]) -> Array:
         """Return the blocks of K⁻¹ of some readings."""
         return np.concatenate([self._blocks(piece) for piece in np.array_split(part, 1 + part.size // _AT_ONCE)])
@@ -216,21 +188,6 @@ class InUnknowns(Given):
         own = roots.reshape(part.shape)
         blocks = np.eye(part.shape[1]) - half @ half.transpose(0, 2, 1)
         return np.asarray(blocks * own[:, :, None] * own[:, None, :])
-
-    def _pulls(self, values: Array) -> tuple[float, Array]:
-        problem, weighted = self.problem, values / variances_of(self.problem, self.theta)
-        shown = turned(problem, weighted[None] @ problem.rows, self.theta, self.roots)[0]
-        half = solution(self.root, shown)
-        return float(values @ weighted - half @ half), problem.type_b.T @ weighted - self._seen.T @ half
-
-    def told(self, part: NDArray[np.intp] | slice) -> tuple[Array, Array]:
-        """Return K⁻¹y and K⁻¹B of some numbers: from unknowns that all numbers tell, by their own rows alone."""
-        problem, judging = self.problem, self.problem.judging
-        solved = np.column_stack([self.solved, back_solution(self.root, self._seen[:, judging])])
-        left = np.column_stack([problem.values[part], problem.type_b[part][:, judging]])
-        left -= problem.rows[part] @ raised(problem, solved, self.theta, self.roots)
-        left /= variances_of(problem, self.theta)[part][:, None]
-        return left[:, 0], left[:, 1:]
 
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹B.  Priors are applied to unknowns, for the rows of many readings are gigabytes."""

@@ -14,7 +14,7 @@ import axiscal_core as ac
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case, timed
-from axiscal.estimation.learnt import posed
+from axiscal.estimation.estimate import posed
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup

@@ -9,7 +9,8 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded, in_detail
+from axiscal.estimation.detail import in_detail
+from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.reading import Reading

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from axiscal.estimation.case import Case, Timed, elapsed, timed
-from axiscal.estimation.learnt import posed
+from axiscal.estimation.estimate import posed
 from axiscal.estimation.promise.causes import passing_columns
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of, times_of

@@ -8,7 +8,7 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
-from axiscal.estimation.case import Case, ends_along
+from axiscal.estimation.case import Case
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import VirtualMachine
 
@@ -16,7 +16,9 @@ from axiscal.measurement.simulation import VirtualMachine
 def measured(case: Case, machine: VirtualMachine, places: Sequence[Place], seed: int) -> tuple[Reading, ...]:
     """Return what is read of a virtual machine along a plan."""
     chance = repeat(np.random.default_rng((seed, 6)))
-    return machine.measured(case.description.setups, places, ends_along(case, places), chance)
+    return machine.measured(
+        case.description.setups, places, np.cumsum(case.seconds_along(None, places)).tolist(), chance
+    )
 
 
 def write_record(file: Path, described: CampaignDescription, readings: Sequence[Reading]) -> Path:

@@ -37,7 +37,7 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows, offset_each
-from axiscal.estimation.functionals.functional import AxisLine, signed_numbers
+from axiscal.estimation.functionals.functional import AxisLine
 from axiscal.estimation.known_rows import KnownRow, known_row, known_rows
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
@@ -98,7 +98,7 @@ def _answered(asked: AskedRow, row: KnownRow, known: Estimation, controls: Mappi
         squares = np.sum(values.reshape(-1, dimensions) ** 2, axis=1) + variances
         return to_unit(float(np.sqrt(of(squares))), row.unit)
 
-    signed = () if functional is None else signed_numbers(functional, at, errors, belief)
+    signed = () if functional is None else functional.signed(at, errors, belief)
     return AnswerRow(
         **known_figures(row, known.stated.description.machine.axes),
         found=size(at, np.mean),

@@ -31,7 +31,8 @@ from axiscal.campaign.possible import beginning_of, described, jump_told, kept_t
 from axiscal.campaign.sources import Request, Skip, Source, answered
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case, Knowledge, Timed, elapsed, timed
-from axiscal.estimation.estimate import estimated, in_detail
+from axiscal.estimation.detail import in_detail
+from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import Doubt

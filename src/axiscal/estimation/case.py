@@ -97,10 +97,6 @@ class Case:
             wandering=[each.name for each in described.setups if each.drift > 0],
         )
 
-    def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:
-        """Return the time of a reading after another one; of the first of a set-up with mounting it."""
-        return float(self.seconds_along(before, [place])[0])
-
     def seconds_along(self, before: Place | Reading | None, places: Sequence[Place | Reading]) -> Array:
         """Return the time of each reading after the one before it, (m,) s: all ways of a set-up at once."""
         ways: dict[str, list[tuple[int, Place | Reading, Place | Reading]]] = {}
@@ -349,14 +345,9 @@ class Timed:
 
 def timed(case: Case, readings: Sequence[Reading]) -> Timed:
     """Return readings with their times."""
-    ends = ends_along(case, readings)
+    ends = tuple(accumulate(case.seconds_along(None, readings).tolist()))
     pairs = zip(readings, ends, strict=True)
     return Timed(tuple(r if r.time is not None else replace(r, time=now) for r, now in pairs), ends)
-
-
-def ends_along(case: Case, places: Sequence[Place | Reading]) -> tuple[float, ...]:
-    """Return the seconds of machine time after each of them, from the beginning of a campaign."""
-    return tuple(accumulate(case.seconds_along(None, places).tolist()))
 
 
 def elapsed(case: Case, before: Timed, places: Sequence[Place]) -> float:

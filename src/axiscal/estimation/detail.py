@@ -19,9 +19,10 @@ import numpy as np
 
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded, estimated, posed
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.learnt import posed
 from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
+from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.draws import sized
 from axiscal_core.machine import Machine
@@ -39,6 +40,16 @@ _TURNS = 3
 """Out and back twice: once, a drift looks the same."""
 _KNOTS = 17
 """Of a reversal that varies: four to its length, as a fine curve has."""
+
+
+def in_detail(stated: Case, readings: Sequence[Reading], so_far: Estimation | None = None) -> Estimation:
+    """Return what readings make known, with knots as close as they ask for; the case called stated then has them, too.
+
+    so_far : what the same readings make known while others are to follow
+    """
+    before = so_far or estimated(stated, readings)
+    finer = as_fine_as_shown(stated, before)
+    return concluded(finer, readings, before if finer is stated else None)
 
 
 def as_fine_as_shown(stated: Case, known: Estimation) -> Case:

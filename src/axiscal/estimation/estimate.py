@@ -2,27 +2,32 @@
 
     known = estimated(case, readings)
     known = concluded(case, readings)
-    known = in_detail(case, readings)
 
-The first two are the same for readings that are linear enough, as nearly all are. `concluded` also tests whether a
-station may as well stand elsewhere. The last one also halves knots where the readings show finer detail.
+Both are the same for readings that are linear enough, as nearly all are. `concluded` also tests whether a station may
+as well stand elsewhere.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 from axiscal.estimation.case import Case, timed
-from axiscal.estimation.detail import as_fine_as_shown
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
-from axiscal.estimation.learnt import framed, posed, turned
 from axiscal.estimation.located import history, located, refuse_mirrors
+from axiscal.estimation.promise.agreement import Framed, Turned
+from axiscal.estimation.promise.causes import at_feed
+from axiscal.estimation.promise.mistaken import with_feed
 from axiscal.estimation.promise.posterior import sorted_out
+from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.promise.sick import repeats
 from axiscal.estimation.stations import progressed
 from axiscal.language.stages import stage
+from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import in_workpiece
+from axiscal_core.problem import Problem
 from axiscal_core.threads import one_thread
 
 
@@ -63,8 +68,29 @@ def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
     return known
 
 
-def in_detail(stated: Case, readings: Sequence[Reading], so_far: Estimation | None = None) -> Estimation:
-    """Return the same with knots as close as the readings ask for; the case called stated then has them, too."""
-    before = so_far or estimated(stated, readings)
-    finer = as_fine_as_shown(stated, before)
-    return concluded(finer, readings, before if finer is stated else None)
+def posed(case: Case, readings: Sequence[Reading]) -> Problem:
+    """Return readings as a problem, linear where a case has them so.  case : with the sizes as stated"""
+    plain = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
+    circles = [*at_feed(case.observation, readings)] if case.description.usual else []
+    return with_feed(plain, circles) if circles else plain
+
+
+def framed(case: Case, readings: Sequence[Reading]) -> Iterator[Framed]:
+    """Yield the readings as a problem for each set-up whose three values may be along the machine's own x, y, z.
+
+    They are other values only where its workpiece turns from reading to reading.
+    """
+    machine = case.description.machine
+    for index, setup in enumerate(case.description.setups):
+        mine = [reading for reading in readings if reading.setup == setup.name]
+        turns = any(machine.axes[k].rotary and machine.axes[k].workpiece_side for k in setup.moves)
+        if mine and turns and isinstance(setup, Nest):
+            yield index, posed(case, in_workpiece(machine, readings, setup.name))
+
+
+def turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:
+    """Yield the readings as a problem for each choice of rotary axes that count the other way than described."""
+    axes = [axis.name for axis in case.description.machine.axes if axis.rotary]
+    for count in range(1, len(axes) + 1):
+        for chosen in combinations(axes, count):
+            yield chosen, posed(case.turned(chosen), readings)

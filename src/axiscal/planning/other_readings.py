@@ -137,10 +137,10 @@ def with_markers(
         marker = markers.get(place.setup)
         due = marker is not None and now - last.get(place.setup, now) > EVERY
         if marker is not None and due and not any(gap.holds(marker) for gap in gaps):
-            now, here = now + case.seconds_of(here, marker), marker
+            now, here = now + float(case.seconds_along(here, [marker])[0]), marker
             last[place.setup] = now
             found.append(marker)
-        now, here = now + case.seconds_of(here, place), place
+        now, here = now + float(case.seconds_along(here, [place])[0]), place
         last.setdefault(place.setup, now)
         found.append(place)
     return tuple(found)

@@ -16,8 +16,8 @@ A line is where an axis was read, or is to be read, while the others stand still
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -61,11 +61,6 @@ class Functional:
         """d: so many numbers are one vector."""
         return len(self.directions) or 1
 
-    def alone(self) -> Iterator[Functional]:
-        """Yield the row of each number that has a sign."""
-        for number, name in enumerate(self.directions):
-            yield replace(self, weights=self.weights[[number]], directions=(name,))
-
     def row(self, deviations: Array) -> Array:
         """Return the row of deviations (m, 3): (k,), m or rad."""
         row: Array = np.einsum("kmc,mc->k", self.weights, deviations)
@@ -83,10 +78,20 @@ class Functional:
 
         factor : F (n, r) of what is not known, of the errors first; the rest of each cell is not known beside
         """
-        root = np.hstack([self.rows(errors) @ factor[: errors.size], self._rests(errors)])
-        each = root.reshape(-1, self.dimensions, root.shape[1])
+        each = self._unknown(errors, factor).reshape(len(self.weights) // self.dimensions, self.dimensions, -1)
         spectra: Array = np.maximum(np.linalg.eigvalsh(each @ each.transpose(0, 2, 1)), 0.0)
         return spectra
+
+    def signed(self, row: Array, errors: Machine, belief: Normal) -> list[SignedSize]:
+        """Return the numbers of a row (k,) that have a sign and that some error makes; none of a curve."""
+        roots = self._unknown(errors, belief.factor)[: len(self.directions)]
+        known = [reach(np.array([[float(root @ root)]]), belief.degrees) for root in roots]
+        each = zip(self.directions, row.tolist(), known, strict=False)
+        return [SignedSize(*parts) for parts in each if max(map(abs, parts[1:])) > NOUGHT]
+
+    def _unknown(self, errors: Machine, factor: Array) -> Array:
+        """Return what one standard deviation of all that is not known does to the row, (k, r)."""
+        return np.hstack([self.rows(errors) @ factor[: errors.size], self._rests(errors)])
 
     @remembered
     def _rests(self, errors: Machine) -> Array:
@@ -108,17 +113,6 @@ class SignedSize(NamedTuple):
     direction: str
     value: float
     known: float
-
-
-def signed_numbers(functional: Functional, row: Array, errors: Machine, belief: Normal) -> tuple[SignedSize, ...]:
-    """Return the numbers of a row that have a sign and that some error makes; none of a curve.
-
-    row : (k,) as estimated
-    """
-    spectra = [each.spectra(errors, belief.factor) for each in functional.alone()]
-    known = [reach(each, belief.degrees) for each in spectra]
-    each = zip(functional.directions, row.tolist(), known, strict=False)
-    return tuple(SignedSize(*parts) for parts in each if max(map(abs, parts[1:])) > NOUGHT)
 
 
 def direction_of(kind: Kind, axis: Axis, across: str = "") -> int:

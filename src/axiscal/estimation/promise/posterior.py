@@ -127,7 +127,7 @@ class Drawn:
 class Sorted:
     """Readings of a problem without the bad ones: mine; of bad ones that may be details of the machine: with_details
 
-    sizes, bad : as of a posterior; count : of all readings; sure : are not taken out
+    sizes, bad : as of a posterior; sure : are not taken out
     jumps : that readings tell, which nobody has accepted
     """
 
@@ -136,7 +136,6 @@ class Sorted:
     with_details: Judged | None
     sizes: dict[_Owned, float]
     bad: dict[int, LeftOut]
-    count: int
     sure: frozenset[int] = frozenset()
     jumps: tuple[Tried, ...] = ()
 
@@ -170,7 +169,7 @@ class Sorted:
         mean, covariance, shared, degrees, cells = _moments(judged, over)
         kept = np.isin(self.problem.reading, [*left])
         z = np.array([each.z for each in left.values()])
-        out = self.count - len(left)
+        out = len(np.unique(self.problem.reading)) - len(left)
         every = (self.problem, sized(space_of(self.problem))) if out >= SEVERAL else None
         others = ((axes, other.only(kept)) for axes, other in turned)
         frames = ((setup, other.only(kept)) for setup, other in framed)
@@ -189,7 +188,7 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
 
     never : are not used, unless zeros jumped; sure : are not taken out
     """
-    apart, accepted, count = [*never], frozenset(sure), len(np.unique(problem.reading))
+    apart, accepted = [*never], frozenset(sure)
     first = Judged.of(problem, apart)
     bad, mine = taken_out(first, accepted)
     for among, found in dict.fromkeys([(problem, None if apart else first.found), (mine.problem, mine.found)]):
@@ -197,16 +196,14 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
             _, beside = taken_out(Judged(moved.problem, moved.found), accepted)
             if jumps := likelier(moved, (beside.problem, beside.found), (mine.problem, mine.found)):
                 every, bad = Judged(among, moved.without), {i: bad[i] for i in bad if i not in among.reading}
-                return Sorted(problem, every, None, every.sizes, bad, count, accepted, jumps)
+                return Sorted(problem, every, None, every.sizes, bad, accepted, jumps)
     details = [i for i, each in bad.items() if _may_be_a_detail(problem, i, each)]
     details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
-    sizes = mine.sizes
     if not details:
-        return Sorted(problem, mine, None, sizes, bad, count, accepted)
+        return Sorted(problem, mine, None, mine.sizes, bad, accepted)
     others = [i for i in bad if i not in details]
     with_details = Judged.of(problem, [*apart, *others]) if others else first
-    sizes = _half_and_half(sizes, with_details.sizes)
-    return Sorted(problem, mine, with_details, sizes, bad, count, accepted)
+    return Sorted(problem, mine, with_details, _half_and_half(mine.sizes, with_details.sizes), bad, accepted)
 
 
 def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:
