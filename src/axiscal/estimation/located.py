@@ -55,7 +55,7 @@ def located(known: History) -> History:
 
 def _towards(case: Case, mean: Array, share: float) -> Array:
     """Return a mean that is a share of the way from where readings are linearised now.  mean : (size,)"""
-    count = case.errors.size + len(case.observation.unknowns)
+    count = case.observation.size
     start = np.zeros(count) if case.about is None else case.about
     result = mean.copy()
     result[:count] = start + share * (mean[:count] - start)
@@ -89,7 +89,7 @@ def refuse_mirrors(known: History, implausible: Collection[int]) -> None:
     """Raise AmbiguityError where a station's mirror image fits as well, with the reading that decides."""
     case = known.case
     kept = [reading for index, reading in enumerate(known.readings) if index not in implausible]
-    size = case.errors.size + len(case.observation.unknowns)
+    size = case.observation.size
     for index in filter(case.station_columns, range(len(case.description.setups))):
         belief = known.knowledge.belief
         images = mirrored(case, kept, belief.mean[:size], index)
