@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import rows_at
 from axiscal.numerics import Array
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
@@ -67,7 +66,7 @@ def _rows_along(task: Task) -> Array:
     for axis in range(axes):
         poses = np.full((FINE + 1, axes), TRAVEL / 2)
         poses[:, axis] = np.linspace(0.0, TRAVEL, FINE + 1)
-        rows = rows_at(task.observation, Places.of_setup(0, poses, np.ones_like(poses))).rows
+        rows = task.observation.numbers(Places.of_setup(0, poses, np.ones_like(poses))).rows
         parts.append(rows[:, axis * own : (axis + 1) * own])
     return np.stack(parts)
 

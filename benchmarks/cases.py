@@ -13,7 +13,6 @@ from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instruments.displacement import Indicator, Probe
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.planning.plan.task import Task
 from axiscal_core.errors import Error
@@ -61,8 +60,8 @@ def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint
     observation = Observation(model, setups)
     belief = Normal(np.zeros(observation.size), observation.prior_covariance())
     coarse = spread(machine, setups, 1000)
-    seen = rows_at(observation, coarse)
-    rows = seen.rows / np.sqrt(seen.variances)[:, None]
+    seen = observation.numbers(coarse)
+    rows = seen.rows / np.sqrt(observation.variances(seen))[:, None]
     sample = even_poses(whole_travel(model), 4000)
     unseen = unseen_factor(belief.factor, rows)[: model.size]
     yardstick = Yardstick(Volume(model, sample, volume_moments(model, sample)), model, unseen, unseen)

@@ -13,7 +13,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import rows_at
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
@@ -97,8 +96,8 @@ def _by_spline(case: Measured, readings: Sequence[Reading]) -> float:
 def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
     """Return what the only set-up would read without noise, and its standard deviation, rests included: (m,)."""
     plain = estimation.case.observation
-    seen = rows_at(plain, Places.of_setup(0, poses, approaches))
-    loose = seen.variances - plain.setups[0].noise ** 2
+    seen = plain.numbers(Places.of_setup(0, poses, approaches))
+    loose = plain.variances(seen) - plain.setups[0].noise ** 2
     known = estimation.printed.belief.factor[: plain.size]
     mean: Array = seen.rows @ estimation.printed.belief.mean[: plain.size]
     return mean, np.sqrt(np.sum((seen.rows @ known) ** 2, axis=1) + loose)

@@ -6,7 +6,7 @@ already have sharpened the root of C, in which the rests of their cells are unkn
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -32,16 +32,18 @@ class State:
     """What is known after readings, as a root: a difference of covariances loses the digits of sharp readings.
 
     root : R (size + c, k), R Rᵀ the covariance of the unknowns and of the rests of c cells that were read
-    rests : (e,) standard deviations, of what numbers reach; causes : how many of type B
+    rests : (e,) standard deviations, of what numbers reach; causes : how many of type B; cells : (c, 2) rest and cell
     """
 
     root: Array
     goal: Goal
     size: int
 
-    def __init__(self, root: Array, goal: Goal, rests: Array, causes: int = 0) -> None:
-        self.root, self.goal, self.size, self._rests = root, goal, len(root), rests
-        self._means, self._cells = np.zeros((self.size, causes)), np.zeros((0, 2), dtype=np.intp)
+    def __init__(
+        self, root: Array, goal: Goal, rests: Array, causes: int = 0, cells: Sequence[tuple[int, int]] = ()
+    ) -> None:
+        self.root, self.goal, self.size, self._rests = root, goal, len(root) - len(cells), rests
+        self._means, self.cells = np.zeros((len(root), causes)), np.array([*cells], dtype=np.intp).reshape(-1, 2)
 
     def opened(self, n: Numbers) -> State:
         """Return the state in which the rests of the cells that numbers reach are unknowns."""
@@ -49,7 +51,7 @@ class State:
         more = np.unique(np.column_stack([column % self.terms, n.cell[at, column]]), axis=0)
         found, (size, rank) = State(self.root, self.goal, self._rests), self.root.shape
         found.size = self.size
-        found._cells = np.vstack([self._cells, more.astype(np.intp)])
+        found.cells = np.vstack([self.cells, more.astype(np.intp)])
         found._means = np.pad(self._means, ((0, len(more)), (0, 0)))
         found.root = np.zeros((size + len(more), rank + len(more)))
         found.root[:size, :rank], found.root[size:, rank:] = self.root, np.diag(self._rests[more[:, 0].astype(np.intp)])
@@ -79,7 +81,7 @@ class State:
 
     def wide(self, n: Numbers) -> Array:
         """Return the rows of numbers over the unknowns and the cells that were read, (n, size + c)."""
-        column, cell = self._cells.T
+        column, cell = self.cells.T
         rests = [
             n.reach[:, first + column] * (n.cell[:, first + column] == cell)
             for first in range(0, n.reach.shape[1], self.terms)
@@ -89,7 +91,7 @@ class State:
     def unread(self, n: Numbers) -> Array:
         """Return what rests that were not read, one standard deviation each, do to numbers, (n, columns)."""
         result: Array = n.reach * np.tile(self._rests, n.reach.shape[1] // self.terms)
-        for column, cell in self._cells:
+        for column, cell in self.cells:
             for each in range(column, result.shape[1], self.terms):
                 result[n.cell[:, each] == cell, each] = 0.0
         return result

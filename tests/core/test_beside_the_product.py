@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import rows_at
 from axiscal.numerics import Array
 from axiscal_core.numbers import Numbers
 from axiscal_core.posing import posed
@@ -48,7 +47,7 @@ def test_what_two_axes_do_together_is_the_same(name: str) -> None:
     """Its coefficients are others, in which the product leaves out what both curves say; its kernel is one."""
     beside = _beside(name)
     places = beside.places(beside.drawn(20, beside.description.setups[0]))
-    theirs = rows_at(beside.product.observation, Places.of_setup(0, places.poses, places.sides)).rows
+    theirs = beside.product.observation.numbers(Places.of_setup(0, places.poses, places.sides)).rows
     mine = beside.core.numbers(places).rows
     before = beside.product.observation.prior_covariance()
     kernels = theirs @ before @ theirs.T, mine @ beside.core.prior.covariance @ mine.T

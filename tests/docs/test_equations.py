@@ -16,7 +16,6 @@ from axiscal.machine.kinematics import small_motions, tool_motion
 from axiscal.measurement.instruments.displacement import Indicator
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal_core import terms
@@ -223,9 +222,10 @@ def test_a_reading_is_linear_in_all_control_values(direction: tuple[float, float
     a = np.random.default_rng(6).normal(size=model.size) * 1e-5
     motion = tool_motion(machine(), t, small_motions(model, a, t, np.ones_like(t)))
     deviation = (motion.translation - t) @ np.array(direction)
-    seen = rows_at(Observation(model, (height(direction),)), Places.of_setup(0, t, np.ones_like(t)))
+    observation = Observation(model, (height(direction),))
+    seen = observation.numbers(Places.of_setup(0, t, np.ones_like(t)))
     np.testing.assert_allclose(seen.rows @ a, deviation, atol=1e-15)
-    np.testing.assert_array_equal(seen.variances, 1e-12)
+    np.testing.assert_array_equal(observation.variances(seen), 1e-12)
 
 
 def test_overall_variance_of_stacked_vectorial_splines() -> None:

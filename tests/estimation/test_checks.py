@@ -10,7 +10,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import places_of, rows_at
+from axiscal.measurement.reading_rows import places_of
 from tests.generators.campaigns import on
 from tests.generators.texts import machine_text, setup_text
 
@@ -38,7 +38,8 @@ def known(hidden: float = 0.0, slip: float = 0.0) -> Estimation:
 def test_z_is_that_of_a_fit_without_the_reading() -> None:
     found = known()
     observation, places = CASE.observation, places_of(CASE.description.setups, found.readings)
-    rows, variances, _ = rows_at(observation, places)
+    numbers = observation.numbers(places)
+    rows, variances = numbers.rows, observation.variances(numbers)
     covariance = rows @ observation.prior_covariance() @ rows.T + np.diag(variances)
     values = np.array([reading.value for reading in found.readings])
     for check in found.checks.each:

@@ -59,13 +59,12 @@ def test_the_index_of_few_readings_is_what_draws_of_the_belief_say() -> None:
     known = history(case, ())
     readings = [Reading("tracer 1", (0.1 * k, 0.2, 0.1), (1, 1, 1), 0.0, time=0.0) for k in range(3)]
     observation, belief = known.knowledge.observation, known.knowledge.belief
-    numbers, rng = seen(observation, readings), np.random.default_rng(9)
-    size = observation.errors.size + len(observation.unknowns)
+    (numbers, _), rng, size = seen(observation, readings), np.random.default_rng(9), observation.size
     steps = (belief.factor @ rng.standard_normal((belief.factor.shape[1], 120)))[:size].T
     nominal = shown_values(observation, readings, belief.mean[:size])
     beyond = [shown_values(observation, readings, belief.mean[:size] + each) - nominal - numbers.rows[:, :size] @ each
               for each in steps]  # fmt: skip
-    expected = np.sqrt(np.mean(np.square(beyond), axis=0) / numbers.variances)
+    expected = np.sqrt(np.mean(np.square(beyond), axis=0) / observation.variances(numbers))
     assert expected.min() > 0.3
     assert indices(known.knowledge, readings) == pytest.approx(expected, rel=0.4)
     assert indices(known.knowledge, []).shape == (0,)

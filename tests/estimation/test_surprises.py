@@ -34,21 +34,21 @@ def _dense(
 
     beside : m², of each reading; left_out : readings that tell nothing of the unknowns
     """
-    numbers, size = seen(case.observation, readings), case.errors.size
+    (numbers, values), size = seen(case.observation, readings), case.errors.size
     prior, unknowns = case.errors.covariance(), range(size, size + len(case.observation.unknowns))
     stds = np.array([unknown.std for unknown in case.observation.unknowns])
     own = numbers.rows[:, list(unknowns)] * stds
-    scatter = np.array([row @ prior @ row for row in numbers.rows[:, :size]]) + numbers.variances
-    noise, common = scatter + np.array(beside)[numbers.reading], own @ own.T
+    scatter = np.array([row @ prior @ row for row in numbers.rows[:, :size]]) + case.observation.variances(numbers)
+    noise, common = scatter + np.array(beside)[numbers.place], own @ own.T
     found = []
     for reading in range(len(readings)):
-        mine = np.flatnonzero(numbers.reading == reading)
-        before = np.flatnonzero((numbers.reading < reading) & ~np.isin(numbers.reading, left_out))
+        mine = np.flatnonzero(numbers.place == reading)
+        before = np.flatnonzero((numbers.place < reading) & ~np.isin(numbers.place, left_out))
         inner = common[np.ix_(before, before)] + np.diag(noise[before])
         gain = common[np.ix_(mine, before)] @ np.linalg.inv(inner)
-        expected = gain @ numbers.values[before]
+        expected = gain @ values[before]
         spread = np.diag(common[np.ix_(mine, mine)] - gain @ common[np.ix_(before, mine)]) + noise[mine]
-        found.append(float(np.max(np.abs(numbers.values[mine] - expected) / np.sqrt(spread))))
+        found.append(float(np.max(np.abs(values[mine] - expected) / np.sqrt(spread))))
     return found
 
 

@@ -6,12 +6,13 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from axiscal.estimation.case import Case, Knowledge
+from axiscal.estimation.case import NO_GOAL, Case, Knowledge
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path
 from axiscal.estimation.history import History
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
+from axiscal_core.normal import Normal
 from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed
 
@@ -27,15 +28,17 @@ class Twin(NamedTuple):
 
 def _after_one(before: Twin, reading: Reading, counts: bool) -> Twin:
     """What is known after one reading more, by one plain update."""
-    opened, case = before.knowledge.read([replace(reading, std=1e6)]).observation, before.case
-    belief = before.knowledge.belief.wider(np.sqrt(before.knowledge.observation.rest_variances(opened)))
-    numbers = seen(opened, [reading])
-    expected = belief.through(numbers.rows)
-    away, std = numbers.values - expected.mean, np.hypot(expected.std, np.sqrt(numbers.variances))
-    belief = belief.read(numbers.rows, numbers.values, numbers.variances) if counts else belief
+    known, case = before.knowledge, before.case
+    numbers, values = seen(known.observation, [reading])
+    opened = known.state(NO_GOAL).opened(numbers)
+    rows, belief = opened.wide(numbers), known.belief.wider(np.zeros(len(opened.root) - known.belief.size))
+    belief = Normal.of_factor(belief.mean, opened.root)
+    expected = belief.through(rows)
+    away, std = values - expected.mean, np.hypot(expected.std, numbers.noise)
+    belief = belief.read(rows, values, numbers.noise**2) if counts else belief
     if reading.setup not in case.both and not case.came_as_allowed(reading):
         case = replace(case, both=case.both | {reading.setup})
-    return Twin(case, Knowledge(opened, belief), float(away[0]), float(std[0]))
+    return Twin(case, Knowledge(known.observation, belief, opened.cells.tolist()), float(away[0]), float(std[0]))
 
 
 def test_the_history_is_what_was_known_after_each_reading(monkeypatch: pytest.MonkeyPatch) -> None:

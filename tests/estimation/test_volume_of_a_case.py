@@ -6,10 +6,11 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 from axiscal.answers.budget import budget
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import NO_GOAL, Case
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading_rows import seen
 from tests.generators.campaigns import CAMPAIGN, built_in, drawn
@@ -24,13 +25,14 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     case = Case(built_in(exact.replace('"probe"\n', f'"probe"\n{WARM}', 1)))
     known = concluded(case, drawn(case, 30))
     observation, size = known.knowledge.observation, case.errors.size
-    numbers = seen(observation, known.readings)
-    prior = observation.prior_covariance()
-    noise = numbers.variances
-    gain = prior @ numbers.rows.T @ np.linalg.inv(numbers.rows @ prior @ numbers.rows.T + np.diag(noise))
+    (numbers, _), state = seen(observation, known.readings), known.knowledge.state(NO_GOAL)
+    rows, rests = state.wide(numbers), observation.rests[state.cells[:, 0]]
+    prior = block_diag(observation.prior_covariance(), np.diag(rests**2))
+    noise = numbers.noise**2 + np.sum(state.unread(numbers) ** 2, axis=1)
+    gain = prior @ rows.T @ np.linalg.inv(rows @ prior @ rows.T + np.diag(noise))
     tool = np.zeros((len(case.yardstick.root), len(prior)))
     tool[:, :size] = case.yardstick.root
-    kept = tool @ (np.eye(len(prior)) - gain @ numbers.rows)
+    kept = tool @ (np.eye(len(prior)) - gain @ rows)
 
     def of(columns: Sequence[int]) -> float:
         own = prior[np.ix_(columns, columns)]
@@ -39,12 +41,11 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
 
     found = {(share.kind, share.setup): share.rms for share in budget(known)}
     for name in ("probe", "nest"):
-        mine = np.array([known.readings[int(i)].setup == name for i in numbers.reading])
+        mine = np.array([known.readings[int(i)].setup == name for i in numbers.place])
         passed = tool @ gain[:, mine] * np.sqrt(noise[mine])
         assert found["instrument", name] == pytest.approx(float(np.linalg.norm(passed)), rel=1e-4)
     unknowns = range(size, size + len(observation.unknowns))
-    cells = sorted(observation.cells.values())
-    assert len(cells) + len(unknowns) + size == len(prior)
+    cells = range(observation.size, len(prior))
     growth = size + [unknown.name for unknown in observation.unknowns].index("growth")
     assert found["temperature", ""] == pytest.approx(of([growth]), rel=1e-4)
     assert found["set-up", ""] == pytest.approx(of([each for each in unknowns if each != growth]), rel=1e-4)

@@ -3,8 +3,8 @@
     C₊ = C − C Gᵀ (R + G C Gᵀ)⁻¹ G C          what is left after readings (B&H eq. 31-33)
     J  = tr(W C)                              what a plan makes small (B&H eq. 26, 36)
 
-with the rows G of all numbers of the readings and R, diagonal, their noise. The rest of a cell is a separate unknown
-from the first reading in it on. Nothing is kept, nothing is factorised: O(n³) for a single number.
+with the rows G of all numbers of the readings and R their noise; readings of one cell have its rest in common.
+Nothing is kept, nothing is factorised: O(n³) for a single number.
 """
 
 from typing import NamedTuple
@@ -13,7 +13,6 @@ import numpy as np
 
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.numerics import Array
 
 
@@ -24,22 +23,16 @@ class DenseState(NamedTuple):
     covariance: Array
 
 
-def opened(known: DenseState, places: Places) -> DenseState:
-    """Return the same with the rests of the cells that places lie in, each independent of all else."""
-    wider, size = visited(known.observation, places), known.observation.size
-    covariance = np.zeros((wider.size, wider.size))
-    covariance[:size, :size] = known.covariance
-    covariance[size:, size:] = np.diag(known.observation.rest_variances(wider))
-    return DenseState(wider, covariance)
-
-
 def after_readings(known: DenseState, places: Places) -> DenseState:
     """Return what is known after readings."""
-    before = opened(known, places)
-    rows, noise, _ = rows_at(before.observation, places)
-    crossed = before.covariance @ rows.T
-    lost: Array = crossed @ np.linalg.inv(np.diag(noise) + rows @ crossed) @ crossed.T
-    return before._replace(covariance=before.covariance - lost)
+    numbers = known.observation.numbers(places)
+    crossed = known.covariance @ numbers.rows.T
+    noise, rests = np.diag(numbers.noise**2), known.observation.rests
+    for i, reach in enumerate(numbers.reach.T):  # of machines whose readings have no feet: a column for each rest
+        alike = numbers.cell[:, i, None] == numbers.cell[:, i]
+        noise += rests[i] ** 2 * alike * np.outer(reach, reach)
+    lost: Array = crossed @ np.linalg.inv(noise + numbers.rows @ crossed) @ crossed.T
+    return known._replace(covariance=known.covariance - lost)
 
 
 def value(known: DenseState, gram: Array) -> float:

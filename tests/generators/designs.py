@@ -1,17 +1,18 @@
 """Small problems for the tests of design: the paper's splines, and a machine with levers, reversal and rests."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 
 from axiscal.errors.volume import even_poses, volume_moments, whole_travel
 from axiscal.estimation.accuracy.yardstick import Volume, Yardstick
+from axiscal.estimation.case import Knowledge
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instruments.displacement import Indicator
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import rows_at, visited
+from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Goal, Task
@@ -73,18 +74,17 @@ def random_poses(asked: Task, generator: np.random.Generator, count: int) -> tup
 
 def read(asked: Task, generator: np.random.Generator, count: int) -> Task:
     """Return the problem after some readings in random places."""
-    observation, belief = asked.observation, asked.belief
     for _ in range(count):
-        setup = int(generator.integers(len(observation.setups)))
-        observation, belief = read_at(observation, belief, Places.of_setup(setup, *random_poses(asked, generator, 1)))
-    return Task(observation, belief, asked.root, asked.yardstick, asked.lattice)
+        setup = int(generator.integers(len(asked.observation.setups)))
+        asked = read_at(asked, Places.of_setup(setup, *random_poses(asked, generator, 1)))
+    return asked
 
 
-def read_at(observation: Observation, belief: Normal, places: Places) -> tuple[Observation, Normal]:
-    """Return map and belief after readings at places, one number after another; their values are nought."""
-    wider = visited(observation, places)
-    rows, variances, _ = rows_at(wider, places)
-    return wider, belief.wider(np.sqrt(observation.rest_variances(wider))).read(rows, np.zeros(len(rows)), variances)
+def read_at(asked: Task, places: Places) -> Task:
+    """Return the problem after readings at places; their values are nought."""
+    setups, before = asked.observation.setups, Knowledge(asked.observation, asked.belief, asked.cells)
+    known = before.read(blank_readings(setups, places.listed(setups)))
+    return replace(asked, belief=known.belief, cells=known.cells)
 
 
 def rms_of(asked: Task, rms: float, unsure: float = 1.0) -> Goal:

@@ -14,7 +14,7 @@ from axiscal.measurement.charts.kinds import Sight
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Places, columns_of
-from axiscal.measurement.reading_rows import blank_readings, rows_at
+from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Unknown
 from tests.generators.campaigns import built_in
 
@@ -42,7 +42,7 @@ def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
     point = rng.normal(0.0, 1e-5, model.size + len(together.unknowns))
     shown, beyond = whole.shown(0, poses, sides, point), whole.nonlinear_part(0, poses, sides)
     places = Places.of_setup(0, poses, sides)
-    rows = rows_at(whole, places).rows.reshape(5, -1, whole.size).swapaxes(0, 1)
+    rows = whole.numbers(places).rows.reshape(5, -1, whole.size).swapaxes(0, 1)
     names = [unknown.name for unknown in together.unknowns]
     assert names[:5] == ["zero_1", "station_x_1", "station_y_1", "station_z_1", "zero_2"]
     assert names[-1] == "tool_x"
@@ -50,7 +50,7 @@ def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
         single = Observation(model, (setup,))
         at = [names.index(u.name if u.name == "tool_x" else f"{u.name}_{number + 1}") for u in setup.unknowns]
         columns = [*range(model.size), *(model.size + k for k in at)]
-        np.testing.assert_array_equal(rows[number][:, columns], rows_at(single, places).rows)
+        np.testing.assert_array_equal(rows[number][:, columns], single.numbers(places).rows)
         others = np.setdiff1d(np.arange(whole.size), columns)
         assert not rows[number][:, others].any()
         np.testing.assert_array_equal(shown[:, number], single.shown(0, poses, sides, point[columns])[:, 0])

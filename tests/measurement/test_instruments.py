@@ -7,7 +7,7 @@ import pytest
 
 from axiscal.estimation.case import Case
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import rows_at, seen
+from axiscal.measurement.reading_rows import seen
 from tests.generators.campaigns import built_in
 
 STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
@@ -32,7 +32,7 @@ def test_a_warm_machine_takes_the_tool_farther_from_the_middle(setup: str) -> No
         places[:, 2] = 0.2
     count = 3 if "tracker" in setup else 1
     readings = [Reading("0", tuple(each), (1, 1, 1), 0.0, others=(0.0,) * (count - 1)) for each in places.tolist()]
-    taken_off = (seen(cold, readings).values - seen(warm, readings).values).reshape(3, count)
+    taken_off = (seen(cold, readings)[1] - seen(warm, readings)[1]).reshape(3, count)
     grown = 35.1e-6 * (places - [0.3, 0.2, 0.2])
     away = warm.machine.frames(places).tcp - [0.3, -0.8, -0.3]
     by_hand = {
@@ -53,7 +53,7 @@ def test_a_tracker_is_linear_about_the_turn_that_readings_have_found() -> None:
     found = case.located(mean)
     assert found is not None
     sides, shown = np.ones_like(poses), case.observation.shown(0, poses, np.ones_like(poses), mean)
-    rows = rows_at(found.observation, Places.of_setup(0, poses, sides)).rows
+    rows = found.observation.numbers(Places.of_setup(0, poses, sides)).rows
     linear = (rows @ mean).reshape(2, 3) + found.observation.nonlinear_part(0, poses, sides)
     assert linear == pytest.approx(shown, abs=1e-12)
     assert np.abs(shown).max() > 1e-3

@@ -14,7 +14,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import rows_at, seen, visited
+from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
@@ -69,7 +69,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(instrument: st
     observation, step = Observation(model, setups), 1e-6
     poses, approaches = random_poses(model, 1, rng)
     pose, approach = tuple(map(float, poses[0])), tuple(map(int, approaches[0]))
-    rows = seen(observation, [Reading("s", pose, approach, 0.0)]).rows
+    rows = seen(observation, [Reading("s", pose, approach, 0.0)])[0].rows
     for towards in rng.uniform(-1, 1, (6, observation.size)):
         ends = [virtual(model, setups, sign * step * towards) for sign in (1, -1)]
         up, down = (np.array(machine.read_all(one, pose, approach, rng)) for machine in ends)
@@ -82,7 +82,7 @@ def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
     setup = replace(mounted(model, "interferometer", (1.0, 0.0, 0.0)), unknowns=())
     observation, middle = Observation(model, (setup,)), np.array([[0.5]])
     places = [Places.of_setup(0, middle, np.full((1, 1), side)) for side in (1.0, 0.0)]
-    told, untold = (rows_at(observation, each).variances[0] for each in places)
+    told, untold = (observation.variances(observation.numbers(each))[0] for each in places)
     reversal = model.by_name["EXX_reversal"]
     drawn = np.random.default_rng(3).normal(0.0, np.sqrt(reversal.covariance[0, 0]), 200_000)
     sides = np.random.default_rng(4).choice([-0.5, 0.5], 200_000)
@@ -93,15 +93,13 @@ def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
 @pytest.mark.parametrize("position", [0.0, 1.0])
 def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
     model = load_machine("one-axis")
-    observation = visited(Observation(model, (mounted(model, "probe", (1.0, 0.0, 0.0)),)), at(position))
-    ((_, cell),) = observation.cells
-    assert cell == round(position * 159)
-    assert rows_at(observation, at(position)).rows[0, -1] == 1.0
+    numbers = Observation(model, (mounted(model, "probe", (1.0, 0.0, 0.0)),)).numbers(at(position))
+    (column,) = np.flatnonzero(numbers.reach[0])
+    assert (numbers.cell[0, column], numbers.reach[0, column]) == (round(position * 159), 1.0)
 
 
-def test_breaks_are_knots_and_edges_of_visited_cells() -> None:
+def test_breaks_are_knots() -> None:
     axis = iso_axis("X", False, (0.0, 0.4))
     machine = Machine((axis,), (Error("EXX", 1e-6, knots=3, rest=1e-6),), 0.0, name="m")
     observation = Observation(machine, (mounted(machine, "probe", (1.0, 0.0, 0.0)),))
     assert breaks_along(observation, 0, 0) == pytest.approx([0.0, 0.2, 0.4])
-    assert breaks_along(visited(observation, at(0.06)), 0, 0) == pytest.approx([0.0, 0.0498, 0.0748, 0.2, 0.4])

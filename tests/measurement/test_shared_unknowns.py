@@ -12,7 +12,6 @@ from axiscal.machine import load_machine
 from axiscal.machine.kinematics import Deviation
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import rows_at
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
 from tests.generators.campaigns import built_in
@@ -76,7 +75,7 @@ def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_sho
         poses = setup.chart.poses(
             np.round(rng.uniform(low, high, (6, len(low)))) if len(low) > 3 else rng.uniform(low, high, (6, len(low)))
         )
-        rows = rows_at(observation, Places.of_setup(index, poses, np.zeros_like(poses))).rows.reshape(
+        rows = observation.numbers(Places.of_setup(index, poses, np.zeros_like(poses))).rows.reshape(
             6, -1, observation.size
         )
         for name, column in names(observation, index).items():
@@ -110,12 +109,13 @@ def test_a_sphere_touched_from_both_sides_does_not_show_the_reversal_of_a_linear
     poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3]]))
     approaches = np.zeros_like(poses)
     approaches[0, :2] = 1.0
-    seen = rows_at(observation, Places.of_setup(0, poses, approaches))
+    seen = observation.numbers(Places.of_setup(0, poses, approaches))
+    variances = observation.variances(seen)
     for function in observation.errors.curves:
         if function.kind == "reversal" and not DMU.axes[function.axis].rotary:
             assert np.all(seen.rows[:, function.columns] == 0)
     rests = sum(f.rest**2 for f in observation.errors.curves) * 3
-    assert np.all((setup.noise**2 <= seen.variances) & (seen.variances <= setup.noise**2 + rests))
+    assert np.all((setup.noise**2 <= variances) & (variances <= setup.noise**2 + rests))
 
 
 def test_a_bar_is_looked_at_again_about_where_its_ball_is_found_and_what_touches_is_not() -> None:

@@ -6,7 +6,6 @@ import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import rows_at
 from tests.generators.campaigns import built_in
 from tests.generators.texts import Said, setup_text
 
@@ -39,7 +38,7 @@ def test_the_legs_see_the_turn_with_opposite_signs_and_it_is_one_unknown() -> No
         poses = np.tile(park, (2, 1))
         index = case.description.machine.index(name)
         poses[1, index] += 0.1
-        seen = rows_at(case.observation, Places.of_setup(k, poses, np.zeros_like(poses))).rows
+        seen = case.observation.numbers(Places.of_setup(k, poses, np.zeros_like(poses))).rows
         slopes.append((seen[1] - seen[0])[both] / 0.1)
     np.testing.assert_allclose(slopes[0], [0, 0, 1], atol=1e-9)
     np.testing.assert_allclose(slopes[1], [0, 0, -1], atol=1e-9)

@@ -11,7 +11,7 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_pose
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, Knowledge
 from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import ReadingError
 from axiscal.machine.axis import iso_axis
@@ -19,7 +19,6 @@ from axiscal.measurement.candidates import breaks_along
 from axiscal.measurement.instruments.rotation import Level
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.present.curves import errors
@@ -58,7 +57,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, bas
     poses[0] = setup.park
     poses[0, axis] = rng.uniform(low, high)
     pose = tuple(map(float, poses[0]))
-    rows = rows_at(observation, Places.of_setup(0, poses, approaches)).rows[0]
+    rows = observation.numbers(Places.of_setup(0, poses, approaches)).rows[0]
     for towards in rng.uniform(-1, 1, (6, observation.size)):
         ends = [virtual(model, (setup,), sign * step * towards) for sign in (1, -1)]
         up, down = (machine.read_all(setup, pose, (1,) * len(pose), rng)[0] for machine in ends)
@@ -69,7 +68,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, bas
 def test_a_way_that_rises_along_x_turns_the_level_about_minus_y() -> None:
     machine = Machine((iso_axis("X", False, (0.0, 1.0)),), (Error("EZX", 1e-5, knots=5),), 0.0, name="m")
     setup = replace(stepped(machine, 0, 0.2), direction=(0.0, 1.0, 0.0), unknowns=())
-    rows = rows_at(Observation(machine, (setup,)), along([0.3, 0.9])).rows
+    rows = Observation(machine, (setup,)).numbers(along([0.3, 0.9])).rows
     rising = 10e-6 * np.linspace(0.0, 1.0, 5)
     assert rows @ rising == pytest.approx(-10e-6)
     assert rows @ np.ones(5) == pytest.approx(0.0, abs=1e-12)
@@ -90,26 +89,20 @@ def along(positions: list[float]) -> Places:
     return Places.of_setup(0, np.array(positions)[:, None], np.ones((len(positions), 1)))
 
 
-def test_breaks_stand_where_a_foot_meets_a_knot_or_a_visited_cell() -> None:
+def test_breaks_stand_where_a_foot_meets_a_knot_and_feet_lie_in_cells() -> None:
     model = _slide(knots=5)
     observation = Observation(model, (stepped(model, 0, 0.1),))
     assert breaks_along(observation, 0, 0) == pytest.approx([0.05, 0.2, 0.3, 0.45, 0.55, 0.7, 0.8, 0.95])
-    wider = visited(observation, along([0.41]))
-    assert sorted(cell for owner, cell in wider.cells if owner == 0) == [11, 14]  # 0.36 and 0.46 in cells of 1/32
-    assert {owner for owner, _ in wider.cells} == {0}
-    edges = {round(cell / 32 - 2e-4 - shift, 9) for cell in (11, 12, 14, 15) for shift in (0.05, -0.05)}
-    assert edges <= {round(float(b), 9) for b in breaks_along(wider, 0, 0)}
+    numbers = observation.numbers(along([0.41]))
+    assert sorted(numbers.cell[0, np.flatnonzero(numbers.reach[0])]) == [11, 14]  # 0.36 and 0.46 in cells of 1/32
 
 
-def _read(observation: Observation, places: Array) -> tuple[Observation, Normal]:
-    covariance = observation.prior_covariance()
-    belief = Normal(np.zeros(len(covariance)), covariance)
-    for place in places:
-        wider = visited(observation, along([place]))
-        belief, observation = belief.wider(np.sqrt(observation.rest_variances(wider))), wider
-        seen = rows_at(observation, along([place]))
-        belief = belief.read(seen.rows, [1e-5 * np.cos(7 * place)], seen.variances)
-    return observation, belief
+def _read(observation: Observation, places: Array) -> Normal:
+    """Return what is known after readings one by one."""
+    known = Knowledge(observation, Normal(np.zeros(observation.size), observation.prior_covariance()))
+    for place in places.tolist():
+        known = known.read([Reading(observation.setups[0].name, (place,), (1,), 1e-5 * np.cos(7 * place))])
+    return known.belief
 
 
 def test_feet_share_the_rests_of_their_cells_as_a_dense_twin_does() -> None:
@@ -117,8 +110,8 @@ def test_feet_share_the_rests_of_their_cells_as_a_dense_twin_does() -> None:
     model, base, places = _slide(), 0.05, np.array([0.125, 0.175, 0.225, 0.225, 0.612, 0.662])
     setup = replace(stepped(model, 0, base), direction=(0.0, 1.0, 0.0))
     observation = Observation(model, (setup,))
-    _, belief = _read(observation, places)
-    rows = rows_at(observation, along(places.tolist())).rows
+    belief = _read(observation, places)
+    rows = observation.numbers(along(places.tolist())).rows
     feet = [((p + base / 2), 1 / base) for p in places], [((p - base / 2), -1 / base) for p in places]
     kernel = rows @ observation.prior_covariance() @ rows.T + (2e-6) ** 2 * np.eye(6)
     for one in feet:

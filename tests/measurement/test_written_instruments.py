@@ -22,7 +22,7 @@ from axiscal.exceptions import DescriptionError, SourceError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Places, Reading
-from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at
+from axiscal.measurement.reading_rows import blank_readings, places_of
 from axiscal.measurement.simulation import Simulator, by_number
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
@@ -172,7 +172,7 @@ def test_what_fails_later_names_the_same_line(tmp_path: Path) -> None:
     rare = described(tmp_path, file, 'name = "s"\nmoves = ["X"]\ninstrument = "own.py:Rare"\n')
     pose = np.array([[0.123, 0.2, 0.2]])
     with pytest.raises(DescriptionError, match=r"c.toml, line 9: Rare.sees: result holds no numbers"):
-        rows_at(case_of(rare).observation, Places.of_setup(0, pose, np.ones_like(pose)))
+        case_of(rare).observation.numbers(Places.of_setup(0, pose, np.ones_like(pose)))
 
 
 def test_a_package_brings_an_instrument_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

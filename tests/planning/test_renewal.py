@@ -22,11 +22,8 @@ from tests.generators.texts import campaign_text, setup_text
 
 def taken(asked: Task, places: Places, believed: bool = True) -> Task:
     """Return the problem after readings; where nobody believes them only the way to them is left."""
-    observation, belief = asked.observation, asked.belief
-    if believed:
-        observation, belief = read_at(observation, belief, places)
-    last = places.single(len(places) - 1)
-    return replace(asked, observation=observation, belief=belief, here=replace(last, approaches=np.zeros((1, 3))))
+    known, last = read_at(asked, places) if believed else asked, places.single(len(places) - 1)
+    return replace(known, here=replace(last, approaches=np.zeros((1, 3))))
 
 
 def part(places: Places, start: int, stop: int | None = None) -> Places:

@@ -10,7 +10,6 @@ import pytest
 from axiscal.measurement.instruments.distance import RTest, Tracer, of_each
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.planning.plan.scores import Scores
@@ -46,7 +45,6 @@ def mixed(candidates: int = 300, three: tuple[int, ...] = (0,), beams: dict[int,
 def dense_value(asked: Task, places: Places) -> float:
     """Return J after readings, from one big matrix: no factors, no updates."""
     observation = asked.observation
-    assert not visited(observation, places).numbers(places).reach.any()
     known = dense.DenseState(observation, observation.prior_covariance())
     return dense.value(dense.after_readings(known, places), asked.root.T @ asked.root)
 

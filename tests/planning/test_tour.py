@@ -12,7 +12,6 @@ from axiscal.exceptions import PlanError
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.instruments.displacement import Indicator
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Unknown
 from axiscal.measurement.travel import way_seconds
 from axiscal.numerics import Array
@@ -66,7 +65,8 @@ def best_of_all(asked: Task, budget: float) -> float:
     ways = shortest(way_seconds(machine, setup, lattice.poses[:, None], lattice.poses[None], none[None]))
     often = np.array(list(product(range(TIMES + 1), repeat=len(lattice))))
     within = ways[(often > 0) @ (1 << np.arange(len(lattice)))] + often.sum(axis=1) * setup.reading_time <= budget
-    rows, variances, _ = rows_at(asked.observation, lattice)
+    numbers = asked.observation.numbers(lattice)
+    rows, variances = numbers.rows, asked.observation.variances(numbers)
     told = (rows / np.sqrt(variances)[:, None]) @ asked.belief.factor
     grams = (told[:, :, None] * told[:, None, :]).reshape(len(told), -1)
     known = np.eye(told.shape[1]) + (often[within] @ grams).reshape(-1, told.shape[1], told.shape[1])

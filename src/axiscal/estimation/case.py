@@ -22,14 +22,16 @@ from axiscal.measurement.candidates import corners, spread
 from axiscal.measurement.instruments.distance import TURNS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Place, Places, Reading
-from axiscal.measurement.reading_rows import places_of, rows_at, seen, visited
+from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Memo
+from axiscal_core.criterion import Goal
 from axiscal_core.eigen import root_of
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
+from axiscal_core.state import State
 from axiscal_core.theta import Kind, Sizes
 from axiscal_core.threads import one_thread
 from axiscal_core.usual import sizes_of
@@ -44,25 +46,36 @@ _QUICK = 32
 _YARDSTICKS = 4
 """The case as stated, as learnt, with bands and with what explains the readings; 1,000 unknowns take 50 MB each."""
 Columns = tuple[int, int, int]
+NO_GOAL = Goal(np.zeros((0, 0)))
+"""Where only the belief is asked for."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Knowledge:
-    """What is known while a machine is read: the map to readings and the belief over its unknowns, which grow together.
+    """What is known while a machine is read: the map to readings and the belief over its unknowns.
 
-    observation : with columns for the rests of visited cells; belief : over all its columns
+    belief : over the columns of the observation, then rests; cells : the rest and the cell of each of these
     A reading opens the rest of each cell that it meets: reading there again does not average the rest away.
     """
 
     observation: Observation
     belief: Normal
+    cells: Sequence[tuple[int, int]] = ()
+
+    def state(self, goal: Goal) -> State:
+        """Return the same as a planner has it."""
+        return State(self.belief.factor, goal, self.observation.rests, cells=self.cells)
 
     @one_thread()
     def read(self, readings: Sequence[Reading]) -> Knowledge:
         """Return what is known after readings."""
-        wider = visited(self.observation, places_of(self.observation.setups, readings))
-        belief, numbers = self.belief.wider(np.sqrt(self.observation.rest_variances(wider))), seen(wider, readings)
-        return Knowledge(wider, belief.read(numbers.rows, numbers.values, numbers.variances))
+        numbers, values = seen(self.observation, readings)
+        opened, before = self.state(NO_GOAL).opened(numbers), self.belief
+        mean = np.pad(before.mean, (0, len(opened.root) - before.size))
+        belief = Normal.of_factor(mean, opened.root, before.degrees)
+        return Knowledge(
+            self.observation, belief.read(opened.wide(numbers), values, numbers.noise**2), opened.cells.tolist()
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +177,7 @@ class Case:
 
     def linear_about(self, mean: Array) -> Case:
         """Return the case with readings linearised about a mean.  mean : (size,) of all unknowns, cells last"""
-        point = mean[: self.errors.size + len(self.observation.unknowns)].copy()
+        point = mean[: self.observation.size].copy()
         return replace(self.located(mean) or self, about=point, both=frozenset())
 
     def station_columns(self, index: int) -> tuple[Columns, ...]:
@@ -294,9 +307,9 @@ class Case:
 
     def allowed_rows(self) -> tuple[Array, Array]:
         """Return the rows of readings there, each over its noise, (m, size), and that noise, (m,)."""
-        rows, variances, _ = rows_at(self.observation, self._allowed)
-        noise = np.sqrt(variances)
-        return rows / noise[:, None], noise
+        numbers = self.observation.numbers(self._allowed)
+        noise = np.sqrt(self.observation.variances(numbers))
+        return numbers.rows / noise[:, None], noise
 
     @property
     def _left(self) -> Array:

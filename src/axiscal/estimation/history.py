@@ -18,7 +18,7 @@ from axiscal.estimation.case import Case, Knowledge
 from axiscal.estimation.intervals import sited
 from axiscal.estimation.promise.problem import problem
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import times_of, with_cells
+from axiscal.measurement.reading_rows import times_of
 from axiscal.numerics import Array
 from axiscal_core.normal import Normal, condition
 from axiscal_core.problem import Problem, by_blocks
@@ -140,7 +140,8 @@ class History:
         own, rests = self._raw(both), by_blocks(both[cells].T, [each.T for each in posed.cell_roots]).T
         own[:, 0] += posed.mean
         whole = np.vstack([own, rests])
-        return Knowledge(with_cells(observation, posed.cells), Normal.of_factor(whole[:, 0], whole[:, 1:]))
+        opened = [(observation.with_rest.index(term), cell) for term, cell in posed.cells]
+        return Knowledge(observation, Normal.of_factor(whole[:, 0], whole[:, 1:]), opened)
 
     def drifts(self, name: str) -> list[Drift]:
         """Return the way of each zero of a set-up at the times of its readings; none where no drift is stated."""

@@ -88,14 +88,14 @@ def surprises(observation: Observation, mean: Array, covariance: Array, readings
     mean : (size,) and covariance : (size, size) of the errors as expected
     Their rows meet the covariance of the errors once for all of them: as fast as it can be read.
     """
-    numbers = seen(observation, readings)
+    numbers, values = seen(observation, readings)
     rows, own = np.split(numbers.rows, [len(mean)], axis=1)
-    scatter = numbers.variances + np.einsum("mi,mi->m", rows @ covariance, rows)
+    scatter = observation.variances(numbers) + np.einsum("mi,mi->m", rows @ covariance, rows)
     stds = [unknown.std for unknown in observation.unknowns]
     known, spread = np.zeros(len(stds)), np.diag(np.square(stds))
-    values, own = numbers.values - rows @ mean, own[:, : len(stds)]
+    values = values - rows @ mean
     setups, first, sizes = {setup.name: setup for setup in observation.setups}, dict[str, float](), list[float]()
-    ends = np.searchsorted(numbers.reading, np.arange(len(readings) + 1)).tolist()
+    ends = np.searchsorted(numbers.place, np.arange(len(readings) + 1)).tolist()
     for reading, mine in zip(readings, (slice(*each) for each in pairwise(ends)), strict=True):
         setup = setups[reading.setup]
         variances = scatter[mine] + bent(observation.machine, setup, reading) + _drifted(setup, reading, first)

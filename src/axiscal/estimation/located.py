@@ -37,7 +37,7 @@ def located(known: History) -> History:
     as far, and so do those after it: else the rounds would swing.
     known : with the sizes as learnt
     """
-    share, last, count = 1.0, np.inf, known.case.errors.size + len(known.case.observation.unknowns)
+    share, last, count = 1.0, np.inf, known.case.observation.size
     for _ in range(_ROUNDS):
         mean = known.knowledge.belief.mean
         asked = moved_by(known, known.case.linear_about(mean))
@@ -80,7 +80,7 @@ def refuse_mirrors(known: History, implausible: Collection[int]) -> None:
     """Raise AmbiguityError where a station's mirror image fits as well, with the reading that decides."""
     case = known.case
     kept = [reading for index, reading in enumerate(known.readings) if index not in implausible]
-    size = case.errors.size + len(case.observation.unknowns)
+    size = case.observation.size
     for index in filter(case.station_columns, range(len(case.description.setups))):
         belief = known.knowledge.belief
         images = mirrored(case, kept, belief.mean[:size], index)

@@ -11,13 +11,14 @@ points in one plane, a station and its mirror image in that plane are alike.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.case import Case, Knowledge
+from axiscal.estimation.case import NO_GOAL, Case, Knowledge
 from axiscal.measurement.reading import Reading, drawn
-from axiscal.measurement.reading_rows import places_of, rows_at, scaled_values, seen, shown_by_each
+from axiscal.measurement.reading_rows import scaled_values, seen, shown_by_each
 from axiscal.numerics import Array
 from axiscal_core.eigen import settled
 from axiscal_core.from_scipy import least_squares
@@ -29,13 +30,15 @@ class BentReadings:
     def __init__(self, case: Case, readings: Sequence[Reading]) -> None:
         self.case, self.readings = case, readings
         self.start, self.root = case.prior.mean, case.prior.factor
-        self.places = places_of(case.observation.setups, readings)
         self.values = scaled_values(case.observation.setups, readings)
-        self.noise = np.sqrt(seen(case.observation, readings).variances)
+        self._numbers, _ = seen(case.observation, readings)
+        self.noise = np.sqrt(case.observation.variances(self._numbers))
 
     def rows(self, point: Array) -> Array:
-        """Return the rows about a point, (m, k): they change with where a station or tracker is found alone."""
-        return rows_at((self.case.located(point) or self.case).observation, self.places).rows
+        """Return the rows about a point (k,), (m, k): they change with where a station or tracker is found alone."""
+        if (located := self.case.located(point)) is None:
+            return self._numbers.rows
+        return seen(replace(self.case.observation, setups=located.description.setups), self.readings)[0].rows
 
     def left(self, point: Array) -> Array:
         """Return what the readings leave at a point, over their noise, (m,)."""
@@ -81,14 +84,14 @@ def indices(knowledge: Knowledge, readings: Sequence[Reading]) -> Array:
     observation, belief = knowledge.observation, knowledge.belief
     if not readings:
         return np.zeros(0)
-    numbers = seen(observation, readings)
-    errors = observation.errors.size + len(observation.unknowns)
+    (numbers, _), errors = seen(observation, readings), observation.size
     apart = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.factor.shape[1], _DRAWS))
     mean = belief.mean[:errors]
     shown = shown_by_each(observation, readings, np.vstack([mean, mean + apart.T]))
     beyond = shown[1:] - shown[0] - (numbers.rows[:, :errors] @ apart).T
-    index = np.sqrt(np.sum(beyond**2, axis=0) / _DRAWS) / np.sqrt(numbers.variances)
-    return np.maximum.reduceat(index, np.searchsorted(numbers.reading, np.arange(len(readings))))
+    variances = numbers.noise**2 + np.sum(knowledge.state(NO_GOAL).unread(numbers) ** 2, axis=1)
+    index = np.sqrt(np.sum(beyond**2, axis=0) / _DRAWS) / np.sqrt(variances)
+    return np.maximum.reduceat(index, np.searchsorted(numbers.place, np.arange(len(readings))))
 
 
 GAUSSIAN = 0.3

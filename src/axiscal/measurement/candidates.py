@@ -22,23 +22,21 @@ from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
 _COINCIDE = 1e-12
-"""Knots and edges of cells so close together, in lengths of travel, are one: they differ by rounding."""
+"""Knots so close together, in lengths of travel, are one: they differ by rounding."""
 
 
 @remembered
 def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
-    """Return the coordinates between which a set-up's rows are smooth along an axis: knots, edges of visited cells.
+    """Return the coordinates between which a set-up's rows are smooth along an axis: knots.
 
     An instrument on feet meets them at each foot, which is aside of its position.
     """
-    edges = observation.errors.knots_along(axis)
-    for index, cell in observation.cells:
-        edges += observation.errors.terms[index].edges(cell, axis)
+    knots = observation.errors.knots_along(axis)
     mounted = observation.setups[setup]
     low, high = mounted.span(observation.machine.axes[axis], axis)
     stepped = mounted.base is not None and axis in mounted.moves
     half = max(mounted.base or 0.0, SHORTEST) / 2 if stepped else 0.0
-    everywhere = np.unique(np.concatenate([np.zeros(0), *edges])[:, None] - np.array([half, -half]))
+    everywhere = np.unique(np.concatenate([np.zeros(0), *knots])[:, None] - np.array([half, -half]))
     shortest = _COINCIDE * (high - low)
     inside = everywhere[(everywhere > low + shortest) & (everywhere < high - shortest)]
     apart = np.diff(inside, prepend=low) > shortest

@@ -1,8 +1,8 @@
 """What an instrument sees of the machine: rows over all unknowns, A of the machine and b of the set-ups.
 
 y = g(t)ᵀ A + f(t)ᵀ b + v (B&H eq. 29-30, and b). The columns are the machine's error coefficients, then the unknowns of
-every set-up. Then follow, as they come, the rests of visited cells: an error's part that splines miss, one number in
-each short cell. Readings in one cell share its rest, so repeating there does not average it away.
+every set-up. Beside them are rests: an error's part that splines miss, one number in each short cell. Readings in one
+cell share its rest, so repeating there does not average it away; `axiscal_core.state.State` has those of visited cells.
 
 What has an owner is one quantity wherever it is met: all set-ups that read the same ball share the column of its place.
 
@@ -16,8 +16,8 @@ stay those of the nominal machine: each round converges by the largest rotation,
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -66,35 +66,17 @@ def owned(setups: Sequence[Setup]) -> Owned:
     return Owned(tuple(unknown for _, unknown in found.values()), tuple(columns))
 
 
-Cell = tuple[int, int]
-"""Index of an error with a rest, and the number of the cell along its axis, or of the plane of its axes."""
-
-
-class RestEffects(NamedTuple):
-    """The effect of rests on readings: a row for each error that has one, of each foot behind the other.
-
-    functions : (e,) index of the error; reach : (..., e, m) what a unit of its rest adds to each number
-    cells : (e, m) the number of the cell that they are in
-    """
-
-    functions: NDArray[np.intp]
-    reach: Array
-    cells: NDArray[np.intp]
-
-
 @dataclass(frozen=True, eq=False)
 class Observation:
     """The linear map from all unknowns to readings.
 
     errors : the machine's error model; setups : in the order of the campaign
     about : (k,) errors, then unknowns of the set-ups, about which it is linear; None for the nominal machine
-    cells : column of the rest of each visited cell
     """
 
     errors: Machine
     setups: tuple[Setup, ...]
     about: Array | None = None
-    cells: Mapping[Cell, int] = field(default_factory=dict)
 
     @property
     def machine(self) -> Machine:
@@ -104,42 +86,21 @@ class Observation:
     @cached_property
     def size(self) -> int:
         """Number of unknowns."""
-        return self.errors.size + len(self.unknowns) + len(self.cells)
-
-    @property
-    def bare(self) -> Observation:
-        """The map before any cell was visited."""
-        return replace(self, cells={})
+        return self.errors.size + len(self.unknowns)
 
     def among(self, setups: Collection[int]) -> tuple[Observation, NDArray[np.intp]]:
         """Return the map where other set-ups have no unknowns of their own, and its columns among those here, (k,)."""
         mounted = (s if number in setups else replace(s, unknowns=()) for number, s in enumerate(self.setups))
-        bare = replace(self.bare, setups=tuple(mounted))
-        kept, first = np.arange(bare.size), self.bare.size
+        found = replace(self, setups=tuple(mounted))
+        kept = np.arange(found.size)
         for setup in setups:
-            kept[bare.unknowns_of(setup)] = self.unknowns_of(setup)
-        about = None if self.about is None else self.about[kept]
-        shift = first - bare.size
-        cells = {cell: column - shift for cell, column in self.cells.items()}
-        return replace(bare, about=about, cells=cells), np.append(kept, np.arange(first, self.size))
+            kept[found.unknowns_of(setup)] = self.unknowns_of(setup)
+        return replace(found, about=None if self.about is None else self.about[kept]), kept
 
     def prior_covariance(self) -> Array:
         """Return the covariance of all unknowns before the first reading, (size, size)."""
-        result = np.diag(np.concatenate([self.prior_variances(), self.bare.rest_variances(self)]))
+        result = np.diag([0.0] * self.errors.size + [unknown.std**2 for unknown in self.unknowns])
         result[: self.errors.size, : self.errors.size] = self.errors.covariance()
-        return result
-
-    def prior_variances(self) -> Array:
-        """Return the variances of errors and unknowns before the first reading, (errors and unknowns,)."""
-        own = [unknown.std**2 for unknown in self.unknowns]
-        return np.concatenate([np.diagonal(self.errors.covariance()), own])
-
-    def rest_variances(self, after: Observation) -> Array:
-        """Return the prior variances of the columns that `after` has beyond this map."""
-        result = np.zeros(after.size - self.size)
-        for cell, column in after.cells.items():
-            if cell not in self.cells:
-                result[column - self.size] = self.errors.terms[cell[0]].rest ** 2
         return result
 
     @property
@@ -161,7 +122,7 @@ class Observation:
         return np.array([len(setup.names) for setup in self.setups], dtype=np.intp)
 
     def numbers(self, places: Places) -> Numbers:
-        """Return what readings at places would tell (B&H eq. 29-30): rows, and the rests of cells without a column."""
+        """Return what readings at places would tell (B&H eq. 29-30)."""
         each = self.counts[places.setups]
         first, place = np.cumsum(each) - each, np.repeat(np.arange(len(places)), each)
         rows, noise = np.zeros((len(place), self.size)), np.zeros(len(place))
@@ -175,34 +136,15 @@ class Observation:
             rows[to, : self.errors.size] = self._error_rows(index, levers, poses, approaches).swapaxes(0, 1)
             rows[to[:, :, None], self.unknowns_of(index)] = setup.own_slopes(at)
             noise[to] = np.sqrt(setup.noise**2 + self._unknown_sides(setup, levers, poses, approaches)).T
-            found = self._rests(setup, levers, poses, approaches)
-            reach[to, : len(found.functions)] = found.reach.transpose(2, 0, 1)
-            cell[to, : len(found.functions)] = found.cells.T[:, None]
-        self._enter_visited(rows, reach, cell)
+            effects, cells = self._rests(setup, levers, poses, approaches)
+            reach[to, : len(cells)], cell[to, : len(cells)] = effects.transpose(2, 0, 1), cells.T[:, None]
         part, nought = np.arange(len(place)) - first[place], np.zeros(len(place))
         return Numbers(rows, nought, reach, cell, noise, place, places.setups[place], part, nought[:, None][:, :0])
 
     def variances(self, n: Numbers) -> Array:
-        """Return the variances of numbers, noise and the rests of cells without a column, (n,) m² or rad²."""
+        """Return the variances of numbers, noise and rests, (n,) m² or rad²."""
         rests = np.tile(self.rests, n.reach.shape[1] // max(len(self.rests), 1))
         return np.asarray(n.noise**2 + np.sum((n.reach * rests) ** 2, axis=1))
-
-    def _enter_visited(self, rows: Array, reach: Array, cell: NDArray[np.intp]) -> None:
-        """Move the rests of cells that have a column into the rows, in place."""
-        if not self.cells:
-            return
-        here = self.columns_of(np.tile(self.with_rest, reach.shape[1] // len(self.with_rest)), cell)
-        which = np.nonzero(here >= 0)
-        np.add.at(rows, (which[0], here[which]), reach[which])
-        reach[which] = 0.0
-
-    def columns_of(self, functions: NDArray[np.intp], cells: NDArray[np.intp]) -> NDArray[np.intp]:
-        """Return the columns of the rests of cells, −1 where one has none.  functions, cells : that broadcast"""
-        counts = np.array([term.cell_count if term.rest > 0 else 0 for term in self.errors.terms], dtype=np.intp)
-        first, columns = np.cumsum(counts) - counts, np.full(int(counts.sum()), -1, dtype=np.intp)
-        visited = np.array([*self.cells], dtype=np.intp).reshape(-1, 2)
-        columns[first[visited[:, 0]] + visited[:, 1]] = [*self.cells.values()]
-        return np.asarray(columns[first[functions] + cells])
 
     def _error_rows(self, index: int, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return the rows of the errors, (k, m, errors)."""
@@ -230,22 +172,19 @@ class Observation:
                     added += np.where(approaches[:, function.axis] == 0, shown, 0.0)
         return added
 
-    def rest_effects(self, setup: int, poses: Array) -> RestEffects:
-        """Return in which cells readings of a set-up are, and what a unit of their rests does to a number at most."""
-        levers = np.max(np.abs(self.levers(setup, poses)), axis=0)
-        return self._rests(self.setups[setup], levers, poses, np.ones_like(poses))
+    def _rests(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> tuple[Array, NDArray[np.intp]]:
+        """Return what a unit of each rest adds to each number, (k, e, m), and in which cell it is, (e, m).
 
-    def _rests(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> RestEffects:
-        """levers : (..., terms, m)"""
+        Those of each foot stand behind those of the other.  levers : (k, terms, m)
+        """
         functions, standing = np.array(self.with_rest, dtype=np.intp), feet_of(mounted, poses)
-        effects = self.errors.effects(levers, approaches)[..., functions, :] if len(functions) else levers[..., :0, :]
+        effects = self.errors.effects(levers, approaches)[:, functions] if len(functions) else levers[:, :0]
         effects = effects * (mounted.base != 0)  # a base without length is refused where its way has a rest
         firsts = self.errors.firsts[functions]  # errors with the same cells have them once
         terms = {i: self.errors.terms[i] for i in {*firsts.tolist()}}
         found = [{i: term.cells(*term.at(foot.poses)) for i, term in terms.items()} for foot in standing]
         cells = np.array([each[i] for each in found for i in firsts.tolist()], dtype=np.intp).reshape(-1, len(poses))
-        reach = np.concatenate([foot.weight * effects for foot in standing], axis=-2)
-        return RestEffects(np.tile(functions, len(standing)), reach, cells)
+        return np.concatenate([foot.weight * effects for foot in standing], axis=1), cells
 
     def nonlinear_part(self, setup: int, poses: Array, approaches: Array) -> Array:
         """Return what each number of readings shows beside rows times unknowns, where it is not linear, (m, k)."""

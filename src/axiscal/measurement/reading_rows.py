@@ -1,105 +1,26 @@
-"""Many readings, of set-ups mixed as they come: all numbers of all of them, one after another.
-
-With readings come unknowns: the rests of cells that they are the first to lie in.
-"""
+"""Many readings, of set-ups mixed as they come: all numbers of all of them, one after another."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from axiscal.measurement.observation import Cell, Observation, RestEffects
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-
-_ROUNDING = 1e-12
-"""A lever of this size is rounding: m/rad, 1, or rad/rad."""
+from axiscal_core.model import Numbers
 
 
-def visited(observation: Observation, places: Places) -> Observation:
-    """Return the map with columns for the cells of places that had none.
-
-    Columns come in the order of the places; of each in the order of the functions.
-    """
-    fresh = _fresh_cells(observation, places)
-    return with_cells(observation, [cell for place in sorted(fresh) for cell in fresh[place]])
-
-
-def with_cells(observation: Observation, visited: Iterable[Cell]) -> Observation:
-    """Return the map with columns for those of some cells that had none, in their order."""
-    fresh = dict.fromkeys(cell for cell in visited if cell not in observation.cells)
-    columns = {cell: column for column, cell in enumerate(fresh, start=observation.size)}
-    return replace(observation, cells={**observation.cells, **columns}) if fresh else observation
-
-
-def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffects:
-    """Return in which cells readings of a set-up are, and what a unit of their rests does to a number at most.
-
-    poses : (m, q)
-    """
-    found = observation.rest_effects(setup, poses)
-    reach = np.abs(found.reach)
-    return found._replace(reach=np.where(reach > _ROUNDING, reach, 0.0))
-
-
-def _fresh_cells(observation: Observation, places: Places) -> dict[int, list[Cell]]:
-    """Return the cells without a column whose rest shows at each place, by its index; none for most places."""
-    fresh = defaultdict[int, list[Cell]](list)
-    for setup, mine in places.by_setup() if observation.with_rest else ():
-        shown = cells_shown(observation, setup, places.poses[mine])
-        without = observation.columns_of(shown.functions[:, None], shown.cells) < 0
-        where, which = np.nonzero((without & (shown.reach > 0)).T)
-        cells = zip(shown.functions[which].tolist(), shown.cells[which, where].tolist(), strict=True)
-        for place, cell in zip(mine[where].tolist(), cells, strict=True):
-            fresh[place].append(cell)
-    return fresh
-
-
-class PlaceRows(NamedTuple):
-    """All numbers of readings at places.
-
-    rows : (m, size) over all unknowns; variances : (m,) noise and the rests of cells not visited yet, m² or rad²
-    place : (m,) index of the place that each number belongs to, ascending
-    """
-
-    rows: Array
-    variances: Array
-    place: NDArray[np.intp]
-
-
-def rows_at(observation: Observation, places: Places) -> PlaceRows:
-    """Return what readings at places would tell, cells without columns as noise."""
-    found = observation.numbers(places)
-    return PlaceRows(found.rows, observation.variances(found), found.place)
-
-
-class Seen(NamedTuple):
-    """All numbers of readings.
-
-    rows : (m, size); variances : (m,); values : (m,), what is not linear taken off
-    reading : (m,) index of the reading that each number belongs to, ascending
-    """
-
-    rows: Array
-    variances: Array
-    values: Array
-    reading: NDArray[np.intp]
-
-
-def seen(observation: Observation, readings: Sequence[Reading]) -> Seen:
-    """Return what readings tell, of cells that are visited or not."""
+def seen(observation: Observation, readings: Sequence[Reading]) -> tuple[Numbers, Array]:
+    """Return what readings tell, and the values of all numbers, what is not linear in the unknowns taken off, (m,)."""
     places = places_of(observation.setups, readings)
-    found = rows_at(observation, places)
+    found = observation.numbers(places)
     usual = np.array([setup.noise**2 for setup in observation.setups])[places.setups]
     own = np.array([0.0 if r.std is None else r.std**2 - noise for r, noise in zip(readings, usual, strict=True)])
-    values = linear_values(observation, places, readings)
-    return Seen(found.rows, found.variances + own[found.place], values, found.place)
+    found = found._replace(noise=np.sqrt(found.noise**2 + own[found.place]))
+    return found, linear_values(observation, places, readings)
 
 
 def linear_values(observation: Observation, places: Places, readings: Sequence[Reading]) -> Array:

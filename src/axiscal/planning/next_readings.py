@@ -111,7 +111,7 @@ def _chosen(
     The quicker one where both reach an accuracy: what was chosen by other sizes holds on to places that tell little.
     """
     usual, coming = case.description.usual, places_of(case.description.setups, left)
-    long = task.observation.size > _SMALL
+    long = task.belief.size > _SMALL
     if len(coming):  # climbing would bring places that were shaken back to their regular distances
         patience = 0.0 if gaps or usual or long else math.inf
         coming = renewed(task, limits, coming, patience, goal, usual)
@@ -168,6 +168,7 @@ def posed(
         case.yardstick,
         lattice.within(keep),
         here,
+        cells=knowledge.cells,
     )
 
 

@@ -27,10 +27,10 @@ _SEEN = 0.5
 
 def errors(estimation: Estimation, readings: Sequence[Reading]) -> dict[str, CurveFigures]:
     """Return every error that is a function of position, by name, reversals last."""
-    numbers = seen(estimation.printed.observation, readings)
-    firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))  # the first number of each
+    numbers, values = seen(estimation.printed.observation, readings)
+    firsts = np.searchsorted(numbers.place, np.arange(len(readings)))  # the first number of each
     rows = numbers.rows[firsts]
-    left = numbers.values[firsts] - rows @ estimation.printed.belief.mean
+    left = values[firsts] - rows @ estimation.printed.belief.mean
     drawn = [function for function in estimation.case.errors.curves if function.spline.size > 1]
     drawn.sort(key=lambda function: function.name.endswith("_reversal"))
     shares = {each.name: _shares(rows, each) for each in estimation.case.errors.curves}

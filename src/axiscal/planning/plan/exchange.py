@@ -243,7 +243,7 @@ def exchange(scores: Scores, sweeps: int = SWEEPS, better: float = _BETTER) -> f
             work += 4.0 * scores.count
             if gains[best] > own + max(better * own, least):  # the others have to be looked at anew
                 scores.put(best, slot)
-                work += scores.count * (6.0 * scores.slots + 2.0 * scores.task.observation.size)
+                work += scores.count * (6.0 * scores.slots + 2.0 * scores.task.belief.size)
                 changes += 1
         if value - scores.value <= _SETTLED * value:
             break
@@ -252,7 +252,7 @@ def exchange(scores: Scores, sweeps: int = SWEEPS, better: float = _BETTER) -> f
 
 def polish(scores: Scores, rounds: int, patience: Patience) -> None:
     """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
-    size = scores.task.observation.size
+    size = scores.task.belief.size
     work = work_of_climb(size, size + len(scores.state.weighted))
     least = _WORTH if size <= _FEW else _WORTH_OF_MANY  # rounds are dear with many unknowns
     for _ in range(rounds):
@@ -303,7 +303,7 @@ def _climbed(task: Task, state: State, candidates: Places, old: Places) -> Place
     state : without the reading
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
     """
-    starts, bare = Places.joined([old, candidates]), state.of_first(task.observation.bare.size)
+    starts, bare = Places.joined([old, candidates]), state.of_first(task.observation.size)
     found = [(setup, _climb(task, bare, setup, *starts.in_setup(setup))) for setup, _ in starts.by_setup()]
     if not (climbs := [each for each in found if len(each[1].gains)]):  # places of a raster may leave nothing to climb
         return old
@@ -313,7 +313,7 @@ def _climbed(task: Task, state: State, candidates: Places, old: Places) -> Place
 
 def climb_from(task: Task, state: State, setup: int, poses: Array, approaches: Array) -> Climb:
     """Return the climb from readings of a set-up.  state : as if no cell had been read; poses, approaches : (n, q)"""
-    observation = task.observation.bare
+    observation = task.observation
     ground = ground_of(observation, setup)
 
     def gains(places: Array, sides: Array) -> Array:

@@ -78,7 +78,7 @@ def _climbed(task: Task, limits: Limits, tours: Sequence[Tour], patience: float)
 
     tours : the best first
     """
-    climb, done, found = _ROUNDS * work_of_climb(task.observation.size, task.observation.size), 0.0, list[Places]()
+    climb, done, found = _ROUNDS * work_of_climb(task.belief.size, task.belief.size), 0.0, list[Places]()
     for tour in tours:
         if done > _CLIMBS:
             break
@@ -157,7 +157,7 @@ def retoured(
             tour = settled
         if patient.spent or not len(tour.scores.places):
             break
-        patient.take(work_of_climb(task.observation.size, task.observation.size) * len(tour.scores.places))
+        patient.take(work_of_climb(task.belief.size, task.belief.size) * len(tour.scores.places))
         moved = relocated(task, tour.places, Minutes(tour.budget, partial(seconds_around, task)))
         climbed = through(scores.fork(), setups, replace(limits, budget=tour.budget), moved)
         fits = climbed.left >= 0 and (goal is None or goal.reached(climbed.places))

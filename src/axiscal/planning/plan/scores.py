@@ -27,7 +27,7 @@ class Scores(Gains):
 
     def telling(self, columns: NDArray[np.intp]) -> Gains:
         """Return what takes variance of unknowns away, in shares of their first, as gains beside this plan."""
-        first = np.sqrt(self.task.observation.prior_variances()[columns])
+        first = np.sqrt(np.diagonal(self.task.observation.prior_covariance())[columns])
         root = np.zeros((len(columns), self.state.size))
         root[np.arange(len(columns)), columns] = 1 / np.where(first > 0, first, np.inf)
         found = Gains(self.task.begun(Goal(root)), self._n, own_numbers(self._n.place, self.count))

@@ -5,7 +5,7 @@ The search ends by the work that it has done: a clock would make another plan on
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -17,7 +17,6 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
-from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way
 from axiscal.numerics import Array
@@ -39,10 +38,12 @@ _COARSE, _EACH = 500, 100
 class Task:
     """The belief to improve and the readings that are allowed.
 
-    belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
+    belief : over the unknowns of the observation, then rests of cells
+    root : V (w, n) of the criterion; lattice : the candidates
     here : one place, of the set-up that is mounted and where the machine stands; None before the first
     beside : places of readings that will be taken, whatever is planned
     patience : operations that climbing off the lattice may take; 0 for figures alone, within a second
+    cells : the rest and the cell of each of those in the belief
     """
 
     observation: Observation
@@ -53,6 +54,7 @@ class Task:
     here: Places | None = None
     beside: Places | None = None
     patience: float = PATIENCE
+    cells: Sequence[tuple[int, int]] = ()
 
     @property
     def coarse(self) -> Task:
@@ -71,7 +73,8 @@ class Task:
         observation, kept = whole.among({*setups, *beside, *more})
         root = root if root.shape[1] <= whole.errors.size else root[:, kept[kept < root.shape[1]]]
         lattice = self.lattice.within(np.isin(self.lattice.setups, list(setups)))
-        return replace(self, observation=observation, belief=self.belief.among(kept), lattice=lattice, root=root)
+        belief = self.belief.among(np.append(kept, np.arange(whole.size, self.belief.size)))
+        return replace(self, observation=observation, belief=belief, lattice=lattice, root=root)
 
     @property
     @remembered
@@ -81,7 +84,7 @@ class Task:
 
     def begun(self, goal: Criterion) -> State:
         """Return the same by any criterion."""
-        state = State(self.belief.factor, goal, self.observation.rests)
+        state = State(self.belief.factor, goal, self.observation.rests, cells=self.cells)
         return state if self.beside is None else state.after(self.numbers(self.beside))
 
     def numbers(self, places: Places) -> Numbers:
@@ -94,8 +97,8 @@ class Task:
 
     def whitened(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
         """Return R^-½ H F (m, r) of all numbers of readings, rests as noise, and whose each is (m,), in order."""
-        rows, variances, owner = rows_at(self.observation, places)
-        return (rows / np.sqrt(variances)[:, None]) @ self.state.root[: self.observation.size], owner
+        numbers = self.numbers(places)
+        return self.state.whitened(numbers), numbers.place
 
 
 @dataclass(frozen=True, slots=True)

@@ -152,7 +152,7 @@ class Tour:
         if len(run.slots) <= _SHORT:
             run.shorten()
         scores = self.scores
-        self.work += 2 * _CALLS + scores.count * (_EACH * scores.slots + 2.0 * scores.task.observation.size)
+        self.work += 2 * _CALLS + scores.count * (_EACH * scores.slots + 2.0 * scores.task.belief.size)
 
     def _extra(self, runs: dict[int, Run]) -> Array:
         """Return the seconds more of each candidate, infinite in other set-ups, (M,)."""
