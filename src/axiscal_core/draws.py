@@ -16,7 +16,6 @@ none above √n times their mean (Ionides 2008): one draw in a far tail would de
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +23,11 @@ from numpy.typing import NDArray
 from axiscal_core.eigen import settled
 from axiscal_core.from_scipy import normal_quantile, normal_share
 from axiscal_core.points import even_points
+from axiscal_core.problem import Problem
 from axiscal_core.refusals import Array
+from axiscal_core.spaces import Given, Slope
 from axiscal_core.theta import Sizes
+from axiscal_core.unknowns import Space, space_of
 
 COUNT = 64
 """With 64 the RMS was 0.69 to 1.17 of that of 512 draws, with 32 down to 0.66 (120 to 900 readings)."""
@@ -44,41 +46,8 @@ _ENOUGH = 12.0  # draws that have to count where others are drawn about them
 _ROUND = 0.01  # added to their covariance: twelve draws of ten sizes lie in a plane, nearly
 
 
-class Slope(NamedTuple):
-    """log L of θ, its gradient (k,) and the Fisher information (k, k)."""
-
-    value: float
-    gradient: Array
-    information: Array
-
-
-class Given(Protocol):
-    """Everything at one set of sizes."""
-
-    value: float
-    """log L, up to a constant."""
-
-    def slope(self) -> Slope:
-        """Return log L, gradient and information."""
-
-
-GivenT = TypeVar("GivenT", bound=Given)
-CoGiven = TypeVar("CoGiven", bound=Given, covariant=True)
-
-
-class Space(Protocol[CoGiven]):
-    """What knows how likely readings are."""
-
-    @property
-    def sizes(self) -> Sizes:
-        """The sizes that vary."""
-
-    def given(self, theta: Array) -> CoGiven | None:
-        """Return everything at sizes θ (k,); None where a covariance is not positive definite to rounding."""
-
-
 @dataclass(frozen=True, eq=False)
-class Mode(Generic[GivenT]):
+class Mode:
     """x : (k,) most probable, as stated of sizes that stay so; taught : (t,) which do not
 
     covariance : (t, t) of the normal there; value : log L φ; stated : everything at the sizes as stated
@@ -88,11 +57,11 @@ class Mode(Generic[GivenT]):
     taught: NDArray[np.intp]
     covariance: Array
     value: float
-    stated: GivenT
+    stated: Given
 
 
 @dataclass(frozen=True, eq=False)
-class Draws(Generic[GivenT]):
+class Draws:
     """x : (n, k); log_proposal : (n + 1,) of the mixture that they are drawn from, over φ(x), the last one as stated
 
     stated : everything at the sizes as stated
@@ -101,7 +70,7 @@ class Draws(Generic[GivenT]):
     sizes: Sizes
     x: Array
     log_proposal: Array
-    stated: GivenT
+    stated: Given
 
     @property
     def thetas(self) -> Array:
@@ -110,7 +79,7 @@ class Draws(Generic[GivenT]):
 
 
 @dataclass(frozen=True, eq=False)
-class Weighed(Generic[GivenT]):
+class Weighed:
     """Draws with their weights by some readings; those without any weight are left out.
 
     thetas : (n, k); weights : (n,), their sum is 1; given : of each; log_evidence : log p(y), up to a constant
@@ -120,10 +89,10 @@ class Weighed(Generic[GivenT]):
 
     thetas: Array
     weights: Array
-    given: tuple[GivenT, ...]
+    given: tuple[Given, ...]
     log_evidence: float
     every: Array
-    drawn: Draws[GivenT]
+    drawn: Draws
     log_stated: float
 
     @property
@@ -132,20 +101,20 @@ class Weighed(Generic[GivenT]):
         return float(1 / np.sum(self.weights**2))
 
 
-def _density(space: Space[Given], x: Array) -> float:
+def _density(space: Space, x: Array) -> float:
     """Return log L(θ) φ(x) up to a constant."""
     found = space.given(space.sizes.theta(x)[0])
     return -np.inf if found is None else found.value - 0.5 * float(x @ x)
 
 
-def as_stated(space: Space[GivenT]) -> GivenT:
+def as_stated(space: Space) -> Given:
     """Return everything at the sizes as stated."""
     found = space.given(np.zeros(len(space.sizes)))
     assert found is not None, "a covariance with noise is positive definite"
     return found
 
 
-def mode(space: Space[GivenT]) -> Mode[GivenT]:
+def mode(space: Space) -> Mode:
     """Return the most probable sizes, climbing from those that are stated."""
     sizes = space.sizes
     x, found, taught = sizes.stated, as_stated(space), np.zeros(0, dtype=np.intp)
@@ -165,7 +134,7 @@ def _taught(here: Slope, x: Array) -> NDArray[np.intp]:
     return np.flatnonzero((told > 1 + _TAUGHT) | (0.5 * (here.gradient + x) ** 2 / told > _SAID))
 
 
-def _climbed(space: Space[GivenT], taught: NDArray[np.intp], x: Array, here: Slope) -> tuple[Array, Slope]:
+def _climbed(space: Space, taught: NDArray[np.intp], x: Array, here: Slope) -> tuple[Array, Slope]:
     """Return where log L φ is highest by some sizes, and its slope there.  here : at x"""
     sizes, damped, among = space.sizes, _DAMPED, np.ix_(taught, taught)
     for _ in range(_STEPS):
@@ -191,7 +160,7 @@ def _pull(sizes: Sizes, found: Given, x: Array) -> Slope:
     return Slope(slope.value - 0.5 * float(x @ x), slope.gradient * by - x, information)
 
 
-def draws(space: Space[GivenT], best: Mode[GivenT], count: int = COUNT) -> Draws[GivenT]:
+def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
     """Return draws about the mode."""
     k = len(best.taught)
     if k == 0:
@@ -216,9 +185,7 @@ def draws(space: Space[GivenT], best: Mode[GivenT], count: int = COUNT) -> Draws
     return Draws(space.sizes, x, mixed, best.stated)
 
 
-def redrawn(
-    space: Space[GivenT], drawn: Draws[GivenT], best: Mode[GivenT], found: Weighed[GivenT], count: int = 2 * COUNT
-) -> Draws[GivenT]:
+def redrawn(space: Space, drawn: Draws, best: Mode, found: Weighed, count: int = 2 * COUNT) -> Draws:
     """Return more draws about those that carry weight, where few of the first ones did.  best : their mode
 
     Their mean and covariance are taken with weights raised to a power, such that enough of them count.
@@ -235,7 +202,7 @@ def redrawn(
     return draws(space, about, count)
 
 
-def _wings(space: Space[GivenT], best: Mode[GivenT], widths: Array, axes: Array) -> Array:
+def _wings(space: Space, best: Mode, widths: Array, axes: Array) -> Array:
     """Return the widths below and above the mode along each principal axis, (2, k)."""
     wings = np.stack([widths, widths])
     for j in np.flatnonzero(widths > _TOLD).tolist():
@@ -260,7 +227,7 @@ def _halved(points: Array, wings: Array) -> Array:
 _NOTHING = 1e-6  # weight of a draw that moves no digit that is printed
 
 
-def weighed(space: Space[GivenT], drawn: Draws[GivenT]) -> Weighed[GivenT]:
+def weighed(space: Space, drawn: Draws) -> Weighed:
     """Return the draws with their weights by the readings of a space."""
     thetas = drawn.thetas
     given = [space.given(theta) for theta in thetas]
@@ -279,11 +246,12 @@ def weighed(space: Space[GivenT], drawn: Draws[GivenT]) -> Weighed[GivenT]:
 _RENEWED = 10.0  # effective number of draws below which they are drawn anew
 
 
-def sized(space: Space[GivenT], before: Draws[GivenT] | None = None) -> Weighed[GivenT]:
-    """Return draws of the sizes of a space, with their weights by its readings.
+def sized(problem: Problem, before: Draws | None = None) -> Weighed:
+    """Return draws of the sizes of a problem, with their weights by its readings.
 
     before : draws for nearly the same readings, which are weighed anew while enough of them count
     """
+    space = space_of(problem)
     if before is not None:
         again = weighed(space, replace(before, stated=as_stated(space)))
         if again.effective >= _RENEWED:

@@ -16,7 +16,6 @@ from axiscal_core.model import Model
 from axiscal_core.places import Readings
 from axiscal_core.posing import posed
 from axiscal_core.refusals import Array, InputError
-from axiscal_core.spaces import Given
 from axiscal_core.threads import one_thread
 from axiscal_core.unknowns import space_of
 
@@ -45,7 +44,7 @@ def estimated(case: Model, *parts: Readings) -> Known:
     return Known(case, mean, covariance, moved, np.sqrt(draws.weights), sizes, tuple(bad), apart, readings, again)
 
 
-def averaged(draws: Weighed[Given]) -> tuple[Array, Array, Array]:
+def averaged(draws: Weighed) -> tuple[Array, Array, Array]:
     """Return mean (size,), covariance (size, size) without type B, and (size, c, d) what type B moves in each draw."""
     each = [given.without_causes() for given in draws.given]
     mean = draws.weights @ np.array([one.mean for one in each])

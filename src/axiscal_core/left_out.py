@@ -23,7 +23,6 @@ from axiscal_core.problem import MOST_NUMBERS, Problem
 from axiscal_core.refusals import Array
 from axiscal_core.spaces import Given, parts_of
 from axiscal_core.theta import Kind
-from axiscal_core.unknowns import space_of
 
 BAD_SHARE, OFF = 0.01, 30.0
 """Assumption: one of a hundred readings is bad, and then off by so many noises."""
@@ -54,7 +53,7 @@ class LeftOut:
     z: float
 
 
-def left_out(problem: Problem, found: Weighed[Given]) -> dict[int, LeftOut]:
+def left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:
     """Return what the others expect of each reading, by its index.
 
     The heaviest draw goes first if numbers are many; all draws then judge only the readings that it suspects.
@@ -66,7 +65,7 @@ def left_out(problem: Problem, found: Weighed[Given]) -> dict[int, LeftOut]:
     return dict(sorted(result.items()))
 
 
-def with_stated(problem: Problem, found: Weighed[Given], left: Mapping[int, LeftOut]) -> dict[int, LeftOut]:
+def with_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) -> dict[int, LeftOut]:
     """Return what is known of the readings that are left out, their odds with one draw more: the sizes as stated.
 
     A bad reading makes noise seem large: without it the sizes may be those stated, of which no draw is left.
@@ -86,13 +85,13 @@ class Judged:
     """Readings, and draws of the sizes that they teach."""
 
     problem: Problem
-    found: Weighed[Given]
+    found: Weighed
 
     @classmethod
-    def of(cls, problem: Problem, apart: Sequence[int] = (), before: Draws[Given] | None = None) -> Judged:
+    def of(cls, problem: Problem, apart: Sequence[int] = (), before: Draws | None = None) -> Judged:
         """Return the readings of a problem but for some, by index.  before : draws for nearly the same ones"""
         mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
-        return cls(mine, sized(space_of(mine), before))
+        return cls(mine, sized(mine, before))
 
     @cached_property
     def left(self) -> dict[int, LeftOut]:
@@ -130,7 +129,7 @@ def taken_out(first: Judged, accepted: Collection[int] = ()) -> tuple[dict[int, 
         mine = Judged.of(first.problem, [*bad])
 
 
-def _of_many(problem: Problem, found: Weighed[Given], part: NDArray[np.intp]) -> list[LeftOut]:
+def _of_many(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
     """Return what the others expect of many readings of k numbers.  part : (r, k)"""
     heaviest = int(np.argmax(found.weights))
     alone = replace(found, thetas=found.thetas[[heaviest]], weights=np.ones(1), given=(found.given[heaviest],))
@@ -142,7 +141,7 @@ def _of_many(problem: Problem, found: Weighed[Given], part: NDArray[np.intp]) ->
     return result
 
 
-def _of_draws(problem: Problem, found: Weighed[Given], part: NDArray[np.intp]) -> list[LeftOut]:
+def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
     """Return what the others expect of readings of k numbers each, over all draws.  part : (r, k)"""
     each = [_of_draw(problem, given, theta, part) for given, theta in zip(found.given, found.thetas, strict=True)]
     residuals, covariances, ratios = (np.array(one) for one in zip(*each, strict=True))

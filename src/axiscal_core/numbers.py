@@ -9,11 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal_core.draws import Slope
 from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 from axiscal_core.problem import Problem
 from axiscal_core.refusals import Array
-from axiscal_core.spaces import Answered, Given, factors_of, raised, turned, variances_of
+from axiscal_core.spaces import Answered, Given, Slope, factors_of, raised, turned, variances_of
 
 
 class Numbers:
@@ -105,7 +104,6 @@ class InNumbers(Given):
     space: Numbers
 
     def __post_init__(self) -> None:
-        self.weighted = solution_of_product(self.root, self.problem.values)
         self.square = float(self.problem.values @ self.weighted)
         self.value = float(-0.5 * self.square - np.log(np.diagonal(self.root)).sum())
 

@@ -35,9 +35,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal_core.draws import Slope
 from axiscal_core.problem import Problem, by_blocks
 from axiscal_core.refusals import Array
+
+
+class Slope(NamedTuple):
+    """log L of θ, its gradient (k,) and the Fisher information (k, k)."""
+
+    value: float
+    gradient: Array
+    information: Array
 
 
 class Answered(NamedTuple):
@@ -138,14 +145,19 @@ class Given(ABC):
         """Return low (k, u, q) and sign, as of `Sums`."""
 
     @cached_property
+    def _solved(self) -> Array:
+        """K⁻¹y, and K⁻¹B of all causes of type B, (m, 1 + c)."""
+        return self.precision(np.column_stack([self.problem.values, self.problem.type_b]))
+
+    @property
     def weighted(self) -> Array:
         """K⁻¹y, (m,)."""
-        return np.asarray(self.precision(self.problem.values[:, None])[:, 0])
+        return self._solved[:, 0]
 
-    @cached_property
+    @property
     def spread(self) -> Array:
         """K⁻¹B of all causes of type B, (m, c)."""
-        return self.precision(self.problem.type_b)
+        return self._solved[:, 1:]
 
     @cached_property
     def every(self) -> tuple[Array, Array]:

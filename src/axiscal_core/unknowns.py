@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal_core.draws import Slope
 from axiscal_core.from_scipy import back_solution, inverse_of_product, root_in_place, solution, solution_of_product
 from axiscal_core.numbers import Numbers
 from axiscal_core.problem import MOST_NUMBERS, Problem
@@ -17,6 +16,7 @@ from axiscal_core.refusals import Array
 from axiscal_core.spaces import (
     Answered,
     Given,
+    Slope,
     factors_of,
     raised,
     times_roots,

@@ -25,7 +25,6 @@ from axiscal.numerics import Array
 from axiscal_core.draws import Weighed
 from axiscal_core.draws import sized as weighed_of
 from axiscal_core.problem import Problem
-from axiscal_core.spaces import Given
 from axiscal_core.unknowns import space_of
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.problems import asked, sized
@@ -34,10 +33,10 @@ COUNTS = {"axis": 9, "two set-ups": 8}
 
 
 @cache
-def _learning(kind: str, sizes: tuple[str, ...] = ()) -> tuple[Problem, Weighed[Given]]:
+def _learning(kind: str, sizes: tuple[str, ...] = ()) -> tuple[Problem, Weighed]:
     """Return readings with three draws of some sizes; without any, one draw has all the weight."""
     problem = sized(asked(kind, COUNTS[kind], 5), sizes)
-    found = weighed_of(space_of(problem))
+    found = weighed_of(problem)
     if not sizes:
         return problem, found
     thetas, space = np.array([-0.4, 0.1, 0.3])[:, None] * np.ones(len(problem.sizes)), space_of(problem)
@@ -48,7 +47,7 @@ def _learning(kind: str, sizes: tuple[str, ...] = ()) -> tuple[Problem, Weighed[
 class _Without:
     """What readings are without a mistake: values y' of density |det T| p(y'), or y of a covariance K + B Bᵀ."""
 
-    def __init__(self, problem: Problem, found: Weighed[Given]) -> None:
+    def __init__(self, problem: Problem, found: Weighed) -> None:
         self.values, self.weights = problem.values, found.weights
         self.covariances = [Dense(problem).judging(theta) for theta in found.thetas]
 
@@ -95,7 +94,7 @@ def test_two_set_ups_of_as_many_numbers_may_be_swapped() -> None:
     both = replace(problem, setup=problem.reading % 2)
     assert "swapped" not in {each.mistake.mistake for each in _turned(both, weighed)}
     both = both.only(both.reading < 8)
-    weighed = weighed_of(space_of(both))
+    weighed = weighed_of(both)
     (swapped,) = (each for each in _turned(both, weighed) if each.mistake.mistake == "swapped")
     values = (both.values * both.noise).reshape(-1, 2)[:, ::-1].ravel() / both.noise
     _agrees(swapped, _Without(both, weighed).odds(values))
@@ -120,7 +119,7 @@ def test_another_unit_divides_the_density_by_its_factor_for_each_number(factor: 
     (covariance,) = _Without(problem, weighed).covariances
     drawn = np.linalg.cholesky(covariance) @ np.random.default_rng(2).standard_normal(len(problem.values))
     off = replace(problem, values=np.where(problem.reading >= since, factor * drawn, drawn))
-    weighed = weighed_of(space_of(off))
+    weighed = weighed_of(off)
     tried = {(each.mistake.factor, each.mistake.reading): each for each in _units(off, weighed)}
     log_odds, tail = _Without(off, weighed).odds(drawn, 1 if since == 0 else COUNTS["axis"] - 1)
     log_det = -int(np.sum(problem.reading >= since)) * np.log(factor)
@@ -159,7 +158,7 @@ def _verdict(times: float, z: Array, left_out: int = 0) -> tuple[Agreement, floa
     (covariance,) = _Without(problem, weighed).covariances
     drawn = times * np.random.default_rng(3).standard_normal(len(problem.values))
     wider = replace(problem, values=np.linalg.cholesky(covariance) @ drawn)
-    return agreement(wider, weighed_of(space_of(wider)), z, left_out), float(drawn @ drawn)
+    return agreement(wider, weighed_of(wider), z, left_out), float(drawn @ drawn)
 
 
 @pytest.mark.parametrize("times", [1.0, 1.5])

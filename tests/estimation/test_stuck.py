@@ -13,7 +13,6 @@ from axiscal.estimation.promise.sick import Repeats, _step, stuck
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import put_right
 from axiscal_core.draws import sized as weighed
-from axiscal_core.unknowns import space_of
 from tests.generators.dense_posterior import Dense, log_density
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings, named
 from tests.generators.problems import asked, sized
@@ -40,7 +39,7 @@ def test_the_odds_of_exact_sizes_are_those_of_the_dense_density() -> None:
     density = whole - rest - 0.5 * len(again) * log(2 * np.pi)
     odds = log(0.01 / 7) - density - float(np.sum(np.log(step / problem.noise[some])))
     repeated = Repeats((0,), again, log(7.0), {0: step})
-    (found,) = stuck(problem, weighed(space_of(problem)), [repeated])
+    (found,) = stuck(problem, weighed(problem), [repeated])
     assert found.mistake[2:4] == ((0,), 3)
     assert found.mistake.log_odds == pytest.approx(odds, abs=0.05)
 

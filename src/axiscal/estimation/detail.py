@@ -27,7 +27,6 @@ from axiscal.numerics import Array
 from axiscal_core.draws import sized
 from axiscal_core.machine import Machine
 from axiscal_core.problem import Problem
-from axiscal_core.unknowns import space_of
 from axiscal_core.usual import LENGTH_OF_TRAVEL
 
 _MOST = 96
@@ -140,4 +139,4 @@ def _posed(finer: Case, known: Estimation, judged: Problem) -> Problem:
 
 def _log_evidence(problem: Problem) -> float:
     """Return log p(y), up to what is the same for all problems of the same readings: rests may count as noise."""
-    return sized(space_of(problem)).log_evidence - float(np.sum(np.log(problem.noise)))
+    return sized(problem).log_evidence - float(np.sum(np.log(problem.noise)))

@@ -36,7 +36,7 @@ from axiscal_core.draws import Weighed, sized
 from axiscal_core.from_scipy import binomial_tail, chi_square_tail
 from axiscal_core.left_out import BAD_SHARE, MOST_BAD
 from axiscal_core.problem import Problem
-from axiscal_core.spaces import Given, sums_of
+from axiscal_core.spaces import sums_of
 from axiscal_core.unknowns import space_of
 
 CONTRADICTS = 0.001
@@ -189,12 +189,12 @@ class Checks:
 
 def agreement(
     problem: Problem,
-    found: Weighed[Given],
+    found: Weighed,
     z: Array,
     left_out: int = 0,
     turned: Iterable[Turned] = (),
     framed: Iterable[Framed] = (),
-    every: tuple[Problem, Weighed[Given]] | None = None,
+    every: tuple[Problem, Weighed] | None = None,
     told: Sequence[Tried] = (),
 ) -> Agreement:
     """Return how readings agree.
@@ -231,7 +231,7 @@ def agreement(
     return Agreement(count, int(np.sum(z <= AGREES)), float(np.mean(z**2)), p, explained, described)
 
 
-def tail_of(problem: Problem, found: Weighed[Given]) -> float:
+def tail_of(problem: Problem, found: Weighed) -> float:
     """Return how probable readings are that agree no better, Σ w P(χ²_m ≥ Q_θ)."""
     tails = [chi_square_tail(len(problem.values), given.misfit) for given in found.given]
     return float(found.weights @ np.array(tails))
@@ -249,7 +249,7 @@ class Tried(NamedTuple):
 
         prior : log odds but for their evidence
         """
-        found = sized(space_of(without))
+        found = sized(without)
         return cls(mistake._replace(log_odds=prior + found.log_evidence), tail_of(without, found))
 
 
@@ -264,7 +264,7 @@ def _explained(tried: Iterable[Tried]) -> list[Explained]:
     return [one for one in likely if first[one.mistake, one.setups] is one]
 
 
-def _tried(problem: Problem, found: Weighed[Given], gains: Array, squares: Array, mistake: Explained) -> Tried:
+def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mistake: Explained) -> Tried:
     """Return a mistake that is tried at all draws, with its log odds, 1 % before any reading, the sizes integrated out.
 
     gains, squares : (d,) gain of log L, taken off yᵀK⁻¹y
@@ -276,7 +276,7 @@ def _tried(problem: Problem, found: Weighed[Given], gains: Array, squares: Array
     return Tried(mistake._replace(log_odds=odds), float(weights @ tails / weights.sum()))
 
 
-def _units(problem: Problem, found: Weighed[Given]) -> Iterator[Tried]:
+def _units(problem: Problem, found: Weighed) -> Iterator[Tried]:
     """Yield the likeliest reading from which on a set-up has another unit, at the sizes as stated, where that fits."""
     given = found.drawn.stated
     for setup in np.unique(problem.setup).tolist():
@@ -300,7 +300,7 @@ def _units(problem: Problem, found: Weighed[Given]) -> Iterator[Tried]:
                 yield Tried(Explained("unit", odds, (int(setup),), int(readings[best]) if best else -1, factor), p)
 
 
-def _in_frames(problem: Problem, found: Weighed[Given], framed: Iterable[Framed]) -> Iterator[Tried]:
+def _in_frames(problem: Problem, found: Weighed, framed: Iterable[Framed]) -> Iterator[Tried]:
     """Yield the set-ups whose values are along the machine's x, y, z, at the sizes as stated: |det T| = 1."""
     given = found.drawn.stated
     for setup, other in framed:
@@ -309,7 +309,7 @@ def _in_frames(problem: Problem, found: Weighed[Given], framed: Iterable[Framed]
         yield Tried(Explained("frame", odds, (setup,)), chi_square_tail(len(other.values), square))
 
 
-def _turned(problem: Problem, found: Weighed[Given], *, every: bool = True) -> Iterator[Tried]:
+def _turned(problem: Problem, found: Weighed, *, every: bool = True) -> Iterator[Tried]:
     """Yield the mistakes that change the values themselves.  every : also those that nobody is asked about"""
     for mistake, setups, values, factor in _other_values(problem):
         if not every and mistake not in ASKED:
@@ -318,7 +318,7 @@ def _turned(problem: Problem, found: Weighed[Given], *, every: bool = True) -> I
         yield _tried(problem, found, 0.5 * squares, squares, Explained(mistake, 0.0, setups, factor=factor))
 
 
-def _against(problem: Problem, found: Weighed[Given], turned: Iterable[Turned]) -> Iterator[Tried]:
+def _against(problem: Problem, found: Weighed, turned: Iterable[Turned]) -> Iterator[Tried]:
     """Yield that some axes count the other way than described."""
     for axes, other in turned:
         space, gains, squares = space_of(other), np.full(len(found.given), -np.inf), np.zeros(len(found.given))

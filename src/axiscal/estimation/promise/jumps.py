@@ -46,7 +46,6 @@ from axiscal_core.draws import Weighed, sized
 from axiscal_core.left_out import BAD_SHARE, MOST_BAD, OFF
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import Given
-from axiscal_core.unknowns import space_of
 
 _JUMPS = 30.0, 1e3, 3e4
 """Noises: standard deviations of a jump, one as likely as the other: it slips, is nudged, or is set to zero anew."""
@@ -68,8 +67,8 @@ class Jumped(NamedTuple):
     """
 
     problem: Problem
-    found: Weighed[Given]
-    without: Weighed[Given]
+    found: Weighed
+    without: Weighed
     jumps: tuple[Explained, ...] = ()
     log_prior: float = 0.0
     rivals: tuple[Tried, ...] = ()
@@ -80,7 +79,7 @@ class Jumped(NamedTuple):
         return self.found.log_evidence - self.without.log_evidence + self.log_prior
 
 
-def jumped(problem: Problem, found: Weighed[Given] | None = None, sure: Collection[int] = ()) -> Jumped | None:
+def jumped(problem: Problem, found: Weighed | None = None, sure: Collection[int] = ()) -> Jumped | None:
     """Return the jumps that readings tell, one after the other; None for none.
 
     found : draws for the readings without any; sure : readings before which what seems a jump is backlash
@@ -89,7 +88,7 @@ def jumped(problem: Problem, found: Weighed[Given] | None = None, sure: Collecti
     while suspected := [
         one for one in suspects(known.problem if known else problem, told, sure) if one.mistake.log_odds > _NAMED
     ]:
-        found = found or sized(space_of(problem))
+        found = found or sized(problem)
         following = _weighed(known or Jumped(problem, found, found), suspected)
         if following is None:
             break
@@ -97,9 +96,7 @@ def jumped(problem: Problem, found: Weighed[Given] | None = None, sure: Collecti
     return known
 
 
-def likelier(
-    moved: Jumped, here: tuple[Problem, Weighed[Given]], there: tuple[Problem, Weighed[Given]]
-) -> tuple[Tried, ...]:
+def likelier(moved: Jumped, here: tuple[Problem, Weighed], there: tuple[Problem, Weighed]) -> tuple[Tried, ...]:
     """Return jumps where these are 20 times as likely as bad readings alone, and the readings agree with them.
 
     here, there : the readings without the bad ones, beside the jumps and without any, with their draws
@@ -118,10 +115,10 @@ def likelier(
     return told + moved.rivals
 
 
-def _evidence(problem: Problem, found: Weighed[Given], kept: NDArray[np.intp]) -> float:
+def _evidence(problem: Problem, found: Weighed, kept: NDArray[np.intp]) -> float:
     """Return the log evidence of some of the readings, up to a constant."""
     among = np.isin(problem.reading, kept)
-    return (found if among.all() else sized(space_of(problem.only(among)))).log_evidence
+    return (found if among.all() else sized(problem.only(among))).log_evidence
 
 
 def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
@@ -129,7 +126,7 @@ def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
     best, tried = known, list[Tried]()
     for suspect in sorted(suspected, key=lambda one: -one.mistake.log_odds)[:_WEIGHED]:
         other, prior = suspect.make(), known.log_prior + float(np.log(PRIOR / suspect.places))
-        found = sized(space_of(other))
+        found = sized(other)
         moved = Jumped(other, found, known.without, (*known.jumps, suspect.mistake), prior)
         tried.append(Tried(suspect.mistake._replace(log_odds=moved.log_odds), tail_of(other, found)))
         best = moved if best is known or moved.log_odds > best.log_odds else best
@@ -139,7 +136,7 @@ def _weighed(known: Jumped, suspected: list[Suspect]) -> Jumped | None:
     return best._replace(rivals=tuple(one for one in others if one.mistake.log_odds > best.log_odds - _NAMED))
 
 
-def at_turns(problem: Problem, found: Weighed[Given], sure: Collection[int]) -> Iterator[Tried]:
+def at_turns(problem: Problem, found: Weighed, sure: Collection[int]) -> Iterator[Tried]:
     """Yield the jumps where an axis turned, unless backlash is 20 times as likely, and those over a plane.
 
     found : draws for the readings without any; sure : readings before which it is backlash

@@ -229,4 +229,4 @@ def with_feed(problem: Problem, circles: Iterable[AtFeed]) -> Problem:
 
 
 def _evidence(problem: Problem) -> float:
-    return sized(space_of(problem)).log_evidence
+    return sized(problem).log_evidence

@@ -170,7 +170,7 @@ class Sorted:
         kept = np.isin(self.problem.reading, [*left])
         z = np.array([each.z for each in left.values()])
         out = len(np.unique(self.problem.reading)) - len(left)
-        every = (self.problem, sized(space_of(self.problem))) if out >= SEVERAL else None
+        every = (self.problem, sized(self.problem)) if out >= SEVERAL else None
         others = ((axes, other.only(kept)) for axes, other in turned)
         frames = ((setup, other.only(kept)) for setup, other in framed)
         turns = self.jumps or at_turns(mine, found, self.sure)

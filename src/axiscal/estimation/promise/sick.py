@@ -61,7 +61,7 @@ _QUIET = math.log(0.1)
 """Of a stated noise, its logarithm: nobody states one ten times too large, and another unit is farther off."""
 
 
-def sick(problem: Problem, found: Weighed[Given], whole: Problem) -> Iterator[Tried]:
+def sick(problem: Problem, found: Weighed, whole: Problem) -> Iterator[Tried]:
     """Yield what is sick.  found : draws for the readings if nothing is; whole : with those that seem bad"""
     right, each = found.log_evidence, as_stated_or_not(problem, found.drawn.stated)
     for setup in np.unique(problem.setup).tolist():
@@ -81,7 +81,7 @@ class _Mounted:
     """A set-up among readings.  each : everything at some sizes; mine : (m,) its numbers; right : log p if not sick"""
 
     problem: Problem
-    found: Weighed[Given]
+    found: Weighed
     each: Sequence[Given]
     mine: NDArray[np.bool_]
     right: float
@@ -121,7 +121,7 @@ class _Mounted:
             for each in self._weighed(wrong, scale * problem.values, none):
                 rows, type_b = scale[:, None] * problem.rows, scale[:, None] * problem.type_b
                 quiet = replace(problem, values=scale * problem.values, rows=rows, type_b=type_b)
-                gain = math.log(PRIOR) + rest + sized(space_of(quiet)).log_evidence - self.right
+                gain = math.log(PRIOR) + rest + sized(quiet).log_evidence - self.right
                 odds = each.mistake.log_odds - float(np.logaddexp(0.0, gain))
                 yield each._replace(mistake=each.mistake._replace(log_odds=odds))
 
@@ -135,7 +135,7 @@ class _Mounted:
         if before + log_odds_of(self.each, np.array(gains)) < -math.log(NAMED):
             return
         other = replace(self.problem, values=values)
-        beside = sized(space_of(other.wider(free)))
+        beside = sized(other.wider(free))
         varied = np.unique(self.problem.groups[self.mine])
         louder = np.max(beside.weights @ beside.thetas[:, varied[varied >= 0]], initial=-np.inf)
         if wrong.mistake == "unit" and math.exp(2 * float(louder)) < wrong.factor:
@@ -247,7 +247,7 @@ def _multiples(values: NDArray[np.float64], step: float, off: float) -> bool:
     return bool(np.all(np.abs(values / step - np.round(values / step)) < off))
 
 
-def stuck(problem: Problem, found: Weighed[Given], repeated: Iterable[Repeats]) -> Iterator[Tried]:
+def stuck(problem: Problem, found: Weighed, repeated: Iterable[Repeats]) -> Iterator[Tried]:
     """Yield the readings that an instrument was stuck at, where sizes as stated and as learnt both say so."""
     for each in repeated:
         again = np.isin(problem.reading, each.readings)
