@@ -6,8 +6,8 @@ import numpy as np
 
 import axiscal_core as ac
 from axiscal.errors.gauge import unseen_factor
-from axiscal.errors.volume import even_poses, volume_moments, whole_travel
-from axiscal.estimation.accuracy.yardstick import Volume, Yardstick
+from axiscal.errors.volume import Volume, even_poses, whole_travel
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.machine import load_machine
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
@@ -64,6 +64,6 @@ def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint
     rows = seen.rows / np.sqrt(observation.variances(seen))[:, None]
     sample = even_poses(whole_travel(model), 4000)
     unseen = unseen_factor(belief.factor, rows)[: model.size]
-    yardstick = Yardstick(Volume(model, sample, volume_moments(model, sample)), model, unseen, unseen)
+    yardstick = Yardstick(Volume(model, sample), model, unseen, unseen)
     root = joint(model, model.size).root if joint else yardstick.root
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from axiscal.errors.volume import EVERY_WAY, Box, Counted, VolumeMoments, even_poses, volume_moments, whole_travel
+from axiscal.errors.volume import EVERY_WAY, Box, Counted, Volume, VolumeMoments, even_poses, whole_travel
 from axiscal_core.machine import Machine
 from tests.generators.machines import random_machine
 
@@ -39,7 +39,7 @@ def _brute(model: Machine, box: Box, points: int = 9, counted: Counted = EVERY_W
 def test_moments_agree_with_brute_quadrature(seed: int, counted: Counted) -> None:
     model = random_machine(seed, count=1 + seed % 2)
     box = tuple((0.7 * low + 0.3 * high, high) for low, high in whole_travel(model))
-    found, expected = volume_moments(model, even_poses(box, 20_000), None, counted), _brute(model, box, counted=counted)
+    found, expected = Volume(model, even_poses(box, 20_000), counted).moments, _brute(model, box, counted=counted)
     scale = np.sqrt(np.maximum(np.diagonal(expected.gram), 1e-6 * np.diagonal(expected.gram).max()))
     assert np.abs(found.gram - expected.gram).max() < 0.01 * (np.outer(scale, scale)).max()
     assert np.abs((found.gram - expected.gram) / np.outer(scale, scale)).max() < 0.02

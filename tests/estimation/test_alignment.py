@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.target import PartVolume
-from axiscal.errors.volume import Alignment, Counted, volume_moments, whole_travel
+from axiscal.errors.volume import Alignment, Counted, Volume, whole_travel
 from axiscal.machine import load_machine
 from axiscal_core.points import even_points
 from tests.generators.kinematics import in_travel, tip
@@ -31,7 +31,7 @@ def test_what_is_left_is_what_the_best_rigid_motion_of_each_machine_leaves(count
     low, high = np.array(whole_travel(model)).T
     poses = PART.poses(DMU, 150) if all(counted) else low + (high - low) * even_points(150, len(low))
     rng, alignment = np.random.default_rng(1), Alignment(model, poses, counted)
-    weight = volume_moments(model, poses, alignment, counted).gram
+    weight = Volume(model, poses, counted, alignment).moments.gram
     tips = np.array([tip(model, pose) for pose in poses])
     motions = [np.tile(way, (len(poses), 1)) for way in np.eye(3)] + [np.cross(way, tips) for way in np.eye(3)]
     columns = np.array([motion[:, counted].ravel() for motion in motions]).T

@@ -39,7 +39,7 @@ def yardstick_of(zeroed: tuple[bool, bool, bool], counted: Counted) -> Yardstick
     """Return the yardstick of the axes with other directions, and with something of every error unseen."""
     own, rng = CASE.yardstick, np.random.default_rng(3)
     unseen = 1e-6 * rng.standard_normal((CASE.errors.size, 2))
-    return replace(own, moments=replace(own.moments, counted=counted), zeroed=zeroed, unseen=unseen)
+    return replace(own, volume=replace(own.volume, counted=counted), zeroed=zeroed, unseen=unseen)
 
 
 def belief() -> Normal:

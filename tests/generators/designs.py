@@ -4,8 +4,8 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from axiscal.errors.volume import even_poses, volume_moments, whole_travel
-from axiscal.estimation.accuracy.yardstick import Volume, Yardstick
+from axiscal.errors.volume import Volume, even_poses, whole_travel
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Knowledge
 from axiscal.machine.axis import iso_axis
 from axiscal.measurement.candidates import spread
@@ -60,7 +60,7 @@ def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint:
     model = machine
     observation = Observation(model, setups)
     sample, nothing = even_poses(whole_travel(model), 2000), np.zeros((model.size, 0))
-    yardstick = Yardstick(Volume(model, sample, volume_moments(model, sample)), model, nothing, nothing)
+    yardstick = Yardstick(Volume(model, sample), model, nothing, nothing)
     root = joint(model, model.size).root if joint else yardstick.root
     belief = Normal(np.zeros(observation.size), observation.prior_covariance())
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))

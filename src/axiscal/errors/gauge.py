@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.errors.iso230 import words
-from axiscal.errors.volume import VolumeMoments, even_poses, volume_moments, whole_travel
+from axiscal.errors.volume import Volume, even_poses, whole_travel
 from axiscal.language.spoken import capital, joined, later, listed, put, said
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
@@ -171,17 +171,17 @@ def machine_check(machine: Machine) -> tuple[str, ...]:
 
 
 def hidden(
-    model: Machine, unseen: Array, moments: VolumeMoments | None = None, none: str = later("no allowed reading")
+    model: Machine, unseen: Array, volume: Volume | None = None, none: str = later("no allowed reading")
 ) -> tuple[Hidden, ...]:
     """Return what cannot be seen, in words: first what moves the tool point, the worst first, then what does not.
 
     unseen : (size, r) factor of the unseen covariance of the machine's own errors
-    moments : over the volume in which the tool point counts; the whole travel without
+    volume : in which the tool point counts; the whole travel without
     none : of which readings none shows what is unseen
     """
-    moments = moments or volume_moments(model, even_poses(whole_travel(model), 3 * _POSES))
-    shift = moments.mean[list(moments.counted)]
-    beyond = moments.gram - shift.T @ shift  # without the part that is one shift of the whole volume
+    volume = volume or Volume(model, even_poses(whole_travel(model), 3 * _POSES))
+    shift = volume.moments.mean[list(volume.counted)]
+    beyond = volume.moments.gram - shift.T @ shift  # without the part that is one shift of the whole volume
     before = float(np.sum(beyond * model.covariance()))
     acting, idle = _split(unseen, beyond, _IDLE**2 * before)
     missing = list[tuple[Aspect, float]]()

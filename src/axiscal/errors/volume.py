@@ -15,15 +15,20 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import Deviation, actual_deviation, composed, small_motions
-from axiscal.numerics import Array
+from axiscal.numerics import Array, even_subset
+from axiscal.numerics.remembered import remembered
 from axiscal_core import rigid
+from axiscal_core.criterion import root_of_gram
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
 _POSES, _BLOCK = 8000, 1000
 """At once, of deviations and of rows: of memory, not of the result."""
+_INNER_POINTS = 400
+"""Poses of a volume at which it is looked at."""
 _NO_MOTION = 1e-12
 """Share of the largest motion from which on one is none: of a part that is a point, or a line."""
 
@@ -61,13 +66,11 @@ class VolumeMoments:
     mean : (3, size) E[H], of every direction; gram : (size, size) E[HᵀPH]
     squares : (terms,) E|P h|², h what a unit of a term does to the TCP, no alignment taken off: what is as fine as a
         rest, a step or a twist is none of the part's rigid motion
-    counted : the directions that count
     """
 
     mean: Array
     gram: Array
     squares: Array
-    counted: Counted = EVERY_WAY
 
 
 def whole_travel(model: Machine) -> Box:
@@ -129,33 +132,6 @@ class Alignment:
         return deviations - motion @ moved
 
 
-def volume_moments(
-    errors: Machine, poses: Array, alignment: Alignment | None = None, counted: Counted = EVERY_WAY
-) -> VolumeMoments:
-    """Return the means over poses, from both directions evenly; what an alignment takes off is taken off.
-
-    poses : (m, q), spread evenly over the volume, those over which the part is aligned
-    """
-    mean, gram, squares = np.zeros((3, errors.size)), np.zeros((errors.size,) * 2), np.zeros(len(errors.terms))
-    ways, sides = list(counted), reversals_of(errors)
-    for at in range(0, len(poses), _BLOCK):
-        part = poses[at : at + _BLOCK]
-        levers = errors.levers(part).transpose(2, 0, 1)
-        middle, above = (errors.along(levers, part, np.full_like(part, side)) for side in (0.0, 1.0))
-        left = middle if alignment is None else middle - alignment.taken_off(part).swapaxes(0, 1)
-        rows = left[ways].reshape(-1, errors.size)
-        mean += left.sum(axis=1)
-        gram += rows.T @ rows
-        squares += np.sum(levers[ways] ** 2, axis=(0, 2))
-        for columns in sides:
-            own = (above[:, :, columns] - middle[:, :, columns])[ways].reshape(-1, len(columns))
-            gram[np.ix_(columns, columns)] += own.T @ own
-    if alignment is not None:
-        mean[:] = 0.0
-    count = len(poses)
-    return VolumeMoments(mean / count, gram / count, squares / count, counted)
-
-
 def reversals_of(model: Machine) -> list[list[int]]:
     """Return the columns of the reversals of each axis: the side of one axis says nothing of another's."""
     found = dict[int, list[int]]()
@@ -163,3 +139,82 @@ def reversals_of(model: Machine) -> list[list[int]]:
         if term.kind == "reversal":
             found.setdefault(term.axis, []).extend(range(term.columns.start, term.columns.stop))
     return [*found.values()]
+
+
+@dataclass(frozen=True, eq=False)
+class Volume:
+    """What of a volume does not depend on how large errors are.
+
+    sample : (m, q) poses spread evenly over it, over which the part is aligned; counted : the directions that count
+    alignment : what probing the part takes off; ends : (e, q) where it may be worst besides
+    """
+
+    errors: Machine
+    sample: Array
+    counted: Counted = EVERY_WAY
+    alignment: Alignment | None = None
+    ends: Array | None = None
+
+    @cached_property
+    def moments(self) -> VolumeMoments:
+        """The means over it, from both directions evenly; what an alignment takes off is taken off."""
+        errors, ways, sides = self.errors, list(self.counted), reversals_of(self.errors)
+        mean, gram, squares = np.zeros((3, errors.size)), np.zeros((errors.size,) * 2), np.zeros(len(errors.terms))
+        for at in range(0, len(self.sample), _BLOCK):
+            part = self.sample[at : at + _BLOCK]
+            levers = errors.levers(part).transpose(2, 0, 1)
+            middle, above = (errors.along(levers, part, np.full_like(part, side)) for side in (0.0, 1.0))
+            left = middle if self.alignment is None else middle - self.alignment.taken_off(part).swapaxes(0, 1)
+            rows = left[ways].reshape(-1, errors.size)
+            mean += left.sum(axis=1)
+            gram += rows.T @ rows
+            squares += np.sum(levers[ways] ** 2, axis=(0, 2))
+            for columns in sides:
+                own = (above[:, :, columns] - middle[:, :, columns])[ways].reshape(-1, len(columns))
+                gram[np.ix_(columns, columns)] += own.T @ own
+        if self.alignment is not None:
+            mean[:] = 0.0
+        count = len(self.sample)
+        return VolumeMoments(mean / count, gram / count, squares / count)
+
+    @remembered
+    def root(self, zeroed: Counted) -> Array:
+        """Return V (r, size), VᵀV = E[HᵀH], less E[H]ᵀE[H] in directions where a constant shift does not count."""
+        shifts = self.moments.mean[np.logical_and(zeroed, self.counted)]
+        return root_of_gram(self.moments.gram - shifts.T @ shifts)
+
+    @cached_property
+    def inside(self) -> Array:
+        """The poses at which it is looked at that are spread evenly: any of them stands for as much of it, (n, q)."""
+        whole = self.ends is not None  # a box, of which the first so many are as even as all
+        return self.sample[:_INNER_POINTS] if whole else self.sample[even_subset(self.sample, _INNER_POINTS)]
+
+    @cached_property
+    def places(self) -> Array:
+        """All of these poses, once each, (m, q)."""
+        return self.inside if self.ends is None else np.concatenate([self.ends, self.inside])
+
+    @cached_property
+    def poses(self) -> tuple[Array, Array]:
+        """The same and the sides from which their axes come, (m, q) each."""
+        poses = self.places
+        if not self.errors.reversing:
+            return poses, np.ones_like(poses)
+        return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
+
+    @cached_property
+    def evenly(self) -> NDArray[np.bool_]:
+        """Which of them are spread evenly: all but its ends, (m,)."""
+        places = np.arange(len(self.places)) >= len(self.places) - len(self.inside)
+        return np.tile(places, len(self.poses[0]) // len(places))
+
+    @cached_property
+    def rows(self) -> Array:
+        """H at each of them, (m, 3, size)."""
+        rows: Array = self.errors.rows_at(*self.poses)
+        return rows if self.alignment is None else rows - self.alignment.taken_off(self.poses[0])
+
+    @cached_property
+    def levers(self) -> Array:
+        """What a unit of each rest does there, (m, 3, terms)."""
+        return self.errors.levers(self.poses[0]).transpose(1, 2, 0)

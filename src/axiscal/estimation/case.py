@@ -13,8 +13,8 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import POSES
 from axiscal.description.usual import rescaled_machine
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
-from axiscal.errors.volume import Alignment, even_poses, volume_moments
-from axiscal.estimation.accuracy.yardstick import Volume, Yardstick
+from axiscal.errors.volume import Alignment, Volume, even_poses
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.causes import contributions
 from axiscal.estimation.promise.problem import Inherited
@@ -276,8 +276,7 @@ class Case:
         aligned = target.aligned or len(machine.axes) == 1
         alignment = Alignment(self.errors, sample, target.counted) if aligned else None
         ends = corners(target.volume) if alignment is None and part is None else None
-        moments = volume_moments(self.errors, sample, alignment, target.counted)
-        return Volume(self.errors, sample, moments, alignment, ends)
+        return Volume(self.errors, sample, target.counted, alignment, ends)
 
     @cached_property
     def about_volume(self) -> Array:

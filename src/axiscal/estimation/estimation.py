@@ -128,7 +128,7 @@ class Estimation:
         grid = map_grid(description.machine, description.setups, self.readings)
         found = self.posterior
         rests = rest_means(errors, {} if found is None else found.cells)
-        place = description.target.volume, grid, rests, volume.sample, volume.alignment, volume.moments.counted
+        place = description.target.volume, grid, rests, volume.sample, volume.alignment, volume.counted
         used = [each for index, each in enumerate(self.readings) if index not in self.left_out]
         mounted = [(description.setup(each.setup), each.pose) for each in used]
         mounted += [(setup, setup.start) for setup, _ in mounted if setup.start is not None]

@@ -36,7 +36,7 @@ def hidden_of(case: Case) -> tuple[Hidden, ...]:
     """Return the errors that the allowed readings cannot see, in words."""
     tool = tool_doubt(case.observation, case.yardstick, case.prior.factor, case.allowed_rows()[0])
     whole = seen_as_one(case.yardstick)
-    return (*tool, *whole, *hidden(case.errors, case.yardstick.unseen, case.yardstick.volume.moments))
+    return (*tool, *whole, *hidden(case.errors, case.yardstick.unseen, case.yardstick.volume))
 
 
 def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:

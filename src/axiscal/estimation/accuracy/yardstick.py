@@ -17,13 +17,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.volume import Alignment, Counted, VolumeMoments
-from axiscal.numerics import Array, even_subset
-from axiscal_core.criterion import root_of_gram
+from axiscal.errors.volume import Counted, Volume
+from axiscal.numerics import Array
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
-
-_INNER_POINTS = 400
 
 
 class Accuracy(NamedTuple):
@@ -53,57 +50,6 @@ def _squared(parts: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Volume:
-    """What of a volume does not depend on how large errors are.
-
-    sample : (m, q) poses spread evenly over it; moments : over these; ends : (e, q) where it may be worst besides
-    alignment : what probing the part takes off
-    """
-
-    errors: Machine
-    sample: Array
-    moments: VolumeMoments
-    alignment: Alignment | None = None
-    ends: Array | None = None
-
-    @cached_property
-    def inside(self) -> Array:
-        """The poses at which it is looked at that are spread evenly: any of them stands for as much of it, (n, q)."""
-        whole = self.ends is not None  # a box, of which the first so many are as even as all
-        return self.sample[:_INNER_POINTS] if whole else self.sample[even_subset(self.sample, _INNER_POINTS)]
-
-    @cached_property
-    def places(self) -> Array:
-        """All of these poses, once each, (m, q)."""
-        return self.inside if self.ends is None else np.concatenate([self.ends, self.inside])
-
-    @cached_property
-    def poses(self) -> tuple[Array, Array]:
-        """The same and the sides from which their axes come, (m, q) each."""
-        poses = self.places
-        if not self.errors.reversing:
-            return poses, np.ones_like(poses)
-        return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
-
-    @cached_property
-    def evenly(self) -> NDArray[np.bool_]:
-        """Which of them are spread evenly: all but its ends, (m,)."""
-        places = np.arange(len(self.places)) >= len(self.places) - len(self.inside)
-        return np.tile(places, len(self.poses[0]) // len(places))
-
-    @cached_property
-    def rows(self) -> Array:
-        """H at each of them, (m, 3, size)."""
-        rows: Array = self.errors.rows_at(*self.poses)
-        return rows if self.alignment is None else rows - self.alignment.taken_off(self.poses[0])
-
-    @cached_property
-    def levers(self) -> Array:
-        """What a unit of each rest does there, (m, 3, terms)."""
-        return self.errors.levers(self.poses[0]).transpose(1, 2, 0)
-
-
-@dataclass(frozen=True, eq=False)
 class Yardstick:
     """Measures a belief against the working volume.
 
@@ -121,7 +67,7 @@ class Yardstick:
     @property
     def counted(self) -> Counted:
         """Directions x, y, z of the workpiece frame along which deviations count: of a printer's bed the height."""
-        return self.volume.moments.counted
+        return self.volume.counted
 
     @cached_property
     def _counts(self) -> Array:
@@ -133,11 +79,10 @@ class Yardstick:
         """E[H] in the directions in which the constant shift is not counted, else zero, (3, size)."""
         return np.asarray(self.volume.moments.mean * np.array(self.zeroed, dtype=float)[:, None])
 
-    @cached_property
+    @property
     def root(self) -> Array:
         """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
-        counted = self._counts * self._shift
-        return root_of_gram(self.volume.moments.gram - counted.T @ counted)
+        return self.volume.root(self.zeroed)
 
     def total(self, factor: Array) -> float:
         """Return J = tr(V C Vᵀ) of C = F Fᵀ, m².  factor : F (n, r) or a vector (n,)"""
