@@ -73,9 +73,8 @@ class Knowledge:
         opened, before = self.state(NO_GOAL).opened(numbers), self.belief
         mean = np.pad(before.mean, (0, len(opened.root) - before.size))
         belief = Normal.of_factor(mean, opened.root, before.degrees)
-        return Knowledge(
-            self.observation, belief.read(opened.wide(numbers), values, numbers.noise**2), opened.cells.tolist()
-        )
+        cells = [(rest, cell) for rest, cell in opened.cells.tolist()]
+        return Knowledge(self.observation, belief.read(opened.wide(numbers), values, numbers.noise**2), cells)
 
 
 @dataclass(frozen=True, eq=False)

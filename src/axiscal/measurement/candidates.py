@@ -123,23 +123,7 @@ Chosen = tuple[Array, Array]
 def chart_candidates(machine: Machine, setup: Setup, chart: Chart, count: int) -> tuple[Array, Array]:
     """Return poses and approaches (m, q) of about so many candidates; fewer where fewer can be taken."""
     places, sides = chart_places(machine, setup, chart, count)
-    return chart.poses(places), arrivals_of(machine, setup, chart, places, sides)
-
-
-def arrivals_of(machine: Machine, setup: Setup, chart: Chart, places: Array, sides: Array) -> Array:
-    """Return from where each axis comes to places of a set-up.
-
-    Linear axes come from where they follow, from none where both sides are evened.
-    """
-    overruns = np.array([axis.overrun for axis in machine.axes])
-    return turned_to(machine, setup, arrivals(chart, overruns, places, sides))
-
-
-def turned_to(machine: Machine, setup: Setup, approaches: Array) -> Array:
-    """Return approaches (m, q) of what a set-up's coordinates decide: none of linear axes that do not follow them."""
-    if not setup.mean_sides:
-        return approaches
-    return np.where([axis.rotary for axis in machine.axes], approaches, 0.0)
+    return chart.poses(places), setup.coming(arrivals(chart, places, sides))
 
 
 def chart_places(machine: Machine, setup: Setup, chart: Chart, count: int) -> Chosen:

@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,25 +44,15 @@ def levers_of(errors: Machine, seen: Slopes, poses: Array) -> Array:
     return result
 
 
-class Owned(NamedTuple):
-    """The unknowns beside the machine's errors.
-
-    unknowns : each of them once, in the order in which set-ups name them; columns : per set-up, where its own stand
-    """
-
-    unknowns: tuple[Unknown, ...]
-    columns: tuple[NDArray[np.intp], ...]
-
-
-def owned(setups: Sequence[Setup]) -> Owned:
-    """Return the unknowns of all set-ups, shared ones once."""
+def owned(setups: Sequence[Setup]) -> tuple[tuple[Unknown, ...], tuple[NDArray[np.intp], ...]]:
+    """Return the unknowns of all set-ups, shared ones once, as set-ups name them; and where those of each stand."""
     found, columns = dict[tuple[str, str], tuple[int, Unknown]](), list[NDArray[np.intp]]()
     for number, setup in enumerate(setups):
         keys = [(unknown.owner or f"set-up {number}", unknown.name) for unknown in setup.unknowns]
         for key, unknown in zip(keys, setup.unknowns, strict=True):
             found.setdefault(key, (len(found), unknown))
         columns.append(np.array([found[key][0] for key in keys], dtype=np.intp))
-    return Owned(tuple(unknown for _, unknown in found.values()), tuple(columns))
+    return tuple(unknown for _, unknown in found.values()), tuple(columns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,14 +95,14 @@ class Observation:
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
         """The unknowns of all set-ups, those that several share once, in the order of their columns."""
-        return self._owned.unknowns
+        return self._owned[0]
 
     def unknowns_of(self, setup: int) -> NDArray[np.intp]:
         """Return the columns of one set-up's unknowns, in its order."""
-        return self.errors.size + self._owned.columns[setup]
+        return self.errors.size + self._owned[1][setup]
 
     @cached_property
-    def _owned(self) -> Owned:
+    def _owned(self) -> tuple[tuple[Unknown, ...], tuple[NDArray[np.intp], ...]]:
         return owned(self.setups)
 
     @cached_property

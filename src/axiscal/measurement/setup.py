@@ -16,12 +16,13 @@ import numpy as np
 
 from axiscal.machine.motion import USUAL, Driving
 from axiscal_core.axes import Axis
-from axiscal_core.instrument import TOOL, Approach, At, Slopes, Unknowns, numbers, own_slopes, slopes
+from axiscal_core.instrument import Approach, At, Slopes, Unknowns, numbers, own_slopes, slopes
 from axiscal_core.machine import Machine
 
 if TYPE_CHECKING:
     from axiscal.measurement.artefact import Artefact
     from axiscal.measurement.charts.room import Chart
+    from axiscal.measurement.type_b import TypeB
 
 from axiscal.machine.kinematics import Deviation
 from axiscal.numerics import Array
@@ -77,7 +78,18 @@ CARRIED = 1e-4
 """m, std along each of `TOOL` where nothing is said (an assumption)."""
 TRUED = 5e-6
 """m: what is set in the spindle to be read is made to run true with a dial (an assumption)."""
-TOOL_READS: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(TOOL, "length"))
+SQUARE = ("square_x", "square_y", "square_z")
+"""By how much the square is turned that a leg belongs to."""
+
+
+def reads_as(unknown: str) -> Reads:
+    """Return whether an unknown is a length, or a turn or strain."""
+    return "angle" if unknown in ("slope", "growth", "scale") or unknown.startswith(("turn_", "square_")) else "length"
+
+
+def known(*unknowns: str) -> Mapping[str, Reads]:
+    """Return what each of some unknowns is."""
+    return MappingProxyType({name: reads_as(name) for name in unknowns})
 
 
 class Usual(NamedTuple):
@@ -114,7 +126,7 @@ class Setup:
     site : what says where it reads; all_round : it touches a ball from all sides
     light, against_length : whether it compares positions with the wavelength; with a length that is known
     display : whether a person reads a display that follows the tool, so that a jog shows on it
-    written : it is none of ours; alike : whether all its numbers are equally noisy
+    written : it is none of ours; alike : whether all its numbers are equally noisy; type_b : causes it has
 
     Of each set-up:
     machine : on which it stands
@@ -146,7 +158,6 @@ class Setup:
     chart : where it can be read, where that is not any pose of the axes that move
     artefact, balls : what it reads, and which of its balls
     contact : how it goes from place to place; retract : how far off, m
-    mean_sides : it reads the mean of coming from both sides along the linear axes, so that their reversal is zero
     length : of a ball bar, m; stroke : by how much what it reads may differ from nominal, m
     driving : how programs go from place to place
     curved : unknowns in which it is not linear, so that readings are linearised where these have been found
@@ -166,6 +177,7 @@ class Setup:
     display: ClassVar[bool] = False
     written: ClassVar[bool] = False
     alike: ClassVar[bool] = True
+    type_b: ClassVar[tuple[TypeB, ...]] = ()
 
     name: str
     machine: Machine = field(compare=False, repr=False)
@@ -199,7 +211,6 @@ class Setup:
     balls: tuple[int, ...] = ()
     contact: Contact = "free"
     retract: float = 0.0
-    mean_sides: bool = False
     length: float | None = None
     stroke: float | None = None
     driving: Driving = USUAL
@@ -310,6 +321,15 @@ class Setup:
         if self.chart is None or len(self.chart.coordinates) == len(self.moves):
             return self.moves
         return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
+
+    @property
+    def mean_sides(self) -> bool:
+        """Whether it reads the mean of coming from both sides along the linear axes, so that their reversal is zero."""
+        return self.all_round and self.chart is not None
+
+    def coming(self, approaches: Array) -> Array:
+        """Return approaches (m, q) as its coordinates decide them: none of linear axes where sides are evened."""
+        return np.where([axis.rotary for axis in self.machine.axes], approaches, 0.0) if self.mean_sides else approaches
 
     @property
     def title(self) -> str:

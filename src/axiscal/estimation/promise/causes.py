@@ -16,7 +16,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import places_of, times_of
 from axiscal.measurement.travel import feet_of
-from axiscal.measurement.type_b import Read, TypeB, rows_of
+from axiscal.measurement.type_b import Read, TypeB
 from axiscal.numerics import Array
 from axiscal_core.causes import WAY, WAYS, OfOneSetup, absent, drift
 from axiscal_core.eigen import of_rank
@@ -189,7 +189,7 @@ def contributions(
         shown = np.zeros(ways.shape[:2]) if values is None else np.array([values[i] for i in mine], dtype=float).T
         read = Read(setup, at, ways, shown)
         owners = {"set-up": setup.name, "instrument": setup.instrument, "machine": ""}
-        for row in rows_of(type(setup)):
+        for row in setup.type_b:
             stated, key = row.name in dict(setup.stated), (row.name, owners[row.shared])
             if not row.met(setup) or not (usual or stated):
                 continue

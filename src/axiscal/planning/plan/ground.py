@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.candidates import arrivals_of, breaks_along, chart_sides, raster_positions, turned_to
-from axiscal.measurement.charts.room import Chart, has_room
+from axiscal.measurement.candidates import breaks_along, chart_sides, raster_positions
+from axiscal.measurement.charts.room import Chart, arrivals, has_room
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
@@ -102,16 +102,15 @@ class _OnChart(Ground):
 
     def as_places(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
         places = self.chart.places(poses)
-        come = turned_to(self.observation.machine, self.observation.setups[self.setup], approaches)
-        found = sides_of(self.chart, places, come)
+        found = sides_of(self.chart, places, self.observation.setups[self.setup].coming(approaches))
         return places, np.where(found == 0, 1.0, found)
 
     def approachable(self, places: Array, sides: Array) -> NDArray[np.bool_]:
         return has_room(self.chart, places, sides)
 
     def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
-        mounted = self.observation.setups[self.setup]
-        return self.chart.poses(places), arrivals_of(self.observation.machine, mounted, self.chart, places, sides)
+        coming = self.observation.setups[self.setup].coming(arrivals(self.chart, places, sides))
+        return self.chart.poses(places), coming
 
     def looks(self, number: int) -> Array:
         end = self.chart.coordinates[number]
