@@ -298,7 +298,7 @@ class Case:
         """Whether the moving axes with a reversal to show came from sides that the set-up allows."""
         setup = self.description.setup(reading.setup)
         sides = (1, -1) if setup.name in self.both else setup.sides
-        sided, reversing = setup.sided(self.errors.axes), self.errors.reversing
+        sided, reversing = setup.sided, self.errors.reversing
         return all(reading.approach[k] in sides for k in sided if k in reversing)
 
     @cached_property

@@ -89,26 +89,21 @@ def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]
     moves = list(setup.moves)
     unit = even_points(count, 2 * len(moves))
     poses = np.tile(np.array(setup.park), (count, 1))
-    low, high = np.array([setup.span(machine.axes[k], k) for k in moves]).reshape(-1, 2).T
+    low, high = np.array([each[:2] for each in setup.coordinates]).reshape(-1, 2).T
     span = high - low
     poses[:, moves] = low + span * unit[:, : len(moves)] if len(moves) > 1 else low + span * even_points(count, 1)
     approaches = np.zeros_like(poses)
     approaches[:, moves] = np.where(unit[:, len(moves) :] > 0.5, setup.sides[0], setup.sides[-1])
-    return snapped(machine, setup, poses), approaches
+    return snapped(setup, poses), approaches
 
 
-def snapped(machine: Machine, setup: Setup, poses: Array) -> Array:
+def snapped(setup: Setup, poses: Array) -> Array:
     """Return poses (m, q) moved to the nearest multiples of the set-up's raster that lie in the travel."""
     result = poses.copy()
-    for k in (k for k in setup.moves if setup.raster[k] > 0):
-        multiples = raster_positions(machine, setup, k)
-        result[:, k] = np.clip(np.round(poses[:, k] / setup.raster[k]) * setup.raster[k], multiples[0], multiples[-1])
+    for k, end in zip(setup.moves, setup.coordinates, strict=True):
+        if end.step > 0:
+            result[:, k] = np.clip(np.round(poses[:, k] / end.step) * end.step, *end.values[[0, -1]])
     return result
-
-
-def raster_positions(machine: Machine, setup: Setup, axis: int) -> Array:
-    """Return the multiples of the raster in the travel of an axis, (p,) m or rad."""
-    return Coordinate(*setup.span(machine.axes[axis], axis), setup.raster[axis]).values
 
 
 def corners(box: Box) -> Array:

@@ -10,11 +10,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 
 from axiscal.machine.motion import USUAL, Driving
+from axiscal.measurement.charts.room import Coordinate
 from axiscal_core.axes import Axis
 from axiscal_core.instrument import Approach, At, Slopes, Unknowns, numbers, own_slopes, slopes
 from axiscal_core.machine import Machine
@@ -22,7 +23,6 @@ from axiscal_core.machine import Machine
 if TYPE_CHECKING:
     from axiscal.measurement.artefact import Artefact
     from axiscal.measurement.charts.room import Chart
-    from axiscal.measurement.type_b import TypeB
 
 from axiscal.machine.kinematics import Deviation
 from axiscal.numerics import Array
@@ -126,7 +126,7 @@ class Setup:
     site : what says where it reads; all_round : it touches a ball from all sides
     light, against_length : whether it compares positions with the wavelength; with a length that is known
     display : whether a person reads a display that follows the tool, so that a jog shows on it
-    written : it is none of ours; alike : whether all its numbers are equally noisy; type_b : causes it has
+    written : it is none of ours; alike : whether all its numbers are equally noisy; type_b : `TypeB` of it
 
     Of each set-up:
     machine : on which it stands
@@ -177,7 +177,7 @@ class Setup:
     display: ClassVar[bool] = False
     written: ClassVar[bool] = False
     alike: ClassVar[bool] = True
-    type_b: ClassVar[tuple[TypeB, ...]] = ()
+    type_b: ClassVar[tuple[Any, ...]] = ()
 
     name: str
     machine: Machine = field(compare=False, repr=False)
@@ -313,14 +313,20 @@ class Setup:
         tip, artefact = at.tip(u) + self.grown(at) if self.growth else at.tip(u), self.artefact
         return tip if artefact is None else tip - artefact.displacements(u, artefact.nearest(at.tcp, self.balls))
 
-    def sided(self, axes: Sequence[Axis]) -> tuple[int, ...]:
-        """Return the axes that are approached from a side of their own: on a chart the linear ones follow.
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """What its places differ in: the coordinates of its chart, or the axes that move."""
+        if self.chart is not None:
+            return self.chart.coordinates
+        axes = [(self.machine.axes[k], k) for k in self.moves]
+        return tuple(Coordinate(*self.span(axis, k), self.raster[k], axis.overrun) for axis, k in axes)
 
-        axes : of the machine
-        """
-        if self.chart is None or len(self.chart.coordinates) == len(self.moves):
+    @property
+    def sided(self) -> tuple[int, ...]:
+        """The axes that are approached from a side of their own: on a chart the linear ones follow."""
+        if len(self.coordinates) == len(self.moves):
             return self.moves
-        return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
+        return tuple(k for k in self.moves if self.machine.axes[k].rotary and self.length is None)
 
     @property
     def mean_sides(self) -> bool:
