@@ -121,7 +121,7 @@ class Observation:
         for index, mine in places.by_setup():
             setup, poses, approaches = self.setups[index], places.poses[mine], places.approaches[mine]
             at, to = setup.places(poses, approaches), first[mine][:, None] + np.arange(self.counts[index])
-            levers = self._levers(index, at)
+            levers = self.levers(index, at)
             rows[to, : self.errors.size] = self._error_rows(index, levers, poses, approaches).swapaxes(0, 1)
             rows[to[:, :, None], self.unknowns_of(index)] = setup.own_slopes(at)
             noise[to] = np.sqrt(setup.noise**2 + self._unknown_sides(setup, levers, poses, approaches)).T
@@ -137,11 +137,12 @@ class Observation:
 
     def _error_rows(self, index: int, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return the rows of the errors, (k, m, errors)."""
-        standing = feet_of(self.setups[index], poses)
+        setup = self.setups[index]
+        standing = feet_of(setup, poses)
         if len(standing) == 1:
             return self.errors.along(levers, poses, approaches)
-        each = (weight * self.errors.along(self.levers(index, at), at, approaches) for at, weight in standing)
-        return np.asarray(sum(each))
+        felt = ((weight, self.levers(index, setup.places(at)), at) for at, weight in standing)
+        return np.asarray(sum(weight * self.errors.along(each, at, approaches) for weight, each, at in felt))
 
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return what it adds to the variances that nobody said from which side a moving axis came, (k, m) m² or rad².
@@ -211,15 +212,12 @@ class Observation:
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""
         at = self.setups[setup].places(poses, approaches)
-        rows = self._error_rows(setup, self._levers(setup, at), poses, approaches)
+        rows = self._error_rows(setup, self.levers(setup, at), poses, approaches)
         own: Array = self.setups[setup].own_slopes(at) @ point[self.unknowns_of(setup)]
         return own + (rows @ point[: self.errors.size]).T
 
-    def levers(self, setup: int, poses: Array) -> Array:
+    def levers(self, setup: int, at: At) -> Array:
         """Return what a unit of each error adds to each number of readings, sides apart, (numbers, terms, m)."""
-        return self._levers(setup, self.setups[setup].places(poses))
-
-    def _levers(self, setup: int, at: At) -> Array:
         mounted = self.setups[setup]
         levers = levers_of(self.errors, mounted.slopes(at), at.poses)
         if mounted.base is not None:  # what stands on a way sees no other axis, and no carriage

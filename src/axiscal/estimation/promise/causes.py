@@ -104,7 +104,7 @@ def growing(observation: Observation, index: int, poses: Array) -> list[Array]:
         term = next((i for i, t in enumerate(observation.errors.terms) if t.name == axis.positioning_error), None)
         if term is None or axis.rotary:
             continue
-        levers = observation.levers(index, poses) if levers is None else levers
+        levers = observation.levers(index, observation.setups[index].places(poses)) if levers is None else levers
         away = ((at[:, k] - np.mean(axis.travel), weight) for at, weight in feet_of(observation.setups[index], poses))
         along = sum(weight * far for far, weight in away) / axis.length
         found.append(np.array([lever[term] * along for lever in levers]))
@@ -151,7 +151,7 @@ def turning(observation: Observation, index: int, poses: Array, approaches: Arra
     ]
     if not terms:
         return []
-    levers = observation.levers(index, poses)
+    levers = observation.levers(index, setup.places(poses))
     for number, term in terms:
         sides, size = approaches[:, term.axis], 0.5 * float(np.sqrt(term.covariance[0, 0]))
         effects = size * sides * levers[:, number]

@@ -175,15 +175,10 @@ def _free(task: Task, places: Places) -> _Free:
 
 def _coordinates(task: Task, reading: int, number: int) -> Iterator[tuple[int, int, float, float, Chart | None]]:
     """Yield the coordinates of a reading that are on no raster, with their ends, and the chart that they are of."""
-    setup, axes = task.observation.setups[number], task.observation.machine.axes
-    if setup.chart is None:
-        for k in setup.moves:
-            if setup.raster[k] == 0:
-                yield reading, k, *setup.span(axes[k], k), None
-        return
-    for k, (low, high, step, *_) in enumerate(setup.chart.coordinates):
+    setup = task.observation.setups[number]
+    for k, (low, high, step, *_) in enumerate(setup.coordinates):
         if step == 0:
-            yield reading, k, low, high, setup.chart
+            yield reading, k if setup.chart else setup.moves[k], low, high, setup.chart
 
 
 def _value(task: Task, places: Places, free: _Free, beside: _Beside) -> tuple[float, Array]:
