@@ -109,13 +109,13 @@ class Case:
             wandering=[each.name for each in described.setups if each.drift > 0],
         )
 
-    def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:
+    def seconds_of(self, before: Place | None, place: Place) -> float:
         """Return the time of a reading after another one; of the first of a set-up with mounting it."""
         return float(self.seconds_along(before, [place])[0])
 
-    def seconds_along(self, before: Place | Reading | None, places: Sequence[Place | Reading]) -> Array:
+    def seconds_along(self, before: Place | None, places: Sequence[Place]) -> Array:
         """Return the time of each reading after the one before it, (m,) s: all ways of a set-up at once."""
-        ways: dict[str, list[tuple[int, Place | Reading, Place | Reading]]] = {}
+        ways: dict[str, list[tuple[int, Place, Place]]] = {}
         seconds = np.zeros(len(places))
         for index, (last, place) in enumerate(zip((before, *places), places, strict=False)):
             if last is None or last.setup != place.setup:
@@ -365,7 +365,7 @@ def timed(case: Case, readings: Sequence[Reading]) -> Timed:
     return Timed(tuple(r if r.time is not None else replace(r, time=now) for r, now in pairs), ends)
 
 
-def ends_along(case: Case, places: Sequence[Place | Reading]) -> tuple[float, ...]:
+def ends_along(case: Case, places: Sequence[Place]) -> tuple[float, ...]:
     """Return the seconds of machine time after each of them, from the beginning of a campaign."""
     return tuple(accumulate(case.seconds_along(None, places).tolist()))
 
