@@ -19,10 +19,7 @@ from axiscal.measurement.travel import SHORTEST
 from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
 from axiscal_core.machine import Machine
-from axiscal_core.points import even_points
-
-_COINCIDE = 1e-12
-"""Knots so close together, in lengths of travel, are one: they differ by rounding."""
+from axiscal_core.points import distinct_between, even_points
 
 
 @remembered
@@ -31,16 +28,12 @@ def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
 
     An instrument on feet meets them at each foot, which is aside of its position.
     """
-    knots = observation.errors.knots_along(axis)
     mounted = observation.setups[setup]
     low, high = mounted.span(observation.machine.axes[axis], axis)
     stepped = mounted.base is not None and axis in mounted.moves
     half = max(mounted.base or 0.0, SHORTEST) / 2 if stepped else 0.0
-    everywhere = np.unique(np.concatenate([np.zeros(0), *knots])[:, None] - np.array([half, -half]))
-    shortest = _COINCIDE * (high - low)
-    inside = everywhere[(everywhere > low + shortest) & (everywhere < high - shortest)]
-    apart = np.diff(inside, prepend=low) > shortest
-    return np.concatenate([[low], inside[apart], [high]])
+    knots = np.concatenate([np.zeros(0), *observation.errors.knots_along(axis)])
+    return distinct_between(np.concatenate([[low, high], knots - half, knots + half]), low, high)
 
 
 MOST_TRIED = 20_000
