@@ -15,7 +15,6 @@ from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator, VirtualMachine
-from axiscal.measurement.type_b import rows_of
 from axiscal.numerics import Array
 from axiscal_core.instrument import TOOL
 from axiscal_core.machine import Machine
@@ -270,7 +269,7 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
 def _perfect(setup: Setup) -> tuple[tuple[str, float], ...]:
     """Return sizes of nothing for what no reading shows."""
     kept = "temperature", "expansion"
-    return tuple({row.name: 0.0 for row in rows_of(type(setup)) if row.name not in kept}.items())
+    return tuple({row.name: 0.0 for row in setup.type_b if row.name not in kept}.items())
 
 
 def _with_tool(attack: Attack, offsets: Offsets) -> Offsets:

@@ -23,3 +23,10 @@ def even_points(count: int, dimensions: int) -> Array:
         ratio = (1.0 + ratio) ** (1.0 / (dimensions + 1))
     steps = ratio ** -np.arange(1.0, dimensions + 1)
     return (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
+
+
+def distinct_between(values: Array, low: float, high: float) -> Array:
+    """Return values from low to high, ascending, those that differ by rounding once."""
+    every = np.unique(values)
+    inside = every[(every >= low) & (every <= high)]
+    return np.asarray(inside[np.append(True, np.diff(inside) > 1e-9 * (high - low))])

@@ -30,6 +30,7 @@ from axiscal_core.gains import own_numbers
 from axiscal_core.instrument import Instrument
 from axiscal_core.model import Model
 from axiscal_core.places import Places, Readings
+from axiscal_core.points import distinct_between
 from axiscal_core.refusals import Array
 from axiscal_core.roots import Forms, largest, node_count
 from axiscal_core.state import State
@@ -223,7 +224,7 @@ def _peaks(gains: Array) -> NDArray[np.intp]:
 def _knots(case: Model, k: int) -> Array:
     """Return the knots of all curves along an axis, (b,) within its travel."""
     low, high = case.machine.axes[k].travel
-    return _within(np.concatenate([[low, high], *case.machine.knots_along(k)]), low, high)
+    return distinct_between(np.concatenate([[low, high], *case.machine.knots_along(k)]), low, high)
 
 
 def _parted(knots: Array, parts: int) -> Array:
@@ -238,11 +239,4 @@ def _breaks(case: Model, k: int) -> Array:
     for side in (side for term in case.machine.terms if term.rest for side in term.sides if side.axis == k):
         first, last = side.spline.knots[[0, -1]]
         parts.append(np.linspace(first, last, CELLS * (len(side.spline.knots) - 1) + 1) - ASIDE)
-    return _within(np.concatenate(parts), *case.machine.axes[k].travel)
-
-
-def _within(values: Array, low: float, high: float) -> Array:
-    """Return values in a travel, ascending, those that differ by rounding once."""
-    every = np.unique(values)
-    inside = every[(every >= low) & (every <= high)]
-    return np.asarray(inside[np.append(True, np.diff(inside) > 1e-9 * (high - low))])
+    return distinct_between(np.concatenate(parts), *case.machine.axes[k].travel)

@@ -115,11 +115,6 @@ class Side(NamedTuple):
         cells: NDArray[np.int64] = np.clip(along, 0, self.cell_count - 1).astype(np.int64)
         return cells
 
-    def edges(self, cell: int) -> Array:
-        """Return the ends of a cell, (2,)."""
-        ends: Array = self.spline.knots[0] + self.cell * np.array([cell, cell + 1]) - ASIDE
-        return ends
-
     def correlation(self, stretch: float) -> Array:
         """Return P R P at the stated length times a factor, (n, n)."""
         length = None if self.error.length is None else self.error.length * stretch
@@ -219,11 +214,6 @@ class Term:
         for side, more in zip(self.sides[1:], others, strict=True):
             found = found * side.cell_count + more
         return found
-
-    def edges(self, cell: int, axis: int) -> list[Array]:
-        """Return the ends of a cell along an axis; none along one that it does not depend on."""
-        numbers = np.unravel_index(cell, [side.cell_count for side in self.sides])
-        return [side.edges(int(at)) for side, at in zip(self.sides, numbers, strict=True) if side.axis == axis]
 
     def gram(self) -> Array:
         """Return the integral of rows rowsᵀ over its axes in closed form, G_x ⊗ G_y of two: (c, c)."""

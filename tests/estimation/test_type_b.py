@@ -14,7 +14,7 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import places_of
-from axiscal.measurement.type_b import TypeB, rows_of
+from axiscal.measurement.type_b import TypeB
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from tests.generators.texts import machine_text, setup_text
@@ -62,7 +62,7 @@ def _shown(row: TypeB) -> str:
     unit = row.unit if row.unit != "mm/m" else "%"
     size = 100 * row.size if unit == "%" else float(to_unit(row.size, unit))
     longer = f" + {row.longer * 1e6:g} um/m" if row.longer else ""
-    instruments = sorted(name for name, kind in INSTRUMENTS.items() if _told(row) in map(_told, rows_of(kind)))
+    instruments = sorted(name for name, kind in INSTRUMENTS.items() if _told(row) in map(_told, kind.type_b))
     named = "any length" if len(instruments) == 6 else ", ".join(instruments)
     least = f", at least {row.least * 1e6:g} um" if row.least else ""
     default = f"{size:.3g} {unit}{longer}{least}"
@@ -73,13 +73,13 @@ def _told(row: TypeB) -> tuple[str, float, str]:
     return row.name, row.size, row.source
 
 
-@pytest.mark.parametrize("row", [row for kind in INSTRUMENTS.values() for row in rows_of(kind)], ids=_told)
+@pytest.mark.parametrize("row", [row for kind in INSTRUMENTS.values() for row in kind.type_b], ids=_told)
 def test_the_page_has_every_row_with_its_source(row: TypeB) -> None:
     page = (Path(__file__).parents[2] / "docs" / "promise.md").read_text(encoding="utf-8")
     assert _shown(row) in page
     assert len(row.source) > 5
     assert row.size > 0
-    assert all(rows_of(kind) for kind in INSTRUMENTS.values())  # none of them is perfect
+    assert all(kind.type_b for kind in INSTRUMENTS.values())  # none of them is perfect
 
 
 def test_columns_of_a_laser_are_strains_of_the_way_from_the_middle_of_what_it_read() -> None:

@@ -38,7 +38,12 @@ def _after_one(before: Twin, reading: Reading, counts: bool) -> Twin:
     belief = belief.read(rows, values, numbers.noise**2) if counts else belief
     if reading.setup not in case.both and not case.came_as_allowed(reading):
         case = replace(case, both=case.both | {reading.setup})
-    return Twin(case, Knowledge(known.observation, belief, opened.cells.tolist()), float(away[0]), float(std[0]))
+    return Twin(
+        case,
+        Knowledge(known.observation, belief, [(rest, cell) for rest, cell in opened.cells.tolist()]),
+        float(away[0]),
+        float(std[0]),
+    )
 
 
 def test_the_history_is_what_was_known_after_each_reading(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -85,7 +85,7 @@ def test_linear_axes_come_from_where_they_really_come_when_a_rotary_axis_comes_f
     chart, overruns = held(), np.array([axis.overrun for axis in DMU.axes])
     rng = np.random.default_rng(4)
     places, sides = rng.uniform([1, 0], [5, 1], (100, 2)), rng.choice([-1.0, 1.0], (100, 2))
-    come = arrivals(chart, overruns, places, sides)
+    come = arrivals(chart, places, sides)
     np.testing.assert_array_equal(come[:, :2], sides)
     for place, side, said in zip(places, sides, come, strict=True):
         before = chart.poses((place - side * overruns[:2])[None])[0]

@@ -7,7 +7,6 @@ import pytest
 from axiscal.answers import row_words
 from axiscal.description import target
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.type_b import rows_of
 from axiscal.present import findings, sentences
 from axiscal_core.theta import Kind
 
@@ -16,7 +15,7 @@ from axiscal_core.theta import Kind
     ("words", "kinds"),
     [
         (findings._WORDS, get_args(Kind)),
-        (sentences._CAUSES, [row.name for kind in INSTRUMENTS.values() for row in rows_of(kind)]),
+        (sentences._CAUSES, [row.name for kind in INSTRUMENTS.values() for row in kind.type_b]),
         (row_words._KINDS, get_args(target.Kind)),
     ],
 )

@@ -18,7 +18,7 @@ from axiscal.estimation.inheritance import created_description
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import InputError, ReadingError, RecordError, UnitError
 from axiscal.language.spoken import said
-from axiscal.measurement.reading import LARGEST, Place, Reading, reading_unit, refuse_other_values
+from axiscal.measurement.reading import LARGEST, Place, reading_unit, refuse_other_values
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
 from axiscal.record.carried import carried_bumps
@@ -183,7 +183,7 @@ class Possible:
             raise RecordError('there is a set-up "{name}" already', _BACK, name=name[:60])
         self._setups[name] = mounted
 
-    def _refuse_place(self, at: Place | Reading) -> None:
+    def _refuse_place(self, at: Place) -> None:
         self._setup(at.setup)
         if len(at.pose) != len(self._axes):
             what = "the place has {count} coordinates, and the machine {axes} axes"

@@ -124,7 +124,7 @@ def _left(campaign: Campaign, place: Place) -> str:
 def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
     """Return what is supposed of the sides from which the axes came, where nobody said."""
     setup, machine = campaign.description.setup(reading.setup), campaign.description.machine
-    silent = [machine.axes[k].name for k in setup.sided(machine.axes) if not reading.approach[k]]
+    silent = [machine.axes[k].name for k in setup.sided if not reading.approach[k]]
     if approach is not None or not silent:
         return ""
     turned = [e.axis for e in machine.stated if e.kind == "reversal" and e.axis in silent]

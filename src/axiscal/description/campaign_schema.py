@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -42,9 +42,7 @@ from axiscal.document.gone import instead_of
 from axiscal.document.toml_table import Table
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.measurement.artefact import reads_as
-from axiscal.measurement.setup import FINEST, MOST, Nodes, Reads, Setup, Vector
-from axiscal.measurement.type_b import rows_of
+from axiscal.measurement.setup import FINEST, MOST, Nodes, Setup, Vector, reads_as
 from axiscal.units import dimension_of, format_quantity, within
 from axiscal_core.theta import Sure
 
@@ -79,7 +77,7 @@ def stated_drift(text: str, kind: type[Setup]) -> float:
 def _type_b(name: str, text: str, known: Beside) -> float:
     """Return the size of a cause that no reading shows."""
     instrument = known.data.get("instrument")
-    rows = () if instrument is None else rows_of(instrument)
+    rows = () if instrument is None else instrument.type_b
     causes = {row.name: row for row in rows if row.name not in ("temperature", "expansion")}  # which have keys
     if name not in causes:
         what, named = (
@@ -95,8 +93,7 @@ def _unknown(name: str, text: str, known: Beside) -> float:
     if instead := instead_of("keys", f"setups.unknowns.{name}"):
         raise DescriptionError("{name} is gone", instead, name=name)
     kind = known.data.get("instrument")
-    own: Mapping[str, Reads] = {"slope": "angle"} if kind is None else {"slope": "angle", **kind.unknown_reads}
-    return within(text, own.get(name, reads_as(name)), FINEST)
+    return within(text, (kind.unknown_reads if kind else {}).get(name, reads_as(name)), FINEST)
 
 
 def _moves(names: Sequence[str], known: Beside) -> tuple[int, ...]:

@@ -21,9 +21,8 @@ from axiscal.description.setup_of_reading import setup_of
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.language.spoken import joined, said
 from axiscal.machine.axis import travel_text
-from axiscal.measurement.candidates import arrivals_of
 from axiscal.measurement.charts.kinds import Balls, Circle
-from axiscal.measurement.charts.room import Chart
+from axiscal.measurement.charts.room import Chart, arrivals
 from axiscal.measurement.readers.csv_readings import RawReading, raw_pose
 from axiscal.measurement.readers.csv_table import table_of
 from axiscal.measurement.readers.text_file import read_text
@@ -236,7 +235,7 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     named = len(setup.names) == 1 or (row.form == "stations") == bool(setup.stations)
     refuse_other_values(setup, 1 + len(row.others) if named else 0, row.dimension)
     if row.test == "circle":
-        pose, directions = _on_circle(row, setup, campaign.machine)
+        pose, directions = _on_circle(row, setup)
     else:
         only = campaign.machine.axes[setup.moves[0]].name if row.test else ""
         by_axis = ({axis or only: at for axis, at in each.items()} for each in (row.position, row.rounding))
@@ -250,7 +249,7 @@ def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     return replace(reading, number=row.number, check=row.check)
 
 
-def _on_circle(row: RawReading, setup: Setup, machine: Machine) -> tuple[tuple[float, ...], tuple[int, ...]]:
+def _on_circle(row: RawReading, setup: Setup) -> tuple[tuple[float, ...], tuple[int, ...]]:
     """Return where the axes stand at an angle of a circular test, and from which sides they come.
 
     Raises ReadingError where the set-up reads no circle, and for an angle that is off its arc.
@@ -265,7 +264,7 @@ def _on_circle(row: RawReading, setup: Setup, machine: Machine) -> tuple[tuple[f
         low_text, high_text = (format_quantity(each, "deg", 6) for each in (low, high))
         what, remedy = "the angle lies outside the arc of the set-up", 'That of "{setup}" goes from {low} to {high}'
         raise ReadingError(what, remedy, setup=setup.name, low=low_text, high=high_text)
-    sides = arrivals_of(machine, setup, chart, place, np.array([[float(row.approach[""])]]))
+    sides = setup.coming(arrivals(chart, place, np.array([[float(row.approach[""])]])))
     return tuple(pose[0].tolist()), tuple(sides[0].astype(int).tolist())
 
 

@@ -17,7 +17,7 @@ from axiscal.description.sights import (
     refuse_unreachable,
     seen,
 )
-from axiscal.description.sites import RETRACT, STROKE, SiteReader, Surroundings
+from axiscal.description.sites import STROKE, SiteReader, Surroundings
 from axiscal.description.stated_type_b import with_drift, with_material
 from axiscal.document import Document, meant, shown
 from axiscal.document.validation import Stated
@@ -26,16 +26,15 @@ from axiscal.language.spoken import joined, said
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.charts.kinds import Line
 from axiscal.measurement.instruments.displacement import (
-    SQUARE,
     HalvedLength,
     Interferometer,
     PrinterProbe,
     Probe,
     Straightedge,
 )
-from axiscal.measurement.instruments.distance import of_each
+from axiscal.measurement.instruments.distance import Tracker, of_each
 from axiscal.measurement.instruments.written import Foreign
-from axiscal.measurement.setup import Nodes, Setup, Unknown, Vector
+from axiscal.measurement.setup import SQUARE, Nodes, Setup, Unknown, Vector
 from axiscal.units import format_quantity, to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.instrument import TOOL
@@ -136,7 +135,6 @@ class _Reader(SiteReader):
             unknowns=of_each(unknowns, len(table.stations)) if table.stations else unknowns,
             setup_time=setup.setup_time * mountings,
             raster=self._raster(setup),
-            stations=table.stations,
             reach=self._reach(setup.moves) if table.reach else None,
             nodes=self._nodes(setup.moves) if table.map else None,
         )
@@ -145,6 +143,11 @@ class _Reader(SiteReader):
         if kind is Straightedge and table.artefact is not None:
             setup = self._on_square(setup)
         setup = seen(self, machine, setup) if setup.chart is None else self._charted(setup)
+        if kind.site in ("sight", "bar") and not setup.standing:
+            what = "it is not said where {thing} is"
+            remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
+            thing = "the tracker" if kind is Tracker else "the {instrument}'s other end"
+            raise self.misstated("instrument", what, remedy, thing=said(thing, instrument=kind.instrument))
         with self.at_key("instrument" if setup.base is None else "base"):
             setup.check()
             if isinstance(setup, Foreign):
@@ -155,10 +158,8 @@ class _Reader(SiteReader):
         return replace(setup, lacks=lack)
 
     def _charted(self, setup: Setup) -> Setup:
-        """Return a set-up that has a chart with how its places are taken."""
-        table = self.table
-        stroke = STROKE if table.stroke is None else table.stroke
-        setup = replace(setup, retract=table.retract or RETRACT, mean_sides=self.kind.all_round)
+        """Return a set-up that has a chart, with the stroke of what is held in touch."""
+        stroke = STROKE if self.table.stroke is None else self.table.stroke
         with self.at_key("artefact" if setup.artefact else "length" if setup.length else "along"):
             refuse_unreachable(self.around.machine, setup)
         if setup.contact != "held":

@@ -22,7 +22,7 @@ from axiscal.language.spoken import later, listed, said
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Circle, Sight
-from axiscal.measurement.charts.room import Chart, Coordinate, Room
+from axiscal.measurement.charts.room import Chart, Room
 from axiscal.measurement.instruments.displacement import Displacement, Straightedge
 from axiscal.measurement.instruments.distance import Tracer
 from axiscal.measurement.instruments.rotation import Rotation
@@ -259,8 +259,7 @@ def seen(stated: Stated[SetupTable], machine: Machine, setup: Setup) -> Setup:
     if table.faces is None and table.sight is not None:
         what = "it is not said where the reflector looks that is seen within this angle"
         raise stated.misstated("sight", what, 'Write faces = "z", or leave sight out where it turns to the station')
-    spans = [Coordinate(*setup.span(machine.axes[k], k), setup.raster[k], machine.axes[k].overrun) for k in setup.moves]
-    pairs = zip(spans, setup.moves, strict=True)
+    pairs = zip(setup.coordinates, setup.moves, strict=True)
     coordinates = tuple(c if machine.axes[k].rotary else c._replace(finest=FINEST_PLACE) for c, k in pairs)
     where = Room.empty(machine), np.array(setup.park), coordinates, setup.moves, np.array(setup.standing), table.range
     faces = None if table.faces is None else np.array(table.faces)

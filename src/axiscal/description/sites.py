@@ -97,12 +97,13 @@ class SiteReader(Stated[SetupTable]):
     def _standing(self, moves: Iterable[int], park: Iterable[float], **placed: Any) -> Setup:
         """Return the set-up but for its own unknowns.  moves, park, placed : fields of `Setup`"""
         table, usual = self.table, self.kind.usual
-        both = {key: (getattr(table, key), getattr(usual, key)) for key in _USUAL}
-        figures = {key: mine if stated is None else stated for key, (stated, mine) in both.items()}
-        noise = math.hypot(figures.pop("noise"), table.resolution / math.sqrt(12.0))
-        same = {key: getattr(table, key) for key in ("name", "offset", "station", "base", "resolution")}
-        own = {"direction": table.direction or _DIAGONAL, "unknowns": (), "raster": (0.0,) * len(self.machine.axes)}
-        fields = same | figures | own | {"noise": noise, "at_20": self.around.at_20} | placed
+        said = ("name", "offset", "station", "stations", "base", "resolution")
+        fields: dict[str, Any] = {key: getattr(table, key) for key in said}
+        for key in _USUAL:
+            fields[key] = getattr(usual if getattr(table, key) is None else table, key)
+        fields["noise"] = math.hypot(fields["noise"], table.resolution / math.sqrt(12.0))
+        fields |= {"direction": table.direction or _DIAGONAL, "unknowns": (), "raster": (0.0,) * len(self.machine.axes)}
+        fields |= {"at_20": self.around.at_20, "retract": table.retract or RETRACT} | placed
         return self.kind(machine=self.machine, moves=tuple(moves), park=tuple(park), **fields)
 
     def _anywhere(self) -> Setup:

@@ -73,9 +73,8 @@ class Knowledge:
         opened, before = self.state(NO_GOAL).opened(numbers), self.belief
         mean = np.pad(before.mean, (0, len(opened.root) - before.size))
         belief = Normal.of_factor(mean, opened.root, before.degrees)
-        return Knowledge(
-            self.observation, belief.read(opened.wide(numbers), values, numbers.noise**2), opened.cells.tolist()
-        )
+        cells = [(rest, cell) for rest, cell in opened.cells.tolist()]
+        return Knowledge(self.observation, belief.read(opened.wide(numbers), values, numbers.noise**2), cells)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,9 +109,9 @@ class Case:
             wandering=[each.name for each in described.setups if each.drift > 0],
         )
 
-    def seconds_along(self, before: Place | Reading | None, places: Sequence[Place | Reading]) -> Array:
+    def seconds_along(self, before: Place | None, places: Sequence[Place]) -> Array:
         """Return the time of each reading after the one before it, (m,) s: all ways of a set-up at once."""
-        ways: dict[str, list[tuple[int, Place | Reading, Place | Reading]]] = {}
+        ways: dict[str, list[tuple[int, Place, Place]]] = {}
         seconds = np.zeros(len(places))
         for index, (last, place) in enumerate(zip((before, *places), places, strict=False)):
             if last is None or last.setup != place.setup:
@@ -295,7 +294,7 @@ class Case:
         """Whether the moving axes with a reversal to show came from sides that the set-up allows."""
         setup = self.description.setup(reading.setup)
         sides = (1, -1) if setup.name in self.both else setup.sides
-        sided, reversing = setup.sided(self.errors.axes), self.errors.reversing
+        sided, reversing = setup.sided, self.errors.reversing
         return all(reading.approach[k] in sides for k in sided if k in reversing)
 
     @cached_property

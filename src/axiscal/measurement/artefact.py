@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,8 +104,3 @@ class Artefact:
         place = np.array([own.get(f"place_{axis}", 0.0) for axis in "xyz"])
         moved: Array = levers @ turn.T - self._levers[balls] + place
         return moved
-
-
-def reads_as(unknown: str) -> Literal["length", "angle"]:
-    """Return whether an unknown of an artefact, bar or tool is a length, or a turn or strain."""
-    return "angle" if unknown == "scale" or unknown.startswith("turn_") else "length"

@@ -19,10 +19,7 @@ from axiscal.measurement.travel import SHORTEST
 from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
 from axiscal_core.machine import Machine
-from axiscal_core.points import even_points
-
-_COINCIDE = 1e-12
-"""Knots so close together, in lengths of travel, are one: they differ by rounding."""
+from axiscal_core.points import distinct_between, even_points
 
 
 @remembered
@@ -31,16 +28,12 @@ def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
 
     An instrument on feet meets them at each foot, which is aside of its position.
     """
-    knots = observation.errors.knots_along(axis)
     mounted = observation.setups[setup]
     low, high = mounted.span(observation.machine.axes[axis], axis)
     stepped = mounted.base is not None and axis in mounted.moves
     half = max(mounted.base or 0.0, SHORTEST) / 2 if stepped else 0.0
-    everywhere = np.unique(np.concatenate([np.zeros(0), *knots])[:, None] - np.array([half, -half]))
-    shortest = _COINCIDE * (high - low)
-    inside = everywhere[(everywhere > low + shortest) & (everywhere < high - shortest)]
-    apart = np.diff(inside, prepend=low) > shortest
-    return np.concatenate([[low], inside[apart], [high]])
+    knots = np.concatenate([np.zeros(0), *observation.errors.knots_along(axis)])
+    return distinct_between(np.concatenate([[low, high], knots - half, knots + half]), low, high)
 
 
 MOST_TRIED = 20_000
@@ -89,26 +82,21 @@ def _of_setup(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]
     moves = list(setup.moves)
     unit = even_points(count, 2 * len(moves))
     poses = np.tile(np.array(setup.park), (count, 1))
-    low, high = np.array([setup.span(machine.axes[k], k) for k in moves]).reshape(-1, 2).T
+    low, high = np.array([each[:2] for each in setup.coordinates]).reshape(-1, 2).T
     span = high - low
     poses[:, moves] = low + span * unit[:, : len(moves)] if len(moves) > 1 else low + span * even_points(count, 1)
     approaches = np.zeros_like(poses)
     approaches[:, moves] = np.where(unit[:, len(moves) :] > 0.5, setup.sides[0], setup.sides[-1])
-    return snapped(machine, setup, poses), approaches
+    return snapped(setup, poses), approaches
 
 
-def snapped(machine: Machine, setup: Setup, poses: Array) -> Array:
+def snapped(setup: Setup, poses: Array) -> Array:
     """Return poses (m, q) moved to the nearest multiples of the set-up's raster that lie in the travel."""
     result = poses.copy()
-    for k in (k for k in setup.moves if setup.raster[k] > 0):
-        multiples = raster_positions(machine, setup, k)
-        result[:, k] = np.clip(np.round(poses[:, k] / setup.raster[k]) * setup.raster[k], multiples[0], multiples[-1])
+    for k, end in zip(setup.moves, setup.coordinates, strict=True):
+        if end.step > 0:
+            result[:, k] = np.clip(np.round(poses[:, k] / end.step) * end.step, *end.values[[0, -1]])
     return result
-
-
-def raster_positions(machine: Machine, setup: Setup, axis: int) -> Array:
-    """Return the multiples of the raster in the travel of an axis, (p,) m or rad."""
-    return Coordinate(*setup.span(machine.axes[axis], axis), setup.raster[axis]).values
 
 
 def corners(box: Box) -> Array:
@@ -123,23 +111,7 @@ Chosen = tuple[Array, Array]
 def chart_candidates(machine: Machine, setup: Setup, chart: Chart, count: int) -> tuple[Array, Array]:
     """Return poses and approaches (m, q) of about so many candidates; fewer where fewer can be taken."""
     places, sides = chart_places(machine, setup, chart, count)
-    return chart.poses(places), arrivals_of(machine, setup, chart, places, sides)
-
-
-def arrivals_of(machine: Machine, setup: Setup, chart: Chart, places: Array, sides: Array) -> Array:
-    """Return from where each axis comes to places of a set-up.
-
-    Linear axes come from where they follow, from none where both sides are evened.
-    """
-    overruns = np.array([axis.overrun for axis in machine.axes])
-    return turned_to(machine, setup, arrivals(chart, overruns, places, sides))
-
-
-def turned_to(machine: Machine, setup: Setup, approaches: Array) -> Array:
-    """Return approaches (m, q) of what a set-up's coordinates decide: none of linear axes that do not follow them."""
-    if not setup.mean_sides:
-        return approaches
-    return np.where([axis.rotary for axis in machine.axes], approaches, 0.0)
+    return chart.poses(places), setup.coming(arrivals(chart, places, sides))
 
 
 def chart_places(machine: Machine, setup: Setup, chart: Chart, count: int) -> Chosen:

@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,25 +44,15 @@ def levers_of(errors: Machine, seen: Slopes, poses: Array) -> Array:
     return result
 
 
-class Owned(NamedTuple):
-    """The unknowns beside the machine's errors.
-
-    unknowns : each of them once, in the order in which set-ups name them; columns : per set-up, where its own stand
-    """
-
-    unknowns: tuple[Unknown, ...]
-    columns: tuple[NDArray[np.intp], ...]
-
-
-def owned(setups: Sequence[Setup]) -> Owned:
-    """Return the unknowns of all set-ups, shared ones once."""
+def owned(setups: Sequence[Setup]) -> tuple[tuple[Unknown, ...], tuple[NDArray[np.intp], ...]]:
+    """Return the unknowns of all set-ups, shared ones once, as set-ups name them; and where those of each stand."""
     found, columns = dict[tuple[str, str], tuple[int, Unknown]](), list[NDArray[np.intp]]()
     for number, setup in enumerate(setups):
         keys = [(unknown.owner or f"set-up {number}", unknown.name) for unknown in setup.unknowns]
         for key, unknown in zip(keys, setup.unknowns, strict=True):
             found.setdefault(key, (len(found), unknown))
         columns.append(np.array([found[key][0] for key in keys], dtype=np.intp))
-    return Owned(tuple(unknown for _, unknown in found.values()), tuple(columns))
+    return tuple(unknown for _, unknown in found.values()), tuple(columns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,14 +95,14 @@ class Observation:
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
         """The unknowns of all set-ups, those that several share once, in the order of their columns."""
-        return self._owned.unknowns
+        return self._owned[0]
 
     def unknowns_of(self, setup: int) -> NDArray[np.intp]:
         """Return the columns of one set-up's unknowns, in its order."""
-        return self.errors.size + self._owned.columns[setup]
+        return self.errors.size + self._owned[1][setup]
 
     @cached_property
-    def _owned(self) -> Owned:
+    def _owned(self) -> tuple[tuple[Unknown, ...], tuple[NDArray[np.intp], ...]]:
         return owned(self.setups)
 
     @cached_property
@@ -132,7 +121,7 @@ class Observation:
         for index, mine in places.by_setup():
             setup, poses, approaches = self.setups[index], places.poses[mine], places.approaches[mine]
             at, to = setup.places(poses, approaches), first[mine][:, None] + np.arange(self.counts[index])
-            levers = self._levers(index, at)
+            levers = self.levers(index, at)
             rows[to, : self.errors.size] = self._error_rows(index, levers, poses, approaches).swapaxes(0, 1)
             rows[to[:, :, None], self.unknowns_of(index)] = setup.own_slopes(at)
             noise[to] = np.sqrt(setup.noise**2 + self._unknown_sides(setup, levers, poses, approaches)).T
@@ -148,11 +137,12 @@ class Observation:
 
     def _error_rows(self, index: int, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return the rows of the errors, (k, m, errors)."""
-        standing = feet_of(self.setups[index], poses)
+        setup = self.setups[index]
+        standing = feet_of(setup, poses)
         if len(standing) == 1:
             return self.errors.along(levers, poses, approaches)
-        each = (weight * self.errors.along(self.levers(index, at), at, approaches) for at, weight in standing)
-        return np.asarray(sum(each))
+        felt = ((weight, self.levers(index, setup.places(at)), at) for at, weight in standing)
+        return np.asarray(sum(weight * self.errors.along(each, at, approaches) for weight, each, at in felt))
 
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return what it adds to the variances that nobody said from which side a moving axis came, (k, m) m² or rad².
@@ -222,15 +212,12 @@ class Observation:
     def _first_order(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return the rows of each number of readings times errors and unknowns, (m, k)."""
         at = self.setups[setup].places(poses, approaches)
-        rows = self._error_rows(setup, self._levers(setup, at), poses, approaches)
+        rows = self._error_rows(setup, self.levers(setup, at), poses, approaches)
         own: Array = self.setups[setup].own_slopes(at) @ point[self.unknowns_of(setup)]
         return own + (rows @ point[: self.errors.size]).T
 
-    def levers(self, setup: int, poses: Array) -> Array:
+    def levers(self, setup: int, at: At) -> Array:
         """Return what a unit of each error adds to each number of readings, sides apart, (numbers, terms, m)."""
-        return self._levers(setup, self.setups[setup].places(poses))
-
-    def _levers(self, setup: int, at: At) -> Array:
         mounted = self.setups[setup]
         levers = levers_of(self.errors, mounted.slopes(at), at.poses)
         if mounted.base is not None:  # what stands on a way sees no other axis, and no carriage

@@ -34,7 +34,7 @@ class Place:
     setup: str
     pose: tuple[float, ...]
     approach: tuple[int, ...] = ()
-    check: bool = field(default=False, compare=False)
+    check: bool = field(default=False, compare=False, kw_only=True)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -114,12 +114,9 @@ LARGEST = 1e3
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class Reading(Place):
     """A deviation, actual minus commanded, of the TCP relative to the workpiece along (about) the set-up's direction.
 
-    setup : name of the set-up
-    pose : (n_axes,) m or rad, in chain order
-    approach : (n_axes,) +1 or -1 where the direction of the last motion is known, else 0
     value : m or rad; along x where an instrument reads three directions
     others : its values along y and z
     time : when it was taken, s since the campaign began; None where nobody looked at a clock
@@ -127,25 +124,20 @@ class Reading:
     line : line of the file it came from, if it came from one
     accepted : somebody vouches for it, however much it surprises
     number : under which a campaign knows it for life, from 1; None outside of a campaign
-    check : its place was drawn at random
     """
 
-    setup: str
-    pose: tuple[float, ...]
-    approach: tuple[int, ...]
-    value: float
+    value: float = 0.0
     std: float | None = None
     line: int | None = None
     accepted: bool = False
     others: tuple[float, ...] = ()
     time: float | None = None
     number: int | None = None
-    check: bool = False
 
     @property
     def place(self) -> Place:
         """Where it was taken."""
-        return Place(self.setup, self.pose, self.approach, self.check)
+        return Place(self.setup, self.pose, self.approach, check=self.check)
 
     def numbered(self, index: int) -> int:
         """Return its number; where no campaign gave one, that of its place in the list of readings, from 1."""

@@ -55,7 +55,7 @@ def shown_by_each(observation: Observation, readings: Sequence[Reading], points:
     return result
 
 
-def places_of(setups: Sequence[Setup], readings: Sequence[Reading | Place]) -> Places:
+def places_of(setups: Sequence[Setup], readings: Sequence[Place]) -> Places:
     """Return where readings were taken, or are to be."""
     names = {setup.name: index for index, setup in enumerate(setups)}
     axes = len(setups[0].park) if setups else 0
@@ -67,7 +67,7 @@ def places_of(setups: Sequence[Setup], readings: Sequence[Reading | Place]) -> P
 def blank_readings(setups: Sequence[Setup], places: Sequence[Place]) -> list[Reading]:
     """Return readings of zero at places, for results that do not depend on their values."""
     more = {setup.name: len(setup.names) - 1 for setup in setups}
-    return [Reading(p.setup, p.pose, p.approach, 0.0, others=(0.0,) * more[p.setup], check=p.check) for p in places]
+    return [Reading(p.setup, p.pose, p.approach, others=(0.0,) * more[p.setup], check=p.check) for p in places]
 
 
 def times_of(readings: Sequence[Reading]) -> Array:

@@ -10,13 +10,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 
 from axiscal.machine.motion import USUAL, Driving
+from axiscal.measurement.charts.room import Coordinate
 from axiscal_core.axes import Axis
-from axiscal_core.instrument import TOOL, Approach, At, Slopes, Unknowns, numbers, own_slopes, slopes
+from axiscal_core.instrument import Approach, At, Slopes, Unknowns, numbers, own_slopes, slopes
 from axiscal_core.machine import Machine
 
 if TYPE_CHECKING:
@@ -77,7 +78,18 @@ CARRIED = 1e-4
 """m, std along each of `TOOL` where nothing is said (an assumption)."""
 TRUED = 5e-6
 """m: what is set in the spindle to be read is made to run true with a dial (an assumption)."""
-TOOL_READS: Mapping[str, Reads] = MappingProxyType(dict.fromkeys(TOOL, "length"))
+SQUARE = ("square_x", "square_y", "square_z")
+"""By how much the square is turned that a leg belongs to."""
+
+
+def reads_as(unknown: str) -> Reads:
+    """Return whether an unknown is a length, or a turn or strain."""
+    return "angle" if unknown in ("slope", "growth", "scale") or unknown.startswith(("turn_", "square_")) else "length"
+
+
+def known(*unknowns: str) -> Mapping[str, Reads]:
+    """Return what each of some unknowns is."""
+    return MappingProxyType({name: reads_as(name) for name in unknowns})
 
 
 class Usual(NamedTuple):
@@ -114,7 +126,7 @@ class Setup:
     site : what says where it reads; all_round : it touches a ball from all sides
     light, against_length : whether it compares positions with the wavelength; with a length that is known
     display : whether a person reads a display that follows the tool, so that a jog shows on it
-    written : it is none of ours; alike : whether all its numbers are equally noisy
+    written : it is none of ours; alike : whether all its numbers are equally noisy; type_b : `TypeB` of it
 
     Of each set-up:
     machine : on which it stands
@@ -146,7 +158,6 @@ class Setup:
     chart : where it can be read, where that is not any pose of the axes that move
     artefact, balls : what it reads, and which of its balls
     contact : how it goes from place to place; retract : how far off, m
-    mean_sides : it reads the mean of coming from both sides along the linear axes, so that their reversal is zero
     length : of a ball bar, m; stroke : by how much what it reads may differ from nominal, m
     driving : how programs go from place to place
     curved : unknowns in which it is not linear, so that readings are linearised where these have been found
@@ -166,6 +177,7 @@ class Setup:
     display: ClassVar[bool] = False
     written: ClassVar[bool] = False
     alike: ClassVar[bool] = True
+    type_b: ClassVar[tuple[Any, ...]] = ()
 
     name: str
     machine: Machine = field(compare=False, repr=False)
@@ -199,7 +211,6 @@ class Setup:
     balls: tuple[int, ...] = ()
     contact: Contact = "free"
     retract: float = 0.0
-    mean_sides: bool = False
     length: float | None = None
     stroke: float | None = None
     driving: Driving = USUAL
@@ -302,14 +313,29 @@ class Setup:
         tip, artefact = at.tip(u) + self.grown(at) if self.growth else at.tip(u), self.artefact
         return tip if artefact is None else tip - artefact.displacements(u, artefact.nearest(at.tcp, self.balls))
 
-    def sided(self, axes: Sequence[Axis]) -> tuple[int, ...]:
-        """Return the axes that are approached from a side of their own: on a chart the linear ones follow.
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """What its places differ in: the coordinates of its chart, or the axes that move."""
+        if self.chart is not None:
+            return self.chart.coordinates
+        axes = [(self.machine.axes[k], k) for k in self.moves]
+        return tuple(Coordinate(*self.span(axis, k), self.raster[k], axis.overrun) for axis, k in axes)
 
-        axes : of the machine
-        """
-        if self.chart is None or len(self.chart.coordinates) == len(self.moves):
+    @property
+    def sided(self) -> tuple[int, ...]:
+        """The axes that are approached from a side of their own: on a chart the linear ones follow."""
+        if len(self.coordinates) == len(self.moves):
             return self.moves
-        return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
+        return tuple(k for k in self.moves if self.machine.axes[k].rotary and self.length is None)
+
+    @property
+    def mean_sides(self) -> bool:
+        """Whether it reads the mean of coming from both sides along the linear axes, so that their reversal is zero."""
+        return self.all_round and self.chart is not None
+
+    def coming(self, approaches: Array) -> Array:
+        """Return approaches (m, q) as its coordinates decide them: none of linear axes where sides are evened."""
+        return np.where([axis.rotary for axis in self.machine.axes], approaches, 0.0) if self.mean_sides else approaches
 
     @property
     def title(self) -> str:

@@ -232,9 +232,9 @@ class Simulator:
 
     def _mounted(self, seed: int) -> tuple[Mapping[str, Mapping[str, float]], Mapping[str, Wander]]:
         """Return the unknowns of the set-ups and the drifts of their zeros."""
-        rng, mine = np.random.default_rng((seed, 2)), owned(self.setups)
-        values = np.array([unknown.std * rng.standard_normal() for unknown in mine.unknowns])
-        pairs = zip(self.setups, mine.columns, strict=True)
+        rng, (unknowns, columns) = np.random.default_rng((seed, 2)), owned(self.setups)
+        values = np.array([unknown.std * rng.standard_normal() for unknown in unknowns])
+        pairs = zip(self.setups, columns, strict=True)
         offsets = {s.name: dict(zip((u.name for u in s.unknowns), values[of].tolist(), strict=True)) for s, of in pairs}
         rng = np.random.default_rng((seed, 3))
         drifting = {s.name: (s.drift, max(len(s.names), _DRAWN)) for s in self.setups if s.drift > 0}

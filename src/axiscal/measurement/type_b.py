@@ -90,7 +90,7 @@ class TypeB:
     def met(self, setup: Setup) -> bool:
         """Whether a set-up has this cause and nothing else holds it."""
         own = {unknown.name for unknown in setup.unknowns}
-        return self in rows_of(type(setup)) and self.applies(setup) and not own & set(self.covered)
+        return self in setup.type_b and self.applies(setup) and not own & set(self.covered)
 
 
 def scaled(read: Read, size: float) -> Array:
@@ -151,9 +151,3 @@ AIR = TypeB(
 GAIN = TypeB(
     "gain", 0.01, "mm/m", "assumption: 1 %, at least 1 um", "instrument", of_reading, least=1e-6, of_values=True,
 )  # fmt: skip
-
-
-def rows_of(kind: type[Setup]) -> tuple[TypeB, ...]:
-    """Return the causes that a class of instruments names as its `type_b`."""
-    found: tuple[TypeB, ...] = getattr(kind, "type_b", ())
-    return found

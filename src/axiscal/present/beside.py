@@ -35,7 +35,7 @@ def beside_the_tool(estimation: Estimation) -> Iterator[Finding]:
             continue
         poses = np.array(read)
         at_tool = np.einsum("fmc,c->fm", errors.levers(poses), np.array(setup.direction))
-        levers = observation.levers(index, poses)[0] - at_tool
+        levers = observation.levers(index, setup.places(poses))[0] - at_tool
         levers[[not set(setup.moves) & set(term.axes) for term in errors.terms]] = 0.0  # one value, as its zero
         rows = errors.along(levers, poses, np.zeros_like(poses))
         rows = rows - rows.mean(axis=0)

@@ -125,7 +125,7 @@ class _At(_Strict):
         """Return it as the campaign has it; raises ValueError."""
         if len(self.position) != len(self.approach):
             raise ValueError(f"position {self.position} and approach {self.approach} do not belong together")
-        return Place(self.setup, self.position, self.approach, self.check)
+        return Place(self.setup, self.position, self.approach, check=self.check)
 
 
 class _Asked(_At):
@@ -148,7 +148,7 @@ class _Recorded(_At):
 
 def _reading(said: _Recorded) -> Reading:
     at, of_value = said.place(), (said.value, said.std, None, said.accepted, said.others, said.time, said.reading)
-    return Reading(at.setup, at.pose, at.approach, *of_value, at.check)
+    return Reading(at.setup, at.pose, at.approach, *of_value, check=at.check)
 
 
 _READ: Mapping[type, Callable[[Any], events.Event]] = {

@@ -16,7 +16,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import places_of, times_of
 from axiscal.measurement.travel import feet_of
-from axiscal.measurement.type_b import Read, TypeB, rows_of
+from axiscal.measurement.type_b import Read, TypeB
 from axiscal.numerics import Array
 from axiscal_core.causes import WAY, WAYS, OfOneSetup, absent, drift
 from axiscal_core.eigen import of_rank
@@ -104,7 +104,7 @@ def growing(observation: Observation, index: int, poses: Array) -> list[Array]:
         term = next((i for i, t in enumerate(observation.errors.terms) if t.name == axis.positioning_error), None)
         if term is None or axis.rotary:
             continue
-        levers = observation.levers(index, poses) if levers is None else levers
+        levers = observation.levers(index, observation.setups[index].places(poses)) if levers is None else levers
         away = ((at[:, k] - np.mean(axis.travel), weight) for at, weight in feet_of(observation.setups[index], poses))
         along = sum(weight * far for far, weight in away) / axis.length
         found.append(np.array([lever[term] * along for lever in levers]))
@@ -151,7 +151,7 @@ def turning(observation: Observation, index: int, poses: Array, approaches: Arra
     ]
     if not terms:
         return []
-    levers = observation.levers(index, poses)
+    levers = observation.levers(index, setup.places(poses))
     for number, term in terms:
         sides, size = approaches[:, term.axis], 0.5 * float(np.sqrt(term.covariance[0, 0]))
         effects = size * sides * levers[:, number]
@@ -189,7 +189,7 @@ def contributions(
         shown = np.zeros(ways.shape[:2]) if values is None else np.array([values[i] for i in mine], dtype=float).T
         read = Read(setup, at, ways, shown)
         owners = {"set-up": setup.name, "instrument": setup.instrument, "machine": ""}
-        for row in rows_of(type(setup)):
+        for row in setup.type_b:
             stated, key = row.name in dict(setup.stated), (row.name, owners[row.shared])
             if not row.met(setup) or not (usual or stated):
                 continue

@@ -179,10 +179,10 @@ def has_room(chart: Chart, places: Array, sides: Array) -> NDArray[np.bool_]:
     return found
 
 
-def arrivals(chart: Chart, overruns: Array, places: Array, sides: Array) -> Array:
-    """Return from where each axis comes, (m, q) +1, −1, or 0 where nobody knows.  overruns : (q,) of the axes"""
+def arrivals(chart: Chart, places: Array, sides: Array) -> Array:
+    """Return from where each axis comes, (m, q) +1, −1, or 0 where nobody knows: linear axes from where they follow."""
     way = chart.poses(places) - chart.poses(starts_of_ways(chart, places, sides))
-    known = np.abs(way) >= KNOWN * overruns
+    known = np.abs(way) >= KNOWN * np.array([axis.overrun for axis in chart.room.machine.axes])
     return np.where(known, np.sign(way), 0.0)
 
 

@@ -8,32 +8,21 @@ growth is by how much the material is longer than at 20 °C. Its known part is t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
-from typing import ClassVar
+from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.measurement.setup import GAUGE, LASER, ZERO, Reads, Setup, Unknown, Usual
+from axiscal.measurement.setup import GAUGE, LASER, SQUARE, ZERO, Setup, Unknown, Usual, known
 from axiscal.measurement.type_b import AIR, GAIN, WARM, Read, TypeB, constant, scaled
 from axiscal.numerics import Array
 from axiscal_core import rigid
 from axiscal_core.instrument import At, Unknowns
 
-SQUARE = ("square_x", "square_y", "square_z")
-"""By how much the square is turned that a leg belongs to."""
-_READS: dict[str, Reads] = {
-    "zero": "length",
-    "slope": "angle",
-    "growth": "angle",
-    **dict.fromkeys(SQUARE, "angle"),
-}
-
 
 class Displacement(Setup):
     """One length along the set-up's direction."""
 
-    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType(_READS)
+    unknown_reads = known("zero", "slope", "growth", *SQUARE)
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return dᵀδp + known growth + the effects of the unknowns: of a slope by its tangent."""
@@ -158,7 +147,7 @@ class Length(HalvedLength):
     """
 
     usual = HalvedLength.usual._replace(unknowns=())
-    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType({"growth": "angle"})
+    unknown_reads = known("growth")
 
     def middle(self, at: At) -> Array:
         """Return its first end."""

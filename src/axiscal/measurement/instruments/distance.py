@@ -23,16 +23,12 @@ There y = R(θ₀)(δp + R_t tool) + zero + J turn + c, J the derivative of R(θ
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from types import MappingProxyType
-from typing import ClassVar
 
 import numpy as np
 
-from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import said
-from axiscal.measurement.setup import CARRIED, GAUGE, LASER, TOOL_READS, ZERO, Reads, Setup, Unknown, Usual
+from axiscal.measurement.setup import CARRIED, GAUGE, LASER, ZERO, Setup, Unknown, Usual, known
 from axiscal.measurement.touched import touch_frames
 from axiscal.measurement.type_b import AIR, GAIN, WARM, Read, TypeB, constant, scaled
 from axiscal.numerics import Array
@@ -49,7 +45,7 @@ class Nest(Setup):
 
     numbers = ("x", "y", "z")
     directed = False
-    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType({**dict.fromkeys(ZEROS, "length"), **TOOL_READS})
+    unknown_reads = known(*ZEROS, *TOOL)
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return δp + R tool + zero − where the ball is."""
@@ -92,7 +88,7 @@ class Distance(Setup):
     """One distance, or one from each station."""
 
     directed = False
-    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType({**dict.fromkeys(_OWN, "length"), **TOOL_READS})
+    unknown_reads = known(*_OWN, *TOOL)
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return |p + δp + R tool − station − shift| − |p − station| + zero."""
@@ -103,11 +99,6 @@ class Distance(Setup):
             seen = length(at.tcp + tip - np.array(station) - shift)
             shown.append(seen - length(at.tcp - np.array(station)) + u.get(zero, 0.0))
         return shown
-
-    def check(self) -> None:
-        """Raise DescriptionError without a station."""
-        if not self.stations:
-            _need_station(self, "the {instrument}'s other end")
 
     @property
     def located(self) -> tuple[str, ...]:
@@ -154,13 +145,6 @@ class Tracer(Distance):
     site = "sight"
 
 
-def _need_station(setup: Setup, what: str) -> None:
-    """Raise DescriptionError for a set-up that does not say where it stands."""
-    if setup.station is None:
-        remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
-        raise DescriptionError("it is not said where {thing} is", remedy, thing=said(what, instrument=setup.instrument))
-
-
 def of_each(unknowns: Sequence[Unknown], count: int) -> tuple[Unknown, ...]:
     """Return the unknowns of so many stations, from those of one: its own for each of them, the others once."""
     own = [unknown for unknown in unknowns if unknown.name in _OWN]
@@ -184,19 +168,13 @@ class Tracker(Setup):
     light, against_length, directed = True, True, False
     numbers = ("x", "y", "z")
     site = "sight"
-    unknown_reads: ClassVar[Mapping[str, Reads]] = MappingProxyType(
-        {**dict.fromkeys(ZEROS, "length"), **dict.fromkeys(TURNS, "angle"), **TOOL_READS}
-    )
+    unknown_reads = known(*ZEROS, *TURNS, *TOOL)
 
     def sees(self, at: At, u: Unknowns) -> Sequence[Array]:
         """Return R(turn)(p + δp + R tool − station) − (p − station) + zero."""
         line = at.tcp - np.array(self.station or (0.0, 0.0, 0.0))
         turn = rigid.rotation(np.array([[u[name] for name in TURNS]]))[0]
         return _from_zeros((line + self.tip(at, u)) @ turn.T - line, u)
-
-    def check(self) -> None:
-        """Raise DescriptionError without a station."""
-        _need_station(self, "the tracker")
 
     @property
     def located(self) -> tuple[str, ...]:

@@ -85,7 +85,7 @@ class Rotation(Setup):
             error = f"E{'X' if axis[0] == 'Z' else 'Z'}{axis}"
             raise DescriptionError(what, "Add one under [errors], such as {error}", axis=axis, error=error)
         for function in shown:
-            cell = np.ptp(function.edges(0, self.moves[0])[0])
+            cell = max(side.cell for side in function.sides if side.axis == self.moves[0])
             if function.rest > 0 and base < cell * (1 - 1e-9):
                 short, long = format_quantity(base, "mm", 6), format_quantity(cell, "mm", 4)
                 what = (

@@ -54,4 +54,4 @@ def _line(machine: Machine, setup: Setup, axis: int, count: int) -> Array:
     """Return poses from one end of an axis to the other, (count, q); one alone where it is parked."""
     poses = np.tile(np.array(setup.park), (count, 1))
     poses[:, axis] = np.linspace(*setup.span(machine.axes[axis], axis), count) if count > 1 else setup.park[axis]
-    return snapped(machine, setup, poses)
+    return snapped(setup, poses)

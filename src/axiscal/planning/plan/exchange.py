@@ -19,8 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.candidates import arrivals_of, turned_to
-from axiscal.measurement.charts.room import Chart, has_room
+from axiscal.measurement.charts.room import Chart, arrivals, has_room
 from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
@@ -154,16 +153,15 @@ def relocated(task: Task, places: Places, timed: Minutes | None = None) -> Place
 def _that_can_be_taken(task: Task, before: Places, after: Places) -> Places:
     """Return places on charts as they can be come to from their sides; those that cannot are as they were before."""
     poses, approaches = after.poses.copy(), after.approaches.copy()
-    machine, setups = task.observation.machine, task.observation.setups
     for i, number in enumerate(after.setups.tolist()):
-        chart = setups[number].chart
+        setup = task.observation.setups[number]
+        chart = setup.chart
         if chart is None or np.array_equal(poses[i], before.poses[i]):
             continue
-        come = turned_to(machine, setups[number], before.approaches[[i]])
-        sides = sides_of(chart, chart.places(before.poses[[i]]), come)
+        sides = sides_of(chart, chart.places(before.poses[[i]]), setup.coming(before.approaches[[i]]))
         at = chart.places(poses[[i]])
         if has_room(chart, at, sides)[0]:
-            approaches[i] = arrivals_of(machine, setups[number], chart, at, sides)[0]
+            approaches[i] = setup.coming(arrivals(chart, at, sides))[0]
         else:
             poses[i] = before.poses[i]
     return Places(after.setups, poses, approaches)
@@ -177,15 +175,10 @@ def _free(task: Task, places: Places) -> _Free:
 
 def _coordinates(task: Task, reading: int, number: int) -> Iterator[tuple[int, int, float, float, Chart | None]]:
     """Yield the coordinates of a reading that are on no raster, with their ends, and the chart that they are of."""
-    setup, axes = task.observation.setups[number], task.observation.machine.axes
-    if setup.chart is None:
-        for k in setup.moves:
-            if setup.raster[k] == 0:
-                yield reading, k, *setup.span(axes[k], k), None
-        return
-    for k, (low, high, step, *_) in enumerate(setup.chart.coordinates):
+    setup = task.observation.setups[number]
+    for k, (low, high, step, *_) in enumerate(setup.coordinates):
         if step == 0:
-            yield reading, k, low, high, setup.chart
+            yield reading, k if setup.chart else setup.moves[k], low, high, setup.chart
 
 
 def _value(task: Task, places: Places, free: _Free, beside: _Beside) -> tuple[float, Array]:

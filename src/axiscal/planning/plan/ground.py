@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.candidates import arrivals_of, breaks_along, chart_sides, raster_positions, turned_to
-from axiscal.measurement.charts.room import Chart, has_room
+from axiscal.measurement.candidates import breaks_along, chart_sides
+from axiscal.measurement.charts.room import Chart, arrivals, has_room
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
@@ -34,8 +34,7 @@ class Ground:
     @cached_property
     def ends(self) -> Array:
         """From where to where each coordinate goes, (size, 2)."""
-        mounted, machine = self.observation.setups[self.setup], self.observation.machine
-        return np.array([mounted.span(machine.axes[axis], axis) for axis in mounted.moves])
+        return np.array([each[:2] for each in self.observation.setups[self.setup].coordinates])
 
     @cached_property
     def spans(self) -> Array:
@@ -45,8 +44,8 @@ class Ground:
     @cached_property
     def continuous(self) -> list[int]:
         """The coordinates without steps."""
-        raster = self.observation.setups[self.setup].raster
-        return [number for number, axis in enumerate(self._moves) if not raster[axis] > 0]
+        coordinates = self.observation.setups[self.setup].coordinates
+        return [number for number, each in enumerate(coordinates) if each.step == 0]
 
     @cached_property
     def sided(self) -> NDArray[np.intp]:
@@ -72,11 +71,10 @@ class Ground:
 
     def looks(self, number: int) -> Array:
         """Return a few values all along a coordinate, or all that it has, (p,)."""
-        axis = self._moves[number]
-        mounted = self.observation.setups[self.setup]
-        if mounted.raster[axis] > 0:
-            return raster_positions(self.observation.machine, mounted, axis)
-        breaks = breaks_along(self.observation, axis, self.setup)
+        end = self.observation.setups[self.setup].coordinates[number]
+        if end.step > 0:
+            return end.values
+        breaks = breaks_along(self.observation, self._moves[number], self.setup)
         inside: Array = breaks[:-1, None] + np.diff(breaks)[:, None] * _LOOKS
         return inside.ravel()
 
@@ -88,30 +86,21 @@ class _OnChart(Ground):
     chart: Chart
 
     @cached_property
-    def ends(self) -> Array:
-        return np.array([each[:2] for each in self.chart.coordinates])
-
-    @cached_property
-    def continuous(self) -> list[int]:
-        return [number for number, each in enumerate(self.chart.coordinates) if each.step == 0]
-
-    @cached_property
     def sided(self) -> NDArray[np.intp]:
         sides = chart_sides(self.observation.machine, self.observation.setups[self.setup], self.chart)
         return np.flatnonzero(np.ptp(sides, axis=0) > 0)
 
     def as_places(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
         places = self.chart.places(poses)
-        come = turned_to(self.observation.machine, self.observation.setups[self.setup], approaches)
-        found = sides_of(self.chart, places, come)
+        found = sides_of(self.chart, places, self.observation.setups[self.setup].coming(approaches))
         return places, np.where(found == 0, 1.0, found)
 
     def approachable(self, places: Array, sides: Array) -> NDArray[np.bool_]:
         return has_room(self.chart, places, sides)
 
     def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
-        mounted = self.observation.setups[self.setup]
-        return self.chart.poses(places), arrivals_of(self.observation.machine, mounted, self.chart, places, sides)
+        coming = self.observation.setups[self.setup].coming(arrivals(self.chart, places, sides))
+        return self.chart.poses(places), coming
 
     def looks(self, number: int) -> Array:
         end = self.chart.coordinates[number]

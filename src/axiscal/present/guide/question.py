@@ -19,7 +19,6 @@ from axiscal.answers.prediction import expectation
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
-from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.reading import (
     asked_values,
     place_text,
@@ -29,7 +28,7 @@ from axiscal.measurement.reading import (
     shown_coordinate,
     units_of,
 )
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.setup import SQUARE, Setup
 from axiscal.measurement.touched import off_ball
 from axiscal.numerics import Array
 from axiscal.record.events import Asked
