@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.evaluation.circles import CircleFigures, circular
-from axiscal.exceptions import EvaluationError, ReadingError
+from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined, said
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.files import Recognised
@@ -123,7 +123,7 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
     noise : m or rad, standard uncertainty of the instrument that all runs at a target share
     """
     if not test.measured:
-        raise EvaluationError("there are no readings", "measure at least one direction twice", test.file)
+        raise ReadingError("there are no readings", "measure at least one direction twice", test.file)
     single = np.full((1, len(test.targets)), np.nan)
     sides = {
         name: (runs.mean(axis=1)[None], np.std(runs, axis=1, ddof=1)[None] if runs.shape[1] > 1 else single)
@@ -229,7 +229,7 @@ def _shown(value: float | None, unit: str) -> float | None:
 
 
 def figures_of(read: Recognised) -> Positioning | CircleFigures:
-    """Return the figures of the test that a file holds; raises ReadingError, EvaluationError."""
+    """Return the figures of the test that a file holds; raises ReadingError."""
     if (found := read.found.readings)[0].test == "circle":
         rows = np.array([(each.position[""], each.value, each.approach[""]) for each in found])
         return circular(rows.T, read.file)
