@@ -18,7 +18,7 @@ from axiscal.document.validation import NAME, Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, iso_axis
-from axiscal.machine.errors_table import ErrorTable, Two, every_error, prior_of
+from axiscal.machine.errors_table import ErrorTable, every_error, prior_of
 from axiscal.units import Dimension, format_quantity, within
 from axiscal_core.axes import Axis, Counting, Three
 from axiscal_core.errors import Error
@@ -205,18 +205,14 @@ def _name(name: str) -> str:
     return name
 
 
-def _size(most: float, least: float = 0.0) -> QuantityOf:
-    return QuantityOf("length", least, most)
-
-
 class ToolTable(Table):
     """[tool]"""
 
-    length: Annotated[float, _size(10.0)] = Field(0.0, examples=['"120 mm"'])
-    radius: Annotated[float, _size(1.0)] = Field(0.04, examples=['"31.5 mm"'])
-    stylus: Annotated[float, _size(0.1)] = Field(0.0, examples=['"6 mm"'])
-    reach: Annotated[float, _size(1.0)] = Field(0.05, examples=['"50 mm"'])
-    head: list[Annotated[float, _size(2.0, 1e-3)]] = Field(
+    length: Annotated[float, QuantityOf("length", 0.0, 10.0)] = Field(0.0, examples=['"120 mm"'])
+    radius: Annotated[float, QuantityOf("length", 0.0, 1.0)] = Field(0.04, examples=['"31.5 mm"'])
+    stylus: Annotated[float, QuantityOf("length", 0.0, 0.1)] = Field(0.0, examples=['"6 mm"'])
+    reach: Annotated[float, QuantityOf("length", 0.0, 1.0)] = Field(0.05, examples=['"50 mm"'])
+    head: list[Annotated[float, QuantityOf("length", 1e-3, 2.0)]] = Field(
         [], min_length=2, max_length=2, examples=['["130 mm", "130 mm"]']
     )
 
@@ -235,7 +231,7 @@ class MachineFile(Table):
     errors: Annotated[
         tuple[Error, ...],
         ReadAs(
-            Annotated[dict[str, Two], EachAs(Annotated[dict[str, ErrorTable], _WITH_NAMES], prior_of)],
+            Annotated[dict[str, Error], EachAs(Annotated[dict[str, ErrorTable], _WITH_NAMES], prior_of)],
             every_error,
             by=True,
         ),
