@@ -8,7 +8,6 @@ matter of how the errors are defined. The others do move it, and need a reading 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
 
@@ -31,15 +30,13 @@ _LISTED = 5
 """Sentences that are read; the others are counted."""
 
 
-@dataclass(frozen=True, slots=True)
-class Hidden:
+class Hidden(NamedTuple):
     """One combination, or one group of combinations, that cannot be seen.
 
-    names : the errors that take part; text : the sentence for a person
+    text : the sentence for a person
     effect : RMS over the volume of what it does to the tool point, m; 0 where it is a matter of definition
     """
 
-    names: tuple[str, ...]
     text: str
     effect: float = 0.0
 
@@ -78,10 +75,10 @@ def _missing_words(model: Machine, found: list[tuple[Term, str, float]]) -> Iter
         )
         if not reading:
             what = "Nor does any allowed set-up show {names}; together they move it by {effect} (RMS over the volume)."
-        names, subject = tuple(term.name for term, _, _ in members), joined([name for _, name, _ in members], _LISTED)
-        far = float(np.sqrt(sum(effect**2 for *_, effect in members)))
-        values = {"subject": subject, "names": joined(names), "reading": reading}
-        yield Hidden(names, said(what, effect=said_quantity(far, "um", 2), **values), far)
+        terms, names, effects = zip(*members, strict=True)
+        far = float(np.linalg.norm(effects))
+        values = {"subject": joined(names, _LISTED), "names": joined([term.name for term in terms]), "reading": reading}
+        yield Hidden(said(what, effect=said_quantity(far, "um", 2), **values), far)
 
 
 def _reading_that_shows(model: Machine, function: Term) -> str:
@@ -192,7 +189,7 @@ def hidden(
     # The tool point does not depend on which of these it is.
     text = "{none} tells {names} from others that act alike; the tool point does not depend on it."
     told = said(text, none=capital(said(none)), names=joined(alike, _LISTED))
-    return (*_missing_words(model, missing), *([Hidden(tuple(alike), told)] if alike else []))
+    return (*_missing_words(model, missing), *([Hidden(told)] if alike else []))
 
 
 def _aspects(term: Term, unseen: Array) -> list[Aspect]:
