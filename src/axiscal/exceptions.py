@@ -121,12 +121,8 @@ class CodeError(AxiscalError):
     """Code that came with a campaign, which nobody on this computer has said yes to."""
 
 
-class ChainError(DescriptionError):
-    """A kinematic chain that does not follow ISO 10791-6."""
-
-
 class ReadingError(InputError):
-    """A reading that cannot be used: not a number, outside the travel, of an unknown set-up."""
+    """A reading that cannot be used: not a number, outside the travel, of an unknown set-up, or too few of a test."""
 
 
 class RecordError(InputError):
@@ -151,14 +147,6 @@ class SourceError(InputError):
 
 class TableError(InputError):
     """A compensation table that the controller cannot hold or would read differently."""
-
-
-class EvaluationError(InputError):
-    """Readings from which a standard's figures cannot be computed."""
-
-
-class PrintingError(InputError):
-    """A report that cannot be set on paper."""
 
 
 class TargetError(InputError):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts, read_campaign
+from axiscal.description.campaign import Era, campaign_from_texts, read_campaign
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.setup import Unknown
@@ -97,5 +97,5 @@ def test_the_probe_of_a_printer_reads_as_its_owners_say(
     text = f'machine = "printer-gantry"\ncontrols = {controls}\n[target]\nreadings = 5\n[[setups]]\nname = "probe"\n'
     text += f'instrument = "probe"\ndirection = "z"\nmoves = ["X", "Y"]\n{lines}'
     printer = load_machine("printer-gantry").text
-    (probe,) = campaign_from_texts(text, "c.toml", printer, "m.toml", usual_doubts=not begun_before).setups
+    (probe,) = campaign_from_texts(text, "c.toml", printer, "m.toml", era=Era(not begun_before)).setups
     assert probe.noise == noise

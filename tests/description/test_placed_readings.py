@@ -117,7 +117,7 @@ def placed_x(tmp_path: Path, unit: str, text: str) -> float:
     campaign = on(WIDE, laser)
     file = tmp_path / "readings.csv"
     file.write_text(f"setup,X_{unit},approach,value_um\nlaser,{text},X+,1\n")
-    raw = recognised(file, Around(campaign.machine.axes, campaign.setups)).found.readings
+    raw = recognised(file, Around(campaign.machine.axes, campaign.setups)).readings
     (reading,) = placed_readings(raw, campaign, file)
     return reading.pose[0]
 

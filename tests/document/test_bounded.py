@@ -31,13 +31,11 @@ def test_what_is_no_file_is_refused(name: str, says: str) -> None:
         bounded_content(name, 1000)
 
 
-def test_a_pipe_is_read_to_its_end_and_one_that_nobody_writes_into_is_refused(tmp_path: Path) -> None:
+def test_a_pipe_is_read_to_its_end(tmp_path: Path) -> None:
     if not hasattr(os, "mkfifo"):
         pytest.skip("needs pipes with names")
     path = tmp_path / "pipe"
     os.mkfifo(path)
-    with pytest.raises(OSError, match="nobody writes"):
-        bounded_content(path, 1000)
     writer = threading.Thread(target=lambda: path.write_bytes(b"a" * 100_000))
     writer.start()
     assert bounded_content(path, 1_000_000) == b"a" * 100_000

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.campaign import Era, campaign_from_texts
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
 from axiscal.estimation.detail import in_detail
@@ -24,7 +24,7 @@ def case(errors: dict[str, str], *, fine_knots: bool = True) -> Case:
     laser = setup_text("laser", "interferometer", direction="x", noise="0.3 um", approach="both")
     text = campaign_text("m", laser, compensation_active=False)
     machine = machine_text("w-b-X-t", {"X": (0, 1000)}, errors)
-    return Case(campaign_from_texts(text, "c.toml", machine, "m", fine_knots=fine_knots))
+    return Case(campaign_from_texts(text, "c.toml", machine, "m", era=Era(fine_knots=fine_knots)))
 
 
 FREE = case({"EXX": 'std = "10 um", length = "400 mm"'})

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from axiscal.evaluation.circles import circular
-from axiscal.exceptions import EvaluationError
+from axiscal.exceptions import ReadingError
 from axiscal.numerics import Array
 
 AROUND = np.arange(72) * np.pi / 36
@@ -51,5 +51,5 @@ def test_feed_in_and_feed_out_do_not_count(begin: int) -> None:
 
 
 def test_half_a_circle_is_refused() -> None:
-    with pytest.raises(EvaluationError, match="do not go all around"):
+    with pytest.raises(ReadingError, match="do not go all around"):
         circular(_circle(np.zeros(36), angles=AROUND[:36]))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate, positioning_test
-from axiscal.exceptions import EvaluationError
+from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.files import recognised
 from tests.refusals.reading import refusals
 
@@ -119,7 +119,7 @@ def test_a_missing_reading_costs_its_target_alone(tmp_path: Path) -> None:
 
 
 def test_no_direction_at_all_is_refused() -> None:
-    with pytest.raises(EvaluationError, match="no readings"):
+    with pytest.raises(ReadingError, match="no readings"):
         evaluate(PositioningTest(np.zeros(2), None, None))
 
 

@@ -31,7 +31,7 @@ class TradeFile(NamedTuple):
         path = folder / "file.txt"
         path.write_bytes(self.text.encode(page if page.startswith("cp") else "utf-8"))
         found = recognised(path, Around(ends=ENDS), self.unit)
-        return "; ".join([found.sentence().partition(": ")[2], *map(_told, found.found.readings)])
+        return "; ".join([found.sentence().partition(": ")[2], *map(_told, found.readings)])
 
 
 FILES = [TradeFile(*row) for row in tomllib.loads(HERE.read_text(encoding="utf-8"))["files"]]

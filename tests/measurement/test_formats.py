@@ -12,8 +12,8 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_approach, placed_readings
 from axiscal.evaluation.standards import evaluate, positioning_test
 from axiscal.exceptions import InputError, ReadingError
-from axiscal.measurement.readers.csv_readings import Around
-from axiscal.measurement.readers.files import FORMATS, Recognised, read_any, recognised
+from axiscal.measurement.readers.csv_readings import Around, Found
+from axiscal.measurement.readers.files import FORMATS, read_any, recognised
 from axiscal.measurement.readers.text_file import MOST_LINES
 from axiscal.present.delivery import read_in
 from tests.generators.campaigns import on
@@ -41,14 +41,14 @@ def described(*, nodes: DrawnMap | None) -> CampaignDescription:
     return on(BED, probe)
 
 
-def read(folder: Path, text: str | bytes, nodes: DrawnMap | None = None, unit: str = "") -> Recognised:
+def read(folder: Path, text: str | bytes, nodes: DrawnMap | None = None, unit: str = "") -> Found:
     path = folder / "file.txt"
     path.write_bytes(text.encode() if isinstance(text, str) else text)
     campaign = described(nodes=nodes)
     return recognised(path, Around(campaign.machine.axes, campaign.setups), unit)
 
 
-def tried(folder: Path, text: str) -> tuple[Recognised | None, InputError | None]:
+def tried(folder: Path, text: str) -> tuple[Found | None, InputError | None]:
     """Return what a text is, or why it is refused."""
     try:
         return read(folder, text, MAPS[0]), None
@@ -56,10 +56,10 @@ def tried(folder: Path, text: str) -> tuple[Recognised | None, InputError | None
         return None, refused
 
 
-def heights(found: Recognised) -> dict[tuple[float, float], float]:
+def heights(found: Found) -> dict[tuple[float, float], float]:
     return {
         (round(1e3 * each.position["X"], 6), round(1e3 * each.position["Y"], 6)): -1e3 * each.value
-        for each in found.found.readings
+        for each in found.readings
     }
 
 
@@ -72,8 +72,8 @@ def test_a_map_comes_in_as_it_was_drawn(tmp_path: Path, form: str, number: int) 
     found = read(tmp_path, drawing.text(form), drawing)
     assert heights(found) == pytest.approx(drawing.probed(), abs=1e-9)
     assert found.title == form.partition(", ")[0] or found.title in form
-    if found.found.cells > len(found.found.readings):
-        assert found.found.cells == drawing.z.size
+    if found.cells > len(found.readings):
+        assert found.cells == drawing.z.size
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -115,9 +115,9 @@ def test_a_file_that_is_cut_off_is_refused_or_holds_what_stood_there(tmp_path: P
         assert "\n" not in str(refused)
         assert getattr(refused, "remedy", "")
         return
-    whole = read(tmp_path, TEXTS[title], MAPS[0]).found.readings
+    whole = read(tmp_path, TEXTS[title], MAPS[0]).readings
     values = [(each.position, each.approach, each.value) for each in whole]
-    assert all((each.position, each.approach, each.value) in values for each in found.found.readings)
+    assert all((each.position, each.approach, each.value) in values for each in found.readings)
 
 
 @pytest.mark.parametrize("title", TEXTS)
@@ -131,7 +131,7 @@ def test_what_is_no_number_of_a_machine_is_one_clear_error(tmp_path: Path, title
         longer = text[: number.start()] + 5000 * "9" + text[number.end() :]
         found, refused = tried(tmp_path, longer)
         assert len(str(refused)) < 600
-        assert found is None or max(abs(each.value) for each in found.found.readings) < 1.0
+        assert found is None or max(abs(each.value) for each in found.readings) < 1.0
 
 
 def test_a_unit_is_said_for_files_without_one_alone(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription, Era, campaign_from_texts
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import Deviation, tool_motion
 from axiscal_core.rigid import SmallMotions
@@ -47,7 +47,7 @@ def test_where_nothing_turns_the_tool_is_one_with_the_zero_and_no_unknown() -> N
 
 def _at_spheres(tool: str, usual: bool = True) -> CampaignDescription:
     machine = load_machine("dmu60").text
-    return campaign_from_texts(f"{tool}{TWO_SPHERES}", "campaign.toml", machine, "dmu60", usual_doubts=usual)
+    return campaign_from_texts(f"{tool}{TWO_SPHERES}", "campaign.toml", machine, "dmu60", era=Era(usual))
 
 
 @pytest.mark.parametrize(

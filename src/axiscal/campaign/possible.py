@@ -65,8 +65,7 @@ def beginning_of(description: CampaignDescription) -> Created:
     one("Campaign.create", "description", description, CampaignDescription, 'read_campaign("campaign.toml")')
     refuse_unmade(Case(description))
     texts = description.machine.text, description.text, description.machine_source, description.source
-    held = description.usual_doubts, description.machine.fine_knots, description.whole_lengths
-    return Created(*texts, versions(), description.prior_text, *held)
+    return Created(*texts, versions(), description.prior_text, *description.era)
 
 
 def kept_text(text: str, what: str, remedy: str) -> str:

@@ -11,6 +11,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 from pydantic import Field
 
@@ -81,6 +82,21 @@ _ONCE_USUAL = 5e-6
 """m: of the tool's length in records that do not say which doubts are usual (an assumption of then)."""
 
 
+class Era(NamedTuple):
+    """What counts where a campaign says nothing; records of before say none of it, and do not have it.
+
+    usual_doubts : zeros wander, the tool is not quite as stated; fine_knots : knots are as close as is cheap
+    whole_lengths : as of `Surroundings`
+    """
+
+    usual_doubts: bool = True
+    fine_knots: bool = True
+    whole_lengths: bool = True
+
+
+TODAY = Era()
+
+
 @dataclass(frozen=True, slots=True)
 class CampaignDescription:
     """A campaign as described by its owner.
@@ -95,8 +111,7 @@ class CampaignDescription:
     compensation_active : whether a compensation is active on the control while measuring, or the files of it; None
         where nobody said
     particulars : who measured, with which instruments, for the report
-    usual_doubts : what nothing is stated of is doubted as is usual: zeros wander, the tool is not quite as stated
-    whole_lengths : as of `Surroundings`
+    era : of the record it is of, today's without one
     controls : those whose files a finished campaign gets, the first one first
     screws : under the bed of a printer; None where nobody states them
     zero_at : X and Y where a printer has the zero of Z, m; None where nobody states it
@@ -116,8 +131,7 @@ class CampaignDescription:
     kept: float = 1.0
     compensation_active: bool | tuple[str, ...] | None = None
     particulars: Particulars = NOTHING_SAID
-    usual_doubts: bool = True
-    whole_lengths: bool = True
+    era: Era = TODAY
     controls: tuple[str, ...] = ("linuxcnc",)
     screws: BedScrews | None = None
     zero_at: tuple[float, float] | None = None
@@ -153,7 +167,8 @@ def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool 
     document = Document.read(one("read_campaign", "path", path, (str, Path), '"campaign.toml"'))
     name = _machine_name(document)
     source = name if name in builtin_names() else str(document.path.parent / name)
-    found = _described(document, load_machine(source), source, target_needed, _prior_text(document), asking, anew=True)
+    prior = _prior_text(document)
+    found = _described(document, load_machine(source), source, prior, TODAY, True, target_needed, asking)
     known = names(CONTROLS)  # a record opens without the package that writes its tables
     for control in (each for each in document.data.get("controls", ()) if each not in known):
         what = "{controller} is not a controller that tables can be made for"
@@ -185,24 +200,19 @@ def campaign_from_texts(
     machine_source: str,
     *,
     prior_text: str = "",
-    usual_doubts: bool = True,
-    fine_knots: bool = True,
-    whole_lengths: bool = True,
+    era: Era = TODAY,
     anew: bool = False,
 ) -> CampaignDescription:
     """Return the campaign of a record, from the texts it carries; raises as `read_campaign` does.
 
     One that does not say where its set-ups can be read opens: readings of an earlier time are no less true.
-    usual_doubts : what nothing is stated of is doubted as is usual; in records of before it was not
-    fine_knots : as in `Machine`; whole_lengths : as of `Surroundings`
     anew : no record has it yet, and keys of which nothing comes are refused
     """
     document = Document.parse(text, source)
     document = document if anew else without_gone(document)
-    machine = machine_from_text(machine_text, machine_source, fine_knots=fine_knots)
+    machine = machine_from_text(machine_text, machine_source, fine_knots=era.fine_knots)
     of_type = TYPE in prior_text[:200]
-    prior_text = "" if of_type else prior_text
-    found = _described(document, machine, machine_source, False, prior_text, False, usual_doubts, whole_lengths, anew)
+    found = _described(document, machine, machine_source, "" if of_type else prior_text, era, anew)
     return replace(found, prior_gone=of_type)
 
 
@@ -232,13 +242,8 @@ def _with_line(described: CampaignDescription, line: int, said: str) -> Campaign
     """Return a campaign with a further line of text behind a line."""
     lines = described.text.split("\n")
     text = "\n".join([*lines[:line], said, *lines[line:]])
-    machine, prior = described.machine, described.prior_text
-    kept = {
-        "usual_doubts": described.usual_doubts,
-        "fine_knots": machine.fine_knots,
-        "whole_lengths": described.whole_lengths,
-    }
-    return campaign_from_texts(text, described.source, machine.text, described.machine_source, prior_text=prior, **kept)
+    sources, kept = (described.machine.text, described.machine_source), (described.prior_text, described.era)
+    return campaign_from_texts(text, described.source, *sources, prior_text=kept[0], era=kept[1])
 
 
 def _machine_name(document: Document) -> str:
@@ -254,13 +259,13 @@ def _described(
     document: Document,
     machine: DescribedMachine,
     machine_source: str,
-    target_needed: bool,
     prior_text: str,
-    asking: bool,
-    usual_doubts: bool = True,
-    whole_lengths: bool = True,
-    anew: bool = False,
+    era: Era,
+    anew: bool,
+    target_needed: bool = False,
+    asking: bool = False,
 ) -> CampaignDescription:
+    usual_doubts = era.usual_doubts
     table = read_model(document, CampaignTable, context=TableContext(machine, document, anew))
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document) if table.artefacts else {}
@@ -268,7 +273,8 @@ def _described(
     printer = usual_doubts and set(table.controls) <= _PRINTERS  # records of before know no such probe
     at_20 = refers_to_20(table, artefacts, document)
     target = replace(target, refers_to="20 degC" if at_20 else "as read")
-    around = Surroundings(machine, document, artefacts, tool, asking, anew, usual_doubts, printer, at_20, whole_lengths)
+    of_era = usual_doubts, printer, at_20, era.whole_lengths
+    around = Surroundings(machine, document, artefacts, tool, asking, anew, *of_era)
     setups = read_setups(table.setups, around)
     if anew:
         refuse_idle_artefacts(table.artefacts, document)
@@ -298,8 +304,7 @@ def _described(
         kept=table.kept,
         compensation_active=table.compensation_active,
         particulars=read_particulars(table, machine),
-        usual_doubts=usual_doubts,
-        whole_lengths=whole_lengths,
+        era=era,
         controls=tuple(dict.fromkeys(table.controls)),
         screws=None if table.screws is None else table.screws.screws(),
         zero_at=table.zero_at,

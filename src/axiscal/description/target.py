@@ -333,20 +333,14 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
         with document.placed("target", "part"):
             volume = _around(table.part, machine)
     usual = table.part is not None or all(table.directions)  # where heights alone count, as of a bed, no part is probed
-    rows, whole = table.wants, next((want.limit for want in table.wants if want.row.kind == "volume"), None)
+    whole = next((want.limit for want in table.wants if want.row.kind == "volume"), None)
     return Target(
-        table.rms,
-        table.worst,
-        table.readings,
-        table.budget,
-        volume,
-        table.criterion or ("rows" if any(want.row.kind != "volume" for want in rows) else "volume"),
-        table.part,
-        usual if table.aligned is None else table.aligned,
-        table.U if whole is None else whole,
-        table.directions,
-        wants=rows,
-        checks=table.checks,
+        volume=volume,
+        criterion=table.criterion or ("rows" if any(want.row.kind != "volume" for want in table.wants) else "volume"),
+        aligned=usual if table.aligned is None else table.aligned,
+        expanded=table.U if whole is None else whole,
+        counted=table.directions,
+        **{key: getattr(table, key) for key in ("rms", "worst", "readings", "budget", "part", "wants", "checks")},
     )
 
 

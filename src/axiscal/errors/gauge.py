@@ -8,7 +8,6 @@ matter of how the errors are defined. The others do move it, and need a reading 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
 
@@ -24,63 +23,65 @@ from axiscal_core.axes import Axis
 from axiscal_core.errors import COMPONENTS
 from axiscal_core.from_scipy import solution, triangle_over
 from axiscal_core.machine import Machine
-from axiscal_core.splines import NaturalSpline, gauss
+from axiscal_core.splines import NaturalSpline, Spline
 from axiscal_core.terms import Term
 
 _LISTED = 5
 """Sentences that are read; the others are counted."""
 
 
-@dataclass(frozen=True, slots=True)
-class Hidden:
+class Hidden(NamedTuple):
     """One combination, or one group of combinations, that cannot be seen.
 
-    names : the errors that take part; text : the sentence for a person
+    text : the sentence for a person
     effect : RMS over the volume of what it does to the tool point, m; 0 where it is a matter of definition
     """
 
-    names: tuple[str, ...]
     text: str
     effect: float = 0.0
 
 
 class Aspect(NamedTuple):
-    """What stays open of one error.
+    """What stays open of one error: of its constant, its slope, or its curve, which is the rest of it.
 
-    kind : "constant", "slope", or "curve" for what is neither
-    share : of the prior variance that is unseen; std : unseen, m or rad
+    name : in words; share : of the prior variance that is unseen; std : unseen, m or rad
     """
 
-    function: Term
-    kind: str
+    name: str
+    curve: bool
     share: float
     std: float
 
+    @property
+    def open(self) -> bool:
+        """Whether it stays open by more than a rounding of the prior."""
+        return self.share > (_CURVE if self.curve else _SHARE)
 
-def missing_words(model: Machine, found: list[tuple[Aspect, float]]) -> Iterator[Hidden]:
-    """Yield what moves the tool point unseen, joined by the reading that would show it, the worst first."""
-    groups: dict[str, list[tuple[Aspect, float]]] = {}
-    for aspect, effect in sorted(found, key=lambda pair: -pair[1]):
-        groups.setdefault(reading_that_shows(model, aspect.function), []).append((aspect, effect))
-    told = list(groups.items())
-    others = [member for _, members in told[_LISTED:] for member in members]
-    for reading, members in [*told[:_LISTED], *([("", others)] if others else [])]:
+
+def _missing_words(model: Machine, found: list[tuple[Term, str, float]]) -> Iterator[Hidden]:
+    """Yield what moves the tool point unseen, joined by the reading that would show it, the worst first.
+
+    found : errors with what of each is missing, and the RMS of its effect, m
+    """
+    groups = dict[str, list[tuple[Term, str, float]]]()
+    for each in sorted(found, key=lambda each: -each[2]):
+        groups.setdefault(_reading_that_shows(model, each[0]), []).append(each)
+    told = [*groups.items()][:_LISTED]
+    others = [each for members in [*groups.values()][_LISTED:] for each in members]
+    for reading, members in [*told, *([("", others)] if others else [])]:
         what = (
             "No allowed set-up shows {subject}. It moves the tool point by {effect} (RMS over the volume); {reading} "
             "would show it."
         )
-        names, subject = (
-            tuple(aspect.function.name for aspect, _ in members),
-            [_phrase(aspect) for aspect, _ in members],
-        )
         if not reading:
             what = "Nor does any allowed set-up show {names}; together they move it by {effect} (RMS over the volume)."
-        far = float(np.sqrt(sum(effect**2 for _, effect in members)))
-        values = {"subject": joined(subject, _LISTED), "names": joined(names), "reading": reading}
-        yield Hidden(names, said(what, effect=said_quantity(far, "um", 2), **values), far)
+        terms, names, effects = zip(*members, strict=True)
+        far = float(np.linalg.norm(effects))
+        values = {"subject": joined(names, _LISTED), "names": joined([term.name for term in terms]), "reading": reading}
+        yield Hidden(said(what, effect=said_quantity(far, "um", 2), **values), far)
 
 
-def reading_that_shows(model: Machine, function: Term) -> str:
+def _reading_that_shows(model: Machine, function: Term) -> str:
     """Return in words which reading would show an error that no allowed one shows."""
     axis, component = model.axes[function.axis], function.component % 3
     if function.kind == "location" and not axis.rotary:
@@ -96,15 +97,7 @@ def reading_that_shows(model: Machine, function: Term) -> str:
 
 
 def _moving(axis: Axis) -> str:
-    return said("while {axis} turns", axis=axis.name) if axis.rotary else said("while {axis} moves", axis=axis.name)
-
-
-def _phrase(aspect: Aspect) -> str:
-    function = aspect.function
-    name = put("{name} ({words})", name=function.name, words=words(function.name))
-    if function.spline.size == 1 or aspect.kind == "curve":
-        return name
-    return said("the constant of {name}" if aspect.kind == "constant" else "the slope of {name}", name=name)
+    return said("while {axis} turns" if axis.rotary else "while {axis} moves", axis=axis.name)
 
 
 _ABOUT = {"XY": "C", "XZ": "B", "YZ": "A"}
@@ -127,13 +120,13 @@ def undescribed(machine: Machine) -> str | None:
     return said("Not described, taken as zero: {names}.", names=listed(", ", missing)) if missing else None
 
 
-__all__ = ["Hidden", "hidden", "machine_check", "unseen_factor"]
-
 MANY_READINGS = 1e6
 _POSES = 1500
 """Poses drawn to see what none shows: some times the unknowns of the largest machine."""
 _NOISE = 1e-6
 """m; a million readings of any instrument leave what none shows."""
+_PLACES = 1000
+"""Along a curve, for its mean and its slope."""
 _IDLE = 1e-3
 """Of the prior's effect on the tool: a combination that does less does nothing."""
 _COUNTS = 0.02
@@ -159,15 +152,14 @@ def unseen_factor(factor: Array, rows: Array) -> Array:
 
 def machine_check(machine: Machine) -> tuple[str, ...]:
     """Return what no reading of the tool point shows: along x, y and z, at any pose, from both directions."""
-    model = machine
-    if not model.size:
+    if not machine.size:
         return ()
     rng = np.random.default_rng(0)
     low, high = np.array([axis.travel for axis in machine.axes]).T
     poses = rng.uniform(low, high, (_POSES, len(low)))
-    rows = model.rows_at(poses, rng.choice([-1.0, 1.0], poses.shape)).reshape(-1, model.size)
-    unseen = unseen_factor(model.root(), rows / _NOISE)
-    return tuple(one.text for one in hidden(model, unseen, none=later("no reading of the tool point")))
+    rows = machine.rows_at(poses, rng.choice([-1.0, 1.0], poses.shape)).reshape(-1, machine.size)
+    unseen = unseen_factor(machine.root(), rows / _NOISE)
+    return tuple(one.text for one in hidden(machine, unseen, none=later("no reading of the tool point")))
 
 
 def hidden(
@@ -183,65 +175,49 @@ def hidden(
     shift = volume.moments.mean[list(volume.counted)]
     beyond = volume.moments.gram - shift.T @ shift  # without the part that is one shift of the whole volume
     before = float(np.sum(beyond * model.covariance()))
-    acting, idle = _split(unseen, beyond, _IDLE**2 * before)
-    missing = list[tuple[Aspect, float]]()
+    effects, directions = np.linalg.eigh(unseen.T @ beyond @ unseen)
+    acts, turned = effects > _IDLE**2 * before, unseen @ directions
+    missing, alike = list[tuple[Term, str, float]](), list[str]()
     for term in model.terms:
-        own = acting[term.columns]
+        own, idle = turned[term.columns][:, acts], turned[term.columns][:, ~acts]
         effect = float(np.sqrt(max(np.sum(own * (beyond[term.columns, term.columns] @ own)), 0.0)))
         if effect > _COUNTS * np.sqrt(before):
-            missing.append((_missing(term, acting), effect))
+            most = max(_aspects(term, own), key=lambda each: (each.curve and each.open, each.std))
+            missing.append((term, most.name, effect))
+        if not term.stated_shape and any(each.open for each in _aspects(term, idle)):
+            alike.append(term.name)
     # The tool point does not depend on which of these it is.
-    curves = (term for term in model.terms if not term.stated_shape)
-    names = tuple(term.name for term in curves if any(_open(each) for each in _candidates(term, idle)))
     text = "{none} tells {names} from others that act alike; the tool point does not depend on it."
-    alike = said(text, none=capital(said(none)), names=joined(names, _LISTED))
-    return (*missing_words(model, missing), *([Hidden(names, alike)] if names else []))
+    told = said(text, none=capital(said(none)), names=joined(alike, _LISTED))
+    return (*_missing_words(model, missing), *([Hidden(told)] if alike else []))
 
 
-def _split(unseen: Array, beyond: Array, floor: float) -> tuple[Array, Array]:
-    """Return the factors of what moves the tool point by more than `floor` (m²) and of what does not.
+def _aspects(term: Term, unseen: Array) -> list[Aspect]:
+    """Return constant, slope and the rest of a curve, as far as its spline has them; a stated shape is one.
 
-    beyond : (size, size) E[HᵀH] less the part that is one shift of the whole volume
+    unseen : (size, r) factor of what of the control values is unseen
     """
-    effects, directions = np.linalg.eigh(unseen.T @ beyond @ unseen)
-    turned = unseen @ directions
-    return turned[:, effects > floor], turned[:, effects <= floor]
+    name, spline, prior = put("{name} ({words})", name=term.name, words=words(term.name)), term.spline, term.covariance
+    if term.stated_shape:
+        left = float(np.sum(unseen**2))
+        return [Aspect(name, True, left / float(np.trace(prior)), float(np.sqrt(left / len(prior))))]
+    lines = [name], np.ones((1, 1))
+    if spline.size > 1:
+        lines = [said("the constant of {name}", name=name), said("the slope of {name}", name=name)], _straight(spline)
+    found = list[Aspect]()
+    for text, row in zip(*lines, strict=False):
+        left = float(np.sum((row @ unseen) ** 2))
+        found.append(Aspect(text, False, left / float(row @ prior @ row), float(np.sqrt(left))))
+    if spline.size > len(found):
+        shape = np.eye(spline.size) - np.linalg.pinv(lines[1]) @ lines[1]
+        left, whole = float(np.sum((shape @ unseen) ** 2)), float(np.trace(shape @ prior @ shape.T))
+        found.append(Aspect(name, True, left / whole, float(np.sqrt(left / spline.size))))
+    return found
 
 
-def _missing(function: Term, acting: Array) -> Aspect:
-    """Return the aspect of an error that is missed most: all of the curve, or only its slope or constant."""
-    if function.stated_shape:
-        unseen, whole = float(np.sum(acting[function.columns] ** 2)), float(np.trace(function.covariance))
-        return Aspect(function, "curve", unseen / whole, float(np.sqrt(unseen / len(function.covariance))))
-    return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.std))
-
-
-def _open(aspect: Aspect) -> bool:
-    """Return whether an aspect stays open by more than a rounding of the prior."""
-    return aspect.share > (_CURVE if aspect.kind == "curve" else _SHARE)
-
-
-def _candidates(function: Term, unseen: Array) -> Iterator[Aspect]:
-    """Yield constant, slope and the rest of the curve, as far as the spline has them."""
-    own = unseen[function.columns]
-    rows = [("constant", _projection(function, 0))]
-    if isinstance(function.spline, NaturalSpline):
-        rows.append(("slope", _projection(function, 1)))
-    for kind, row in rows:
-        left = float(np.sum((row @ own) ** 2))
-        yield Aspect(function, kind, left / float(row @ function.covariance @ row), float(np.sqrt(left)))
-    if function.spline.size > len(rows):
-        straight = np.array([row for _, row in rows])
-        shape = np.eye(function.spline.size) - np.linalg.pinv(straight) @ straight
-        left, prior = float(np.sum((shape @ own) ** 2)), float(np.trace(shape @ function.covariance @ shape.T))
-        yield Aspect(function, "curve", left / prior, float(np.sqrt(left / function.spline.size)))
-
-
-def _projection(function: Term, degree: int) -> Array:
-    """The row (size,) that reads the mean, or half the mean rise over the travel, off the control values."""
-    if function.spline.size == 1:
-        return np.ones(1)
-    points, weights = (each.ravel() for each in gauss(function.spline.knots, 5))
-    ends = (function.spline.knots[0], function.spline.knots[-1])
-    legendre = np.polynomial.legendre.Legendre.basis(degree, domain=ends)(points)
-    return (weights * legendre) @ function.spline.rows(points) / (weights @ legendre**2)
+def _straight(spline: Spline) -> Array:
+    """Return the rows that read mean and, of a spline with ends, half the mean rise off the control values."""
+    at = (np.arange(_PLACES) + 0.5) * 2 / _PLACES - 1
+    low, high = spline.knots[0], spline.knots[-1]
+    line = np.vander(at, 1 + isinstance(spline, NaturalSpline), increasing=True)
+    return np.asarray(np.linalg.pinv(line) @ spline.rows(low + (high - low) * (at + 1) / 2), dtype=np.float64)

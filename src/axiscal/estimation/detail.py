@@ -56,7 +56,7 @@ def as_fine_as_shown(stated: Case, known: Estimation) -> Case:
 
     known : what the readings make known by it while others are to follow
     """
-    if not stated.description.machine.fine_knots or known.posterior is None or stated.inherited is not None:
+    if not stated.description.era.fine_knots or known.posterior is None or stated.inherited is not None:
         return stated
     judged, best = known.posterior.draws[0].problem, stated
     names, uneven = _free(stated.description.machine), _uneven(known, judged)

@@ -10,7 +10,7 @@ import json
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.description.campaign import CampaignDescription, Era, campaign_from_texts, with_mounted
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -41,9 +41,7 @@ def created_description(created: Created) -> CampaignDescription:
         created.machine_text,
         created.machine_source,
         prior_text=created.prior_text,
-        usual_doubts=created.usual_doubts,
-        fine_knots=created.fine_knots,
-        whole_lengths=created.whole_lengths,
+        era=Era(created.usual_doubts, created.fine_knots, created.whole_lengths),
     )
 
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.exceptions import EvaluationError
+from axiscal.exceptions import ReadingError
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -41,7 +41,7 @@ class CircleFigures:
 
 
 def circular(rows: Array, file: str | None = None) -> CircleFigures:
-    """Return G_plus (counter-clockwise), G_minus, G_b, F_max, F_min, D; raises EvaluationError for less than a turn.
+    """Return G_plus (counter-clockwise), G_minus, G_b, F_max, F_min, D; raises ReadingError for less than a turn.
 
     rows : angles, rad, deviations of the radius, m, and directions, +1 counter-clockwise or −1, (3, m)
     """
@@ -53,7 +53,7 @@ def circular(rows: Array, file: str | None = None) -> CircleFigures:
         if len(around) < _AROUND or gaps.max() >= np.pi / 2:
             what = "the clockwise readings do not go all around"
             what = "the counter-clockwise readings do not go all around" if name == "plus" else what
-            raise EvaluationError(what, "Give eight angles or more, no quarter of the turn without one", file)
+            raise ReadingError(what, "Give eight angles or more, no quarter of the turn without one", file)
     radius, left = _centred(*np.concatenate(list(measured.values()), axis=1))
     each = {name: _centred(*own) for name, own in measured.items()}
     figures = {f"G_{name}": float(np.ptp(own)) for name, (_, own) in each.items()}

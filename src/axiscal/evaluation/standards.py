@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.evaluation.circles import CircleFigures, circular
-from axiscal.exceptions import EvaluationError, ReadingError
+from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import joined, said
-from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.files import Recognised
+from axiscal.measurement.readers.csv_readings import Found, RawReading
 from axiscal.numerics import Array
 from axiscal.units import said_quantity, to_unit
 
@@ -89,12 +88,12 @@ _Sides = Mapping[str, tuple[Array, Array]]
 """Means and standard deviations at the targets, (k, n) each of k tests, of the directions that were measured."""
 
 
-def positioning_test(read: Recognised) -> PositioningTest:
+def positioning_test(read: Found) -> PositioningTest:
     """Return the test of one axis that a file holds; raises ReadingError where two targets are not whole, or for none.
 
     The best-fit line of a straightness test is taken off: it is how the optics stand.
     """
-    readings, seen = read.found.readings, dict[float, set[tuple[int, int]]]()
+    readings, seen = read.readings, dict[float, set[tuple[int, int]]]()
     if readings[0].test is None:
         what = "this is {title}, and no test of an axis or a circle"
         raise ReadingError(what, "`axiscal data estimate` evaluates readings", read.file, title=said(read.title))
@@ -123,7 +122,7 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
     noise : m or rad, standard uncertainty of the instrument that all runs at a target share
     """
     if not test.measured:
-        raise EvaluationError("there are no readings", "measure at least one direction twice", test.file)
+        raise ReadingError("there are no readings", "measure at least one direction twice", test.file)
     single = np.full((1, len(test.targets)), np.nan)
     sides = {
         name: (runs.mean(axis=1)[None], np.std(runs, axis=1, ddof=1)[None] if runs.shape[1] > 1 else single)
@@ -228,9 +227,9 @@ def _shown(value: float | None, unit: str) -> float | None:
     return None if value is None or not np.isfinite(value) else round(to_unit(value, unit), 9)
 
 
-def figures_of(read: Recognised) -> Positioning | CircleFigures:
-    """Return the figures of the test that a file holds; raises ReadingError, EvaluationError."""
-    if (found := read.found.readings)[0].test == "circle":
+def figures_of(read: Found) -> Positioning | CircleFigures:
+    """Return the figures of the test that a file holds; raises ReadingError."""
+    if (found := read.readings)[0].test == "circle":
         rows = np.array([(each.position[""], each.value, each.approach[""]) for each in found])
         return circular(rows.T, read.file)
     return evaluate(positioning_test(read))

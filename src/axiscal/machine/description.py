@@ -20,12 +20,12 @@ _LIBRARY = Path(__file__).parent / "library"
 
 
 def _described(document: Document, fine_knots: bool = True) -> DescribedMachine:
-    """Return the machine in a document; raises DescriptionError, ChainError or UnitError.  fine_knots : as in it"""
+    """Return the machine in a document; raises DescriptionError or UnitError.  fine_knots : as in it"""
     found = read_model(document, MachineFile, context=fine_knots)
     tool, axes = found.tool, tuple(found.axes.values())
     nose = Nose(tool.radius, tool.stylus, tool.reach, tuple(tool.head))
     named = {"name": found.name or document.path.stem, "nose": nose, "unit": _unit(axes, document)}
-    return DescribedMachine(axes, found.errors, tool.length, **named, text=document.text, fine_knots=fine_knots)
+    return DescribedMachine(axes, found.errors, tool.length, **named, text=document.text)
 
 
 def _unit(axes: tuple[Axis, ...], document: Document) -> str:
@@ -36,19 +36,13 @@ def _unit(axes: tuple[Axis, ...], document: Document) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class DescribedMachine(Machine):
-    """A machine as its owner wrote it.
-
-    text : the TOML that it came from
-    fine_knots : knots of which nothing is said are as close as is cheap; in records of before they were not
-    """
+    """A machine as its owner wrote it.  text : the TOML that it came from"""
 
     text: str
-    fine_knots: bool
 
-    def __init__(self, *given: Any, text: str = "", fine_knots: bool = True, **named: Any) -> None:
+    def __init__(self, *given: Any, text: str = "", **named: Any) -> None:
         super().__init__(*given, **named)
         object.__setattr__(self, "text", text)
-        object.__setattr__(self, "fine_knots", fine_knots)
 
     def index(self, name: str) -> int:
         """Return the place of an axis in a pose; raises DescriptionError for an axis that the machine does not have."""
@@ -69,7 +63,7 @@ def load_machine(source: str | Path) -> DescribedMachine:
     """Return the machine in a file, or the built-in one of that name.
 
     source : a path, or a name of `builtin_names`, which goes before a file of the same name without an ending
-    Raises DescriptionError, ChainError or UnitError with file, line, what is wrong and what would be right.
+    Raises DescriptionError or UnitError with file, line, what is wrong and what would be right.
     """
     one("load_machine", "source", source, (str, Path), '"dmu60", or "machine.toml"')
     if isinstance(source, str) and source in builtin_names():
@@ -87,6 +81,7 @@ def machine_from_text(
 ) -> DescribedMachine:
     """Return the machine in a TOML text; raises as `load_machine`.
 
-    source_name : what failures call it; fine_knots : as in `DescribedMachine`
+    source_name : what failures call it
+    fine_knots : knots of which nothing is said are as close as is cheap; in records of before they were not
     """
     return _described(Document.parse(text, source_name), fine_knots)

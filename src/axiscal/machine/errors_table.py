@@ -63,11 +63,8 @@ def _size(text: str, known: Beside) -> float:
     error = known.data.get("name")
     if error is None:
         return 0.0
-    return within(text, _dimension(error), 0.0 if error.sides else SMALLEST_ERROR, LARGEST_ERROR)
-
-
-def _dimension(error: Error) -> Dimension:
-    return "angle" if error.angular else "length"
+    of: Dimension = "angle" if error.angular else "length"
+    return within(text, of, 0.0 if error.sides else SMALLEST_ERROR, LARGEST_ERROR)
 
 
 def _rest(text: str, known: Beside) -> float | None:
@@ -182,16 +179,12 @@ def _check_keys(key: str, table: ErrorTable) -> None:
         raise DescriptionError("an error of no size has no rest", 'Add how large it may be, such as std = "10 um"')
 
 
-Two = tuple[Error, Error]
-"""An error with as many knots as a smooth curve needs, and as a rough one does."""
-
-
-def prior_of(key: str, table: ErrorTable, known: Beside) -> Two:
+def prior_of(key: str, table: ErrorTable, known: Beside) -> Error:
     """Return what is known of an error; raises DescriptionError where name, keys and axes do not fit each other."""
     _check_keys(key, table)
     name, reference, axes = table.name, reference_in(key), known.data.get("axes")
     if not axes:  # what is wrong with them is said
-        return name, name
+        return name
     needed = [*name.axes] if reference is None else [name.axis, reference]
     for wanted in needed:
         if wanted not in axes or needed.count(wanted) > 1:
@@ -211,8 +204,8 @@ def prior_of(key: str, table: ErrorTable, known: Beside) -> Two:
         if std and count > MOST_PRODUCTS:
             remedy = "At most {most} are possible; give knots, spacing or length accordingly"
             raise DescriptionError("{count} knots in the plane are too many", remedy, count=count, most=MOST_PRODUCTS)
-        return (Error(name.name, std, rest=table.rest, learnt_rest=learnt, sides=(first, second)),) * 2
-    error = Error(
+        return Error(name.name, std, rest=table.rest, learnt_rest=learnt, sides=(first, second))
+    return Error(
         name.name,
         std,
         _knot_count(table, axis, 0),
@@ -228,10 +221,9 @@ def prior_of(key: str, table: ErrorTable, known: Beside) -> Two:
         free_knots=name.kind == "motion" and shape == "curve" and table.length is not None
         and table.knots is None is table.spacing,
     )  # fmt: skip
-    return error, replace(error, knots=_knot_count(table, axis, 0, fine=True)) if error.free_knots else error
 
 
-def every_error(found: Mapping[str, Two], known: Beside) -> tuple[Error, ...]:
+def every_error(found: Mapping[str, Error], known: Beside) -> tuple[Error, ...]:
     """Return what is known of errors, those of one axis first; each is there once, whatever its spelling.
 
     found : by their keys; known : its context says whether knots of which nothing is said are as close as a rough curve
@@ -241,15 +233,23 @@ def every_error(found: Mapping[str, Two], known: Beside) -> tuple[Error, ...]:
         remedy = 'Name at least one, such as EXX = { std = "10 um" }; an error that is not named is taken to be zero'
         raise DescriptionError("no error is named", remedy)
     seen = dict[object, str]()
-    for key, (name, _) in found.items():
+    for key, name in found.items():
         first = seen.setdefault((name.kind, shape_of(name), name.component, frozenset(name.axes)), key)
         if first != key:
             what = "{key} is {name}, which is there already as {first}"
-            fault = DescriptionError(what, "Keep one of them", key=key, first=first, name=found[first][0].name)
+            fault = DescriptionError(what, "Keep one of them", key=key, first=first, name=found[first].name)
             raise refusal([((key,), fault)])
-    every = sorted(found.values(), key=lambda two: bool(two[0].sides))
-    few = sum(fine.count for _, fine in every if fine.count > 1 and not fine.sides) <= CHEAP
-    return tuple(two[known.context and few] for two in every)
+    every = tuple(sorted(found.values(), key=lambda error: bool(error.sides)))
+    fine = tuple(_finer(error, known.data.get("axes", {})) for error in every)
+    few = sum(error.count for error in fine if error.count > 1 and not error.sides) <= CHEAP
+    return fine if known.context and few else every
+
+
+def _finer(error: Error, axes: Mapping[str, Axis]) -> Error:
+    """Return an error with as many knots as a rough curve needs, where nobody says how many it has."""
+    if not error.free_knots or error.length is None or error.axis not in axes:
+        return error
+    return replace(error, knots=1 + max(FEWEST_INTERVALS, _intervals(axes[error.axis].length, error.length / _FINE)))
 
 
 def _check_location(name: Error, axis: Axis) -> None:
@@ -275,11 +275,11 @@ def _side(table: ErrorTable, axis: Axis, index: int) -> Error:
     return Error(side_name(table.name.component, axis.name), 1.0, knots, length, smoothness=_smooth(table))
 
 
-def _knot_count(table: ErrorTable, axis: Axis, index: int, fine: bool = False) -> int | None:
+def _knot_count(table: ErrorTable, axis: Axis, index: int) -> int | None:
     """Return the number of equidistant knots over the travel, both ends included; None of one number or a shape.
 
     `knots` as written. `spacing`: the fewest intervals not longer than it. Neither: at least four intervals, not
-    longer than half the correlation length (a quarter for `fine` or a rough curve). Without a correlation length:
+    longer than half the correlation length (a quarter for a rough curve). Without a correlation length:
     7 knots, as in the paper (B&H section V).
     Raises DescriptionError when that is not between 2 and 400 (a full turn needs 4 for a periodic curve).
     """
@@ -294,7 +294,7 @@ def _knot_count(table: ErrorTable, axis: Axis, index: int, fine: bool = False) -
     elif table.spacing is not None:
         count = 1 + max(1, _intervals(axis.length, table.spacing[index]))
     elif table.length is not None:
-        parts = _FINE if fine or table.smoothness not in (None, SMOOTH) else _COARSE
+        parts = _COARSE if table.smoothness in (None, SMOOTH) else _FINE
         count = 1 + max(FEWEST_INTERVALS, _intervals(axis.length, table.length[index] / parts))
     fewest = FEWEST_CYCLIC_KNOTS if axis.cyclic else 2
     if not fewest <= count <= MOST_KNOTS:

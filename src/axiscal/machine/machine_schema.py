@@ -15,10 +15,10 @@ from pydantic import BeforeValidator, Field
 from axiscal.document import QuantityText, meant, shown
 from axiscal.document.toml_table import Table
 from axiscal.document.validation import NAME, Beside, EachAs, QuantityOf, ReadAs
-from axiscal.exceptions import ChainError, DescriptionError
+from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS, iso_axis
-from axiscal.machine.errors_table import ErrorTable, Two, every_error, prior_of
+from axiscal.machine.errors_table import ErrorTable, every_error, prior_of
 from axiscal.units import Dimension, format_quantity, within
 from axiscal_core.axes import Axis, Counting, Three
 from axiscal_core.errors import Error
@@ -43,13 +43,13 @@ def parse_chain(text: str) -> tuple[Axis, ...]:
     """Return the axes of a chain from the workpiece to the tool, of no travel yet, spindles in parentheses left out.
 
     text : "w-C'-B'-b-Y-X-Z-(C)-t" or "[w C' B' b Y X Z (C) t]", one to six axes, each once
-    Raises ChainError: w, b or t missing or misplaced, an axis unknown, twice, or primed on the wrong side.
+    Raises DescriptionError: w, b or t missing or misplaced, an axis unknown, twice, or primed on the wrong side.
     """
     plain = re.sub("[’‘′´`]", "'", text[:_LONGEST]).strip()
     bracketed = plain.startswith("[") and plain.endswith("]")
     words = plain[1:-1].split() if bracketed else [word.strip() for word in plain.split("-")]
     if (words[:1], words[-1:], words.count("b")) != (["w"], ["t"], 1):
-        raise ChainError("the chain {text} needs w first, one b, and t last", _EXAMPLE, text=shown(text))
+        raise DescriptionError("the chain {text} needs w first, one b, and t last", _EXAMPLE, text=shown(text))
     bed, links = words.index("b"), dict[str, Axis]()
     for place, word in enumerate(words[1:-1], 1):
         if place == bed or (place > bed and _SPINDLE.fullmatch(word)):
@@ -60,15 +60,15 @@ def parse_chain(text: str) -> tuple[Axis, ...]:
             remedy = "Axes are X Y Z U V W P Q R (linear) and A B C (rotary), in capitals, with one digit if needed"
             if _SPINDLE.fullmatch(word.replace("'", "")):
                 remedy = "A spindle in parentheses stands behind b; a table that is positioned has no parentheses"
-            raise ChainError(what, remedy, word=shown(word), text=shown(text))
+            raise DescriptionError(what, remedy, word=shown(word), text=shown(text))
         if bool(found["prime"]) != (place < bed):
             what = "{word} in the chain {text} is on the wrong side of the bed"
             remedy = "Axes between w and b carry the workpiece and have a prime, {name}'; those behind b have none"
-            raise ChainError(what, remedy, word=word, text=shown(text), name=found["name"])
+            raise DescriptionError(what, remedy, word=word, text=shown(text), name=found["name"])
         links[found["name"]] = iso_axis(found["name"], place < bed, (0.0, 1.0))
     if not 1 <= len(links) <= MOST_AXES:
-        what = "the chain {text} has {count} axes"
-        raise ChainError(what, "One to {most} axes are possible", text=shown(text), count=len(links), most=MOST_AXES)
+        what, remedy = "the chain {text} has {count} axes", "One to {most} axes are possible"
+        raise DescriptionError(what, remedy, text=shown(text), count=len(links), most=MOST_AXES)
     return tuple(links.values())
 
 
@@ -205,18 +205,14 @@ def _name(name: str) -> str:
     return name
 
 
-def _size(most: float, least: float = 0.0) -> QuantityOf:
-    return QuantityOf("length", least, most)
-
-
 class ToolTable(Table):
     """[tool]"""
 
-    length: Annotated[float, _size(10.0)] = Field(0.0, examples=['"120 mm"'])
-    radius: Annotated[float, _size(1.0)] = Field(0.04, examples=['"31.5 mm"'])
-    stylus: Annotated[float, _size(0.1)] = Field(0.0, examples=['"6 mm"'])
-    reach: Annotated[float, _size(1.0)] = Field(0.05, examples=['"50 mm"'])
-    head: list[Annotated[float, _size(2.0, 1e-3)]] = Field(
+    length: Annotated[float, QuantityOf("length", 0.0, 10.0)] = Field(0.0, examples=['"120 mm"'])
+    radius: Annotated[float, QuantityOf("length", 0.0, 1.0)] = Field(0.04, examples=['"31.5 mm"'])
+    stylus: Annotated[float, QuantityOf("length", 0.0, 0.1)] = Field(0.0, examples=['"6 mm"'])
+    reach: Annotated[float, QuantityOf("length", 0.0, 1.0)] = Field(0.05, examples=['"50 mm"'])
+    head: list[Annotated[float, QuantityOf("length", 1e-3, 2.0)]] = Field(
         [], min_length=2, max_length=2, examples=['["130 mm", "130 mm"]']
     )
 
@@ -235,7 +231,7 @@ class MachineFile(Table):
     errors: Annotated[
         tuple[Error, ...],
         ReadAs(
-            Annotated[dict[str, Two], EachAs(Annotated[dict[str, ErrorTable], _WITH_NAMES], prior_of)],
+            Annotated[dict[str, Error], EachAs(Annotated[dict[str, ErrorTable], _WITH_NAMES], prior_of)],
             every_error,
             by=True,
         ),

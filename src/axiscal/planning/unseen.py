@@ -52,13 +52,13 @@ def seen_as_one(yardstick: Yardstick) -> Iterator[Hidden]:
             "Your instruments cannot see the common scale of X, Y and Z: a bar of known length, or a laser, shows it. "
             "It makes {size} of the {whole} that cannot be seen."
         )
-        yield Hidden(("EXX", "EYY", "EZZ"), said(text, **_part(scale, unseen)), scale)
+        yield Hidden(said(text, **_part(scale, unseen)), scale)
     if turn > _SAID * unseen and yardstick.volume.alignment is None:
         text = (
             "Your instruments cannot see how the part lies: it is aligned by probing, which aligned = true takes off. "
             "It makes {size} of the {whole} that cannot be seen."
         )
-        yield Hidden((), said(text, **_part(turn, unseen)), turn)
+        yield Hidden(said(text, **_part(turn, unseen)), turn)
 
 
 def uniform_parts(yardstick: Yardstick) -> tuple[float, float]:
@@ -105,7 +105,7 @@ def tool_doubt(observation: Observation, yardstick: Yardstick, factor: Array, ro
     if hides**2 > _OF_TOOL * whole**2:
         text = "{tool}; that makes {size} of the {whole} that cannot be seen. {remedy}"
         words = {"tool": _subject(observation), "remedy": _remedy(observation)}
-        yield Hidden((), said(text, **words, **_part(hides, whole)), hides)
+        yield Hidden(said(text, **words, **_part(hides, whole)), hides)
 
 
 def _subject(observation: Observation) -> str:

@@ -60,9 +60,9 @@ def read_in(
     read = recognised(file, Around(described.machine.axes, described.setups), unit)
     if zero is not None:
         stated = place_of(zero)
-        told = tuple(replace(row, zero=stated) for row in read.found.readings)
-        read = read._replace(found=replace(read.found, readings=told))
-    rows = read.found.readings
+        told = tuple(replace(row, zero=stated) for row in read.readings)
+        read = replace(read, readings=told)
+    rows = read.readings
     if along:
         described.machine.axis(along)
         if other := next((row for row in rows if not row.test or row.axis not in ("", along)), None):

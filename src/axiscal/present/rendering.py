@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.exceptions import PrintingError
+from axiscal.exceptions import InputError
 from axiscal.language.spoken import resaid, spoken_now
 from axiscal.present.drawing.svg_picture import Drawing
 from axiscal.present.found_and_left import found_and_left_drawing
@@ -97,4 +97,4 @@ def _set(compilers: Sequence[Any], moment: int) -> bytes:
             reason = str(failure).splitlines()[0][:200]
     what = "report.pdf could not be set: {reason}"
     remedy = "result.json beside it says the same; please report this defect of axiscal"
-    raise PrintingError(what, remedy, reason=reason)
+    raise InputError(what, remedy, reason=reason)

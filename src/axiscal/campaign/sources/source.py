@@ -136,7 +136,7 @@ class CsvSource:
 
     def __init__(self, path: Path, taken: int, setups: Sequence[Setup]) -> None:
         read = recognised(path, Around(setups=setups, bare=True))
-        rows = read.found.readings
+        rows = read.readings
         if any(row.error or row.test for row in rows):
             what = "this is {title}, and no table of readings in the order asked"
             raise SourceError(what, "Evaluate it with `axiscal data estimate`", str(path), title=said(read.title))

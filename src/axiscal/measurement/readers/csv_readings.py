@@ -19,6 +19,7 @@ from typing import Literal
 
 from axiscal.document import meant, shown
 from axiscal.exceptions import Faults, UnitError
+from axiscal.language.spoken import counted, joined, put, said
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, WORDS, Units, approach_of, sign_of, whole
 from axiscal.measurement.readers.csv_table import EXAMPLE, Cell, CsvTable, Row, csv_text, table_of
 from axiscal.measurement.readers.text_file import TextFile, read_text
@@ -133,12 +134,26 @@ class Found:
     """Readings of a file in its order.
 
     cells : of a map, with those that nobody probed; 0 of what is no map
-    note : what the reader took for granted, "" for nothing
+    note : what the reader took for granted, "" for nothing; title : what such a file is called
     """
 
     readings: tuple[RawReading, ...]
     cells: int = 0
     note: str = ""
+    file: str = ""
+    title: str = ""
+
+    def sentence(self, setups: Sequence[str] = ()) -> str:
+        """Return what was recognised, a sentence.  setups : names of those that the readings are for"""
+        count = len(self.readings)
+        held = said("{count} of {cells} cells", count=count, cells=self.cells) if self.cells else ""
+        parts = [said(self.title), held or counted("{count} reading", "{count} readings", count), self.note]
+        if (zero := self.readings[0].zero) is not None:
+            x, y = (float(to_unit(at, "mm")) for at in zero)
+            parts.append(said("zero at X{x:g} Y{y:g}", x=x, y=y))
+        if setups:
+            parts.append(said("for set-up {names}", names=joined(list(dict.fromkeys(setups)))))
+        return put("{file}: {parts}.", file=Path(self.file).name, parts=", ".join(filter(None, parts)))
 
 
 def table_readings(file: TextFile, around: Around) -> Found:

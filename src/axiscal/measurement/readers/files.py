@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 from axiscal.document.gone import instead_of
 from axiscal.document.ports import names, of_class, one_of
 from axiscal.exceptions import InputError
-from axiscal.language.spoken import counted, joined, later, put, said
+from axiscal.language.spoken import later, said
 from axiscal.measurement.readers import bed_map, point_lists
 from axiscal.measurement.readers.axis_tests import axis_named, axis_test, test_of
 from axiscal.measurement.readers.csv_readings import ALONE, Around, Found, RawReading, table_readings
@@ -20,7 +20,6 @@ from axiscal.measurement.readers.probe_offset import offset_in, sections_in, zer
 from axiscal.measurement.readers.renishaw import file_type, laser_test
 from axiscal.measurement.readers.text_file import LINES_OF, TextFile, has_line
 from axiscal.measurement.setup import Setup
-from axiscal.units import to_unit
 from axiscal_core.axes import Axis
 
 PORTS = "axiscal.readers"
@@ -76,27 +75,7 @@ _GONE = {name: partial(has_line, [pattern]) for name, pattern in LINES_OF["gone"
 _TABLE = Format(later("a table of readings"), lambda file: True, table_readings, True)
 
 
-class Recognised(NamedTuple):
-    """What a file is, and what it holds."""
-
-    file: str
-    title: str
-    found: Found
-
-    def sentence(self, setups: Sequence[str] = ()) -> str:
-        """Return what was recognised, a sentence.  setups : names of those that the readings are for"""
-        cells, count = self.found.cells, len(self.found.readings)
-        held = said("{count} of {cells} cells", count=count, cells=cells) if cells else ""
-        parts = [said(self.title), held or counted("{count} reading", "{count} readings", count), self.found.note]
-        if (zero := self.found.readings[0].zero) is not None:
-            x, y = (float(to_unit(at, "mm")) for at in zero)
-            parts.append(said("zero at X{x:g} Y{y:g}", x=x, y=y))
-        if setups:
-            parts.append(said("for set-up {names}", names=joined(list(dict.fromkeys(setups)))))
-        return put("{file}: {parts}.", file=Path(self.file).name, parts=", ".join(filter(None, parts)))
-
-
-def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Recognised:
+def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Found:
     """Return what a file is, and its readings; raises ReadingError.  unit : of lengths, where the file names none"""
     file = bed_map.read_part(path, unit)
     if gone := next((name for name, is_one in _GONE.items() if is_one(file)), ""):
@@ -107,9 +86,8 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
     if reader is not None:
         title = type(reader).__qualname__
         read = of_class(f"the result of {title}.read", reader.read(file), Sequence)
-        return Recognised(
-            file.name, title, Found(tuple(of_class(f"each of {title}.read", each, RawReading) for each in read))
-        )
+        readings = tuple(of_class(f"each of {title}.read", each, RawReading) for each in read)
+        return Found(readings, file=file.name, title=title)
     kind = own or _TABLE
     if unit and not kind.unitless:
         what, remedy = "this is {title}, whose units are known, and --unit names another", "leave --unit out"
@@ -122,7 +100,7 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Reco
     if axis := axis_named(file):
         told = (replace(each, axis=each.axis or axis) if each.test else each for each in found.readings)
         found = replace(found, readings=tuple(told))
-    return Recognised(file.name, kind.title, found)
+    return replace(found, file=file.name, title=kind.title)
 
 
 def title_of(path: str | Path) -> str:
@@ -135,4 +113,4 @@ def title_of(path: str | Path) -> str:
 
 def read_any(path: str | Path, axes: Sequence[Axis] = (), setups: Sequence[Setup] = ()) -> tuple[RawReading, ...]:
     """Return the readings of a file of any kind, in its order; raises ReadingError, with the header for these axes."""
-    return recognised(path, Around(axes, setups)).found.readings
+    return recognised(path, Around(axes, setups)).readings
