@@ -10,19 +10,31 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from axiscal.language.spoken import said
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import EYE, Arrow, Fit, Part, Stroke, Viewport, drawn, points_of
-from axiscal.present.drawing.strokes import rounded_down, rounded_up, short_number, text, wrapped
-from axiscal.present.drawing.svg_picture import Drawing
+from axiscal.present.drawing.scene import (
+    EYE,
+    Arrow,
+    Drawing,
+    Fit,
+    Part,
+    Stroke,
+    Viewport,
+    drawn,
+    short_number,
+    text,
+    wrapped,
+)
 from axiscal.present.result import VolumeFigures
 from axiscal.present.schematic import upright
 from axiscal_core.machine import Machine
 
+_SLACK = 1e-9
+"""Share of a step by which rounding may be off."""
 _FLAT = 0.05
 """Of the longest side: a shorter one is the height of something flat."""
 _SHARE = 0.1
@@ -72,7 +84,7 @@ def found_and_left_drawing(volume: VolumeFigures, machine: Machine, width: float
     high = round(across * (0.72 if len(panels) > 1 or not beside else 0.5))
     triad = list(_triad(volume, machine))
     moved = [(grids.nominal + times * each).reshape(-1, 3) for each in grids.shown]
-    around = np.vstack([*moved, points_of(triad)])  # of both: one scale
+    around = np.vstack([*moved, *(arrow.points for arrow in triad)])  # of both: one scale
     heads = [wrapped(title, across - 2 * _SIDE, "title") for title, _, _ in panels]
     panel = Viewport(0, 0, across - 2 * _SIDE, high)
     body, head = "", _LINE * max(map(len, heads)) + 10
@@ -80,7 +92,7 @@ def found_and_left_drawing(volume: VolumeFigures, machine: Machine, width: float
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
         for line, each in enumerate(heads[n]):
             body += text(x + _SIDE, y + 18 + _LINE * line, each, "title")
-        frame = replace(panel, left=x + _SIDE, top=y + head)
+        frame = panel._replace(left=x + _SIDE, top=y + head)
         body += drawn([*_bent(grids, bent, times, colour), *triad], frame, around)
     scale, top = Fit.into(around, panel).scale, (high + head) * (1 if beside else len(panels))
     size = f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}"
@@ -102,6 +114,17 @@ def magnification(volume: VolumeFigures) -> float:
     shortest = min((side for side in sides.tolist() if side > _FLAT * max(sides)), default=1.0)
     wanted = _SHARE * shortest / max(largest, 1e-9)
     return min(rounded_down(wanted), rounded_up(wanted), key=lambda step: abs(math.log10(step / wanted)))
+
+
+def rounded_up(size: float) -> float:
+    """Return the smallest of 1, 2, 5 times a power of ten that is not below size."""
+    power = 10.0 ** math.floor(math.log10(size))
+    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= size * (1 - _SLACK))
+
+
+def rounded_down(size: float) -> float:
+    """Return the largest of 1, 2, 5 times a power of ten that is not above size: whose inverse is another of them."""
+    return 1 / rounded_up(1 / size)
 
 
 def _bent(grids: _Grids, bent: Array, times: float, colour: str) -> Iterator[Part]:

@@ -14,7 +14,7 @@ from typing import Any
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import PrintingError
 from axiscal.language.spoken import resaid, spoken_now
-from axiscal.present.drawing.svg_picture import Drawing
+from axiscal.present.drawing.scene import Drawing
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.result import Result
 from axiscal.present.schematic import read_schematics
