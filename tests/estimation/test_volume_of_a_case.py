@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from axiscal.answers.budget import budget
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.budget import budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading_rows import seen

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import typer
 
-from axiscal.answers.prediction import predict_poses
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import length_unit
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell, tell_minds
 from axiscal.cli.record import placed_log
 from axiscal.description.campaign import read_campaign
+from axiscal.estimation.prediction import predict_poses
 from axiscal.evaluation.standards import Positioning, figures_of
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import WORDS, decimals, said

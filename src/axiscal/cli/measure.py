@@ -11,8 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import Literal
 
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside
-from axiscal.answers.answer_words import minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.outputs import standing_screen, write_outputs
@@ -21,6 +19,8 @@ from axiscal.cli.texts import opened_to_write, tell_out_of_reach
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import WORDS, decimals, listed, put, said, speaking, spoken_now
 from axiscal.numerics import Array
+from axiscal.present.answer_of_campaign import cost_sentence, cost_words, results_beside
+from axiscal.present.answer_words import minutes_text
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import (
     Question,

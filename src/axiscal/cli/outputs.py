@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from axiscal.answers.answer_of_campaign import results_of, standing_answer
-from axiscal.answers.answer_words import screen
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
 from axiscal.cli.printing import say, say_document
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.language.spoken import again, put, said, speaking
+from axiscal.present.answer_of_campaign import results_of, standing_answer
+from axiscal.present.answer_words import screen
 from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.delivery import deliver
 from axiscal.present.plan_answer import coming_answer

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import typer
 
-from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
@@ -14,6 +13,7 @@ from axiscal.cli.texts import opened_to_write
 from axiscal.document.gone import instead_of
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
+from axiscal.present.answer_of_campaign import results_of, standing_answer
 from axiscal.present.delivery import language_of_report, write_report
 from axiscal.present.result_of_campaign import Extras, result_of
 from axiscal.present.result_set import RECORD

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.answers.answer import TablesChecked, finite
-from axiscal.answers.answer_words import VERDICTS, farthest_words, sizes_words, wrapped
-from axiscal.answers.row_words import row_name
 from axiscal.evaluation.check import Check
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import WORKS, Decision, Judgement, Verdict
 from axiscal.language.spoken import counted, later, listed, put, quoted, said
 from axiscal.measurement.reading import Places, approach_text, place_text, shown_pose
 from axiscal.numerics import Array
+from axiscal.present.answer import TablesChecked, finite
+from axiscal.present.answer_words import VERDICTS, farthest_words, sizes_words, wrapped
+from axiscal.present.row_words import row_name
 from axiscal.units import digits, to_unit
 from axiscal_core.ties import ALIKE, first_best
 

@@ -10,7 +10,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.wrong_unit import refuse_implausible
@@ -25,6 +24,7 @@ from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.readers.probe_offset import place_of
 from axiscal.measurement.reading import Reading
+from axiscal.present.answer_of_campaign import answer_of
 from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.readings_file import READINGS, readings_csv
 from axiscal.present.result import Result, TableFile

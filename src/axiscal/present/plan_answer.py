@@ -8,19 +8,6 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from axiscal.answers.answer import (
-    Aim,
-    AnswerDocument,
-    BoughtAccuracy,
-    NextStep,
-    PlannedAnswer,
-    PlannedRow,
-    PlannedSetup,
-    PlanVerdict,
-    ReachAnswer,
-    StepCode,
-)
-from axiscal.answers.answer_of_campaign import Aims, known_figures
 from axiscal.campaign.campaign import Campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import known_rows
@@ -32,6 +19,19 @@ from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import foreseen
 from axiscal.planning.proposal import Bought, bought
+from axiscal.present.answer import (
+    Aim,
+    AnswerDocument,
+    BoughtAccuracy,
+    NextStep,
+    PlannedAnswer,
+    PlannedRow,
+    PlannedSetup,
+    PlanVerdict,
+    ReachAnswer,
+    StepCode,
+)
+from axiscal.present.answer_of_campaign import Aims, known_figures
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
 

@@ -11,7 +11,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, Text
+from axiscal.present.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, Text
 
 
 def _left_out(text: str) -> bool:

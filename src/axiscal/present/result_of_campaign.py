@@ -10,17 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.answers.answer import Outcome, TablesChecked
-from axiscal.answers.answer_of_campaign import answer_of
-from axiscal.answers.answer_words import answer_text
-from axiscal.answers.budget import BudgetShare, budget
-from axiscal.answers.row_words import row_names
 from axiscal.campaign.agreement_words import agreement_words, change_words, mistake_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import Equipment
+from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
@@ -34,6 +30,9 @@ from axiscal.measurement.reading import (
 )
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.type_b import Distribution
+from axiscal.present.answer import Outcome, TablesChecked
+from axiscal.present.answer_of_campaign import answer_of
+from axiscal.present.answer_words import answer_text
 from axiscal.present.axis_tests_read import iso230_blocks
 from axiscal.present.conditions import conditions, counted_along
 from axiscal.present.curves import constants, errors
@@ -53,6 +52,7 @@ from axiscal.present.result import (
     SetupUse,
     TableFile,
 )
+from axiscal.present.row_words import row_names
 from axiscal.present.sentences import cause_words
 from axiscal.present.volume_error import planes, volume_error
 from axiscal.tables.offer import Export

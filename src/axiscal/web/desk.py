@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from axiscal.answers.answer import Outcome, PlannedAnswer
-from axiscal.answers.answer_of_campaign import results_beside, standing_answer
 from axiscal.campaign.agreement_words import change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
@@ -18,6 +16,8 @@ from axiscal.campaign.sources import virtual_in
 from axiscal.estimation.promise.agreement import Explained
 from axiscal.exceptions import AxiscalError, OvertakenError, RecordError
 from axiscal.language.spoken import said, spoken_now
+from axiscal.present.answer import Outcome, PlannedAnswer
+from axiscal.present.answer_of_campaign import results_beside, standing_answer
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import Question, asked_text, measured, stands
 from axiscal.present.plan_answer import coming_answer

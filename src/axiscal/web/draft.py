@@ -15,8 +15,6 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from axiscal.answers.answer_of_campaign import results_beside
-from axiscal.answers.row_words import said_row
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.listing import standings
 from axiscal.campaign.sources import virtual_note
@@ -33,8 +31,10 @@ from axiscal.measurement.reading import Place
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.helping import rows_shown
 from axiscal.planning.next_readings import next_places
+from axiscal.present.answer_of_campaign import results_beside
 from axiscal.present.plan_answer import coming_answer, minutes_curve
 from axiscal.present.plan_words import open_questions, planned_figures
+from axiscal.present.row_words import said_row
 from axiscal.present.schematic import machine_schematic, setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.door import record_errors

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.answers.answer import TablesChecked
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Milestone, reaches
 from axiscal.campaign.sources.source import SimulatedSource
@@ -20,6 +19,7 @@ from axiscal.estimation.case import Case
 from axiscal.evaluation.check import Check
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator, TruthCurve, VirtualMachine
+from axiscal.present.answer import TablesChecked
 from axiscal.present.check_answer import CheckAnswer
 from axiscal.present.delivery import deliver
 from axiscal.present.result import Result

@@ -14,9 +14,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from axiscal.answers.answer import AnswerDocument
-from axiscal.answers.prediction import expectation
 from axiscal.campaign.campaign import Campaign
+from axiscal.estimation.prediction import expectation
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
 from axiscal.measurement.instruments.displacement import SQUARE
@@ -32,6 +31,7 @@ from axiscal.measurement.reading import (
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import off_ball
 from axiscal.numerics import Array
+from axiscal.present.answer import AnswerDocument
 from axiscal.record.events import Asked
 from axiscal.units import parse_quantity, to_unit
 from axiscal_core.machine import Machine

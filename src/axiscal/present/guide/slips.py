@@ -7,7 +7,6 @@ from typing import Literal, Self
 
 import numpy as np
 
-from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import OVERRULED, TESTED
 from axiscal.campaign.sources import virtual_machine
@@ -18,6 +17,7 @@ from axiscal.measurement.reading import Reading, reading_unit, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
+from axiscal.present.answer import AnswerDocument
 from axiscal.present.guide.progress import set_anew
 from axiscal.present.guide.question import SURPRISING, Question, measured, stands
 from axiscal.present.sentences import spelt

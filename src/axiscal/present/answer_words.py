@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TypeVar
 
-from axiscal.answers.answer import (
+from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, said
+from axiscal.present.answer import (
     Aim,
     AnswerRow,
     AnswerWords,
@@ -18,7 +19,7 @@ from axiscal.answers.answer import (
     PlannedRow,
     TablesChecked,
 )
-from axiscal.answers.row_words import (
+from axiscal.present.row_words import (
     half_read_sentence,
     lacking,
     overruled_sentence,
@@ -29,7 +30,6 @@ from axiscal.answers.row_words import (
     signed_text,
     signs_sentence,
 )
-from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 from axiscal.units import digits
 from axiscal_core.theta import MANY

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.answers.answer import ScrewTurn
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.present.answer import ScrewTurn
 
 _SIDE = 12
 """Places along each side of the grid; of a plane any number would do."""

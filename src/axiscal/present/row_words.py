@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from axiscal.answers.answer import AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.description.target import Kind
 from axiscal.language.spoken import WORDS, counted, joined, listed, put, quoted, said
+from axiscal.present.answer import AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.units import digits
 
 _KINDS: dict[Kind, str] = WORDS["rows"]

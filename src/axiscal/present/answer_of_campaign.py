@@ -17,18 +17,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from axiscal.answers.answer import (
-    Aim,
-    AnswerLine,
-    AnswerRow,
-    NextStep,
-    Outcome,
-    SignedNumber,
-    StepCode,
-    Verdict,
-)
-from axiscal.answers.bed_screws import screw_turns
-from axiscal.answers.row_words import row_name
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
 from axiscal.campaign.evidence import overruled
@@ -44,6 +32,18 @@ from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.reading import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
+from axiscal.present.answer import (
+    Aim,
+    AnswerLine,
+    AnswerRow,
+    NextStep,
+    Outcome,
+    SignedNumber,
+    StepCode,
+    Verdict,
+)
+from axiscal.present.bed_screws import screw_turns
+from axiscal.present.row_words import row_name
 from axiscal.tables.offer import places
 from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
