@@ -7,10 +7,11 @@ Every `std`, `rms` and `worst` is one standard deviation; `U` and the bands that
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Literal, Self
 
 from pydantic import Field
 
+from axiscal.language.spoken import WORDS, said
 from axiscal.present.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, Text
 
 
@@ -193,6 +194,11 @@ class Finding(AnswerDocument):
     code: str = Field(description="such as drift, outlier, unobservable")
     error: str | None = Field(None, description="the error it is about")
     text: Text = Field(description="in words")
+
+    @classmethod
+    def of(cls, words: str, *, code: str = "", error: str | None = None, **values: object) -> Self:
+        """Return a warning.  words : its key in the table of warnings; code : where it is that of several sentences"""
+        return cls(code=code or words, error=error, text=said(WORDS["warnings"][words], **values))
 
 
 class TableFile(AnswerDocument):

@@ -17,7 +17,7 @@ from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import Equipment
 from axiscal.estimation.budget import BudgetShare, budget
-from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
+from axiscal.estimation.estimation import Estimation, Moment, expanded_uncertainty, linearity, path
 from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.questions import which_way
@@ -102,9 +102,10 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
     words = answer_text(answer, agreement, evidence_words(campaign.log))
     history, linear = _history(campaign, known), linearity(known)
     sources, smaller = budget_rows(known)
-    changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
-    accepted = [Finding(code="accepted", text=change) for change in changes]
+    changes = [Finding.of("accepted", change=change_words(each)) for each in campaign.state.accepted]
     found = findings(known, ended=campaign.state.finished is not None)
+    if linear.reading is not None and not linear.gaussian:
+        found.append(Finding.of("not-gaussian", reading=linear.reading, times=float(linear.largest)))
     return Result(
         identity=_identity(campaign),
         words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
@@ -129,7 +130,7 @@ def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
         observability=observability(case),
         questions=[*which_way(described.machine)],
         rejected=list(_rejected(known, history)),
-        warnings=[*extras.warnings, *accepted, *found, *not_gaussian(linear)],
+        warnings=[*extras.warnings, *changes, *found],
         answer=answer,
         rows=answer.rows,
         tables=extras.tables,
@@ -273,18 +274,6 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
         serial=of.serial,
         certificate=of.certificate,
     )
-
-
-def not_gaussian(found: Linearity) -> Iterator[Finding]:
-    """Yield a warning where a reading is so far from linear that the posterior is no Gaussian."""
-    if found.gaussian or found.reading is None:
-        return
-    text = (
-        "Reading {reading} is not linear within what is left open: its second order is {times:.2g} times its noise, "
-        "so the bands are only about right. State stations or location errors nearer to the truth, or read more."
-    )
-    words = said(text, reading=found.reading, times=float(found.largest))
-    yield Finding(code="not-gaussian", text=words)
 
 
 WORTH = 5e-4
