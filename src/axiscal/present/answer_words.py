@@ -42,12 +42,7 @@ _LEFT = 2
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
 _ENDS: dict[str, str] = WORDS["verdicts"]
-VERDICTS = {
-    "promised": later("AS PROMISED"),
-    "worse": later("WORSE THAN PROMISED"),
-    "faulty": later("TABLES DO NOT WORK"),
-    "undecided": later("UNDECIDED"),
-}
+VERDICTS: dict[str, str] = WORDS["check"]["verdicts"]
 _UNTOLD = later(
     "No check was read: finer detail, or backlash that differs from place to place, would not show. "
     "{many} readings, or checks = 3, test that."
