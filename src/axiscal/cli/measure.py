@@ -17,7 +17,7 @@ from axiscal.cli.outputs import standing_screen, write_outputs
 from axiscal.cli.printing import ask, mind_lines, say
 from axiscal.cli.texts import opened_to_write, tell_out_of_reach
 from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.language.spoken import WORDS, decimals, listed, put, said, speaking, spoken_now
+from axiscal.language.spoken import WORDS, decimals, listed, put, said, speaking
 from axiscal.numerics import Array
 from axiscal.present.answer_of_campaign import cost_sentence, cost_words, results_beside
 from axiscal.present.answer_words import minutes_text
@@ -30,7 +30,6 @@ from axiscal.present.guide.question import (
     question_text,
     stands,
 )
-from axiscal.present.result_of_campaign import Extras
 from axiscal.present.result_set import RECORD
 from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
@@ -253,6 +252,6 @@ def measure(record: Path, out: Path | None = None, language: str | None = None) 
             if over:
                 campaign.log.refuse_other(folder / RECORD)
                 campaign.finish()
-                write_outputs(campaign, folder, as_json=False, extras=Extras(spoken=spoken_now()))
+                write_outputs(campaign, folder, as_json=False)
         if not over:
             say(said("Paused; every reading is kept. Go on: axiscal measure {record}", record=record))

@@ -40,6 +40,7 @@ from axiscal.present.answer import (
     Outcome,
     SignedNumber,
     StepCode,
+    TablesChecked,
     Verdict,
 )
 from axiscal.present.bed_screws import screw_turns
@@ -160,11 +161,12 @@ def answer_of(
     *,
     written: bool = False,
     anyway: bool = False,
+    checked: TablesChecked | None = None,
 ) -> Outcome:
     """Return the answer.
 
     controls : what the tables of each control that is offered do; written : whether the results are, with these tables
-    anyway : rows are there although readings contradict each other
+    anyway : rows are there although readings contradict each other; checked : what a check of them found
     """
     found = answered(known, controls)
     rows, shown = [row for row, _ in found], [row for _, row in found]
@@ -195,6 +197,7 @@ def answer_of(
         minutes=to_unit(seconds, "min"),
         clocked=campaign.state.clocked is not None,
         withheld=withheld,
+        checked=checked,
         steps=list(_steps(campaign, known, verdict, best_control(shown, list(controls)), written)),
         offset=None if offset is None else to_unit(offset, "um"),
         half_read={axis.name: (to_unit(ends[0], axis.unit), to_unit(ends[1], axis.unit)) for axis, ends in parts},

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
@@ -30,8 +29,7 @@ from axiscal.measurement.reading import (
 )
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.type_b import Distribution
-from axiscal.present.answer import Outcome, TablesChecked
-from axiscal.present.answer_of_campaign import answer_of
+from axiscal.present.answer import Outcome
 from axiscal.present.answer_words import answer_text
 from axiscal.present.axis_tests_read import iso230_blocks
 from axiscal.present.conditions import conditions, counted_along
@@ -63,80 +61,64 @@ _WORDS = WORDS["sources"]
 _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Extras:
-    """What a campaign itself does not know: tables that were written.
-
-    warnings : about what was given, besides those of the estimate
-    anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
-    checked : what a check of the tables on the machine found; best : the files that leave least
-    answer : with what tables leave; None where none are made
-    spoken : language of whoever ends the campaign, for a report that states none
-    """
-
-    tables: Sequence[TableFile] = ()
-    warnings: Sequence[Finding] = ()
-    anyway: bool = False
-    checked: TablesChecked | None = None
-    best: Export | None = None
-    answer: Outcome | None = None
-    spoken: str = "en"
-
-
 @stage("the summary")
-def result_of(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
+def result_of(
+    campaign: Campaign,
+    known: Estimation,
+    answer: Outcome,
+    *,
+    tables: Sequence[TableFile] = (),
+    best: Export | None = None,
+    warnings: Sequence[Finding] = (),
+) -> Result:
     """Return the result of a campaign, in English; `resaid` says it in another language.
 
-    known : after all its readings
+    known : after all its readings; tables : that were written; best : the files that leave least
+    warnings : about what was given, besides those of the estimate
     """
     with speaking("en"):
-        return resaid(_made(campaign, known, extras))
-
-
-def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
-    case, described, readings, best = known.case, campaign.description, campaign.state.readings, extras.best
-    controller, control = ("", None) if best is None else (best.controller, best.control)
-    answer = extras.answer or answer_of(campaign, known, {}, anyway=extras.anyway)
-    answer = answer.model_copy(update={"checked": extras.checked})
-    agreement = agreement_words(known) if readings else ""
-    words = answer_text(answer, agreement, evidence_words(campaign.log))
-    history, linear = _history(campaign, known), linearity(known)
-    sources, smaller = budget_rows(known)
-    changes = [Finding.of("accepted", change=change_words(each)) for each in campaign.state.accepted]
-    found = findings(known, ended=campaign.state.finished is not None)
-    if linear.reading is not None and not linear.gaussian:
-        found.append(Finding.of("not-gaussian", reading=linear.reading, times=float(linear.largest)))
-    return Result(
-        identity=_identity(campaign),
-        words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
-        machine=described.machine.name,
-        readings=len(readings),
-        minutes=history[-1].minutes,
-        stopped_because=because_text(campaign.state.finished or "not finished"),
-        setups=[_setup_use(setup, campaign) for setup in described.setups],
-        agreement=_agreement(known, agreement),
-        checks=_checks(known),
-        **_uncertainties(known, history[-1], withheld=answer.withheld),
-        unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
-        budget=sources,
-        budget_smaller_um=smaller,
-        nonlinearity=linear.largest,
-        history=history,
-        errors=errors(known, readings),
-        plane_errors=planes(known),
-        volume=volume_error(known, controller, control) if readings else None,
-        constants=constants(known),
-        iso230=iso230_blocks(described, readings, known.left_out),
-        observability=observability(case),
-        questions=[*which_way(described.machine)],
-        rejected=list(_rejected(known, history)),
-        warnings=[*extras.warnings, *changes, *found],
-        answer=answer,
-        rows=answer.rows,
-        tables=extras.tables,
-        versions=dict(sorted(versions().items())),
-        record=record_state(campaign),
-    )
+        case, described, readings = known.case, campaign.description, campaign.state.readings
+        controller, control = ("", None) if best is None else (best.controller, best.control)
+        agreement = agreement_words(known) if readings else ""
+        words = answer_text(answer, agreement, evidence_words(campaign.log))
+        history, linear = _history(campaign, known), linearity(known)
+        sources, smaller = budget_rows(known)
+        changes = [Finding.of("accepted", change=change_words(each)) for each in campaign.state.accepted]
+        found = findings(known, ended=campaign.state.finished is not None)
+        if linear.reading is not None and not linear.gaussian:
+            found.append(Finding.of("not-gaussian", reading=linear.reading, times=float(linear.largest)))
+        made = Result(
+            identity=_identity(campaign),
+            words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
+            machine=described.machine.name,
+            readings=len(readings),
+            minutes=history[-1].minutes,
+            stopped_because=because_text(campaign.state.finished or "not finished"),
+            setups=[_setup_use(setup, campaign) for setup in described.setups],
+            agreement=_agreement(known, agreement),
+            checks=_checks(known),
+            **_uncertainties(known, history[-1], withheld=answer.withheld),
+            unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
+            budget=sources,
+            budget_smaller_um=smaller,
+            nonlinearity=linear.largest,
+            history=history,
+            errors=errors(known, readings),
+            plane_errors=planes(known),
+            volume=volume_error(known, controller, control) if readings else None,
+            constants=constants(known),
+            iso230=iso230_blocks(described, readings, known.left_out),
+            observability=observability(case),
+            questions=[*which_way(described.machine)],
+            rejected=list(_rejected(known, history)),
+            warnings=[*warnings, *changes, *found],
+            answer=answer,
+            rows=answer.rows,
+            tables=tables,
+            versions=dict(sorted(versions().items())),
+            record=record_state(campaign),
+        )
+        return resaid(made)
 
 
 def _uncertainties(known: Estimation, last: HistoryRow, *, withheld: bool) -> dict[str, Any]:

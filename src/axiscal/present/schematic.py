@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -33,7 +33,6 @@ from axiscal.present.drawing.scene import (
     text,
     wrapped,
 )
-from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
 _LINE = 20.0
@@ -72,7 +71,7 @@ class DrawnMachine:
 
     upright : the rotation from the machine frame to the room, (3, 3)
     reach : low and high corner of the tool's reach in the workpiece frame with rotary axes at 0, (3,) m each
-    size : its largest side, or the tool, m
+    level : the pose with rotary axes at 0, (q,); size : its largest side, or the tool, m
     tip, stem : the tool point, and the unit vector from it into the tool, in the room
     """
 
@@ -80,6 +79,7 @@ class DrawnMachine:
         self.machine, self.upright, axes = machine, upright(machine), machine.axes
         self.home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
         self.pose = self.home if pose is None else np.asarray(pose, dtype=float)
+        self.level = np.where([axis.rotary for axis in axes], 0.0, self.pose)
         ends = [(0.0, 0.0) if axis.rotary else axis.travel for axis in axes]
         reached = machine.frames(np.array(np.meshgrid(*ends)).reshape(len(ends), -1).T).tcp
         self.reach = reached.min(axis=0), reached.max(axis=0)
@@ -112,36 +112,44 @@ class DrawnMachine:
         there: Array = own.sign * self.upright @ np.array(own.direction)
         return there
 
-    def named(self, axis: int) -> str:
-        """Return the name of an axis, primed where it carries the workpiece."""
-        own = self.machine.axes[axis]
-        return own.name + ("′" if own.workpiece_side else "")
+    @property
+    def table(self) -> Array:
+        """The corners of the table in the workpiece frame, below what the tool reaches, (5, 3) m."""
+        low, high = self.reach
+        middle, pad = (low + high) / 2, _PAD * self.size
+        half = np.maximum((high - low) / 2, pad) + pad
+        ends = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * half[:2]
+        return np.column_stack([middle[:2] + ends, np.full(5, low[2] - pad / 2)])
 
 
-def _machine(room: DrawnMachine, moves: Sequence[int]) -> Iterator[Part]:
-    """Yield the table, the edges of what the tool reaches, the axes, and the tool.  moves : axes that are not faint"""
-    yield Stroke(room.placed(_plate(room)), "edge", 1.2, filled="table")
-    level, size, alike = _level(room), room.size, list[int]()
-    low, high = room.reach
-    box = room.placed(low + _BITS * (high - low), level)
-    yield from _edges(box, "part", "5 4")
+def _machine(room: DrawnMachine, moves: Sequence[int], *, lengths: bool = False) -> Iterator[Part]:
+    """Yield the table, the edges of what the tool reaches, the axes, and the tool.
+
+    moves : axes that are not faint; lengths : whether linear axes say how far they travel, in mm
+    """
+    yield Stroke(room.placed(room.table), "edge", 1.2, filled="table")
+    (low, high), size, alike = room.reach, room.size, list[int]()
+    box = room.placed(low + _BITS * (high - low), room.level)
+    yield from _edges(box)
     corner, aside = box.min(axis=0), size * np.array([1.0, 1.0, 0.0])
     for k, axis in enumerate(room.machine.axes):
-        way = room.growing(k)
+        way, name = room.growing(k), axis.name + "′" * axis.workpiece_side
         if axis.rotary:
-            yield from _turning(room, k, box)
+            yield from _turning(room, k, name, box)
             continue
+        if lengths:
+            name += f" {1e3 * axis.length:.0f}" + (f" (⌀ {2e3 * axis.length:.0f})" if axis.diameters else "")
         alike.append(int(np.argmax(np.abs(way))))
         start = corner - (_ASIDE + 0.1 * (alike.count(alike[-1]) - 1)) * aside
-        yield Arrow(start + _STEP * size * np.outer([0.5, 1.5], way), room.named(k), "ink" if k in moves else "soft")
+        yield Arrow(start + _STEP * size * np.outer([0.5, 1.5], way), name, "ink" if k in moves else "soft")
     yield Stroke(np.array([room.tip, room.tip + _TOOL * size * room.stem]), "stone", 5.0)
 
 
-def _turning(room: DrawnMachine, axis: int, box: Array) -> Iterator[Part]:
+def _turning(room: DrawnMachine, axis: int, name: str, box: Array) -> Iterator[Part]:
     """Yield the line of a rotary axis and the arc in which its part turns as its coordinate grows, at home."""
     way, works = room.growing(axis), room.machine.axes[axis].workpiece_side
     (point,) = room.placed(room.machine.frames(room.home[None]).origins[axis], room.home)
-    table, nose = room.placed(_plate(room), _level(room)).mean(axis=0), room.tip + _TOOL * room.size * room.stem
+    table, nose = room.placed(room.table, room.level).mean(axis=0), room.tip + _TOOL * room.size * room.stem
     beside = table if works else nose
     centre = point + way * ((beside - point) @ way)
     radius = max(0.4 * float(np.median(np.ptp(box, axis=0))), _ROUND * room.size) if works else _ROUND * room.size
@@ -150,39 +158,25 @@ def _turning(room: DrawnMachine, axis: int, box: Array) -> Iterator[Part]:
     turns = np.radians(np.linspace(-70.0, 70.0, 30))
     yield Stroke(centre + 1.2 * radius * np.outer([-1.0, 1.0], way), "gold", 1.2, "8 3 2 3")
     arc = centre + radius * (np.outer(np.cos(turns), u) + np.outer(np.sin(turns), np.cross(way, u)))
-    yield Arrow(arc, room.named(axis), "gold")
-
-
-def _plate(room: DrawnMachine) -> Array:
-    """Return the corners of the table in the workpiece frame, below what the tool reaches, (5, 3) m."""
-    low, high = room.reach
-    middle, pad = (low + high) / 2, _PAD * room.size
-    half = np.maximum((high - low) / 2, pad) + pad
-    ends = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * half[:2]
-    return np.column_stack([middle[:2] + ends, np.full(5, low[2] - pad / 2)])
-
-
-def _level(room: DrawnMachine) -> Array:
-    """Return the pose with rotary axes at 0, (q,) m or rad."""
-    return np.where([axis.rotary for axis in room.machine.axes], 0.0, room.pose)
+    yield Arrow(arc, name, "gold")
 
 
 _BITS: Array = np.array(list(itertools.product((0, 1), repeat=3)))[:, ::-1]
 """At which end of x, y and z each corner of a box lies, (8, 3)."""
 
 
-def _edges(corners: Array, colour: str, dash: str) -> Iterator[Part]:
+def _edges(corners: Array) -> Iterator[Part]:
     """Yield the edges of a box, those of its farthest corner fainter.  corners : (8, 3) m, as of `_BITS`"""
     back = int(np.argmin(corners @ EYE))
     for i in range(8):
         for j in (i | bit for bit in (1, 2, 4) if not i & bit):
             if np.any(corners[i] != corners[j]):
-                yield Stroke(corners[[i, j]], colour, 1.2, dash, 0.4 if back in (i, j) else 0.95)
+                yield Stroke(corners[[i, j]], "part", 1.2, "5 4", 0.4 if back in (i, j) else 0.95)
 
 
 def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
     """Yield balls and stations on their posts, the ways from stations to the tool, and along what is read."""
-    foot, size = float(_plate(room)[0, 2]), room.size
+    foot, size = float(room.table[0, 2]), room.size
     balls = setup.artefact.points if setup.artefact else np.zeros((0, 3))
     stations, (tip,) = np.array(setup.standing).reshape(-1, 3), room.machine.frames(room.pose[None]).tcp
     near = np.linalg.norm(stations - tip, axis=1) <= _NEAR * size
@@ -206,9 +200,8 @@ def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
 
 def _readings(room: DrawnMachine, places: Sequence[Place], colour: str, radius: float) -> Iterator[Part]:
     """Yield a dot where each reading is taken.  radius : pixels"""
-    for place in places:
-        (at,) = room.placed(room.machine.frames(np.array([place.pose])).tcp)
-        yield RoundMark(at, 0.0, colour, radius)
+    poses = np.array([place.pose for place in places]).reshape(-1, len(room.pose))
+    yield from (RoundMark(at, 0.0, colour, radius) for at in room.placed(room.machine.frames(poses).tcp))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -273,20 +266,9 @@ def _seen_well(machine: Machine, place: Place) -> tuple[float, float]:
 
 def machine_schematic(machine: Machine, *, lengths: bool = True) -> Schematic:
     """Return a machine at home.  lengths : whether its axes say how far they travel, in mm"""
-    axes = machine.axes
     room = DrawnMachine(machine)
-    named = {room.named(k): _travel(room.named(k), axis) for k, axis in enumerate(axes) if lengths and not axis.rotary}
-    parts = [
-        replace(part, words=named.get(part.words, part.words)) if isinstance(part, Arrow) else part
-        for part in _machine(room, range(len(axes)))
-    ]
+    parts = [*_machine(room, range(len(machine.axes)), lengths=lengths)]
     return Schematic(parts, machine.name, _reach_note(room) if lengths else "")
-
-
-def _travel(name: str, axis: Axis) -> str:
-    """Return an axis with how far it travels, mm; where its display shows diameters, that too."""
-    text = f"{name} {1e3 * axis.length:.0f}"
-    return f"{text} (⌀ {2e3 * axis.length:.0f})" if axis.diameters else text
 
 
 def _reach_note(room: DrawnMachine) -> str:

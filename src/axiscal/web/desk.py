@@ -15,7 +15,7 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.campaign.sources import virtual_in
 from axiscal.estimation.promise.agreement import Explained
 from axiscal.exceptions import AxiscalError, OvertakenError, RecordError
-from axiscal.language.spoken import said, spoken_now
+from axiscal.language.spoken import said
 from axiscal.present.answer import Outcome, PlannedAnswer
 from axiscal.present.answer_of_campaign import results_beside, standing_answer
 from axiscal.present.guide import progress, slips
@@ -174,14 +174,13 @@ class Desk:
     def finish(self) -> str:
         """End the campaign and write its results into the folder beside the record."""
         from axiscal.present.delivery import deliver  # pictures and tables, which no question waits for
-        from axiscal.present.result_of_campaign import Extras
         from axiscal.present.result_set import RECORD
 
         self.campaign.log.refuse_other(self.results / RECORD)
         known = self.campaign.estimate(ended=True)
         self.campaign.finish()
         try:
-            result = deliver(self.campaign, known, self.results, Extras(spoken=spoken_now()))
+            result = deliver(self.campaign, known, self.results)
             self._answer, self._answers = result.answer, self._stands
         finally:
             self._show()

@@ -23,7 +23,6 @@ from axiscal.present.answer import TablesChecked
 from axiscal.present.check_answer import CheckAnswer
 from axiscal.present.delivery import deliver
 from axiscal.present.result import Result
-from axiscal.present.result_of_campaign import Extras
 from axiscal_core.machine import Machine
 
 SEED = 2005
@@ -53,8 +52,7 @@ def run_demo(case: Case, out: Path, watch: Callable[[Milestone], None]) -> Resul
     with Campaign.create(out / "campaign.axiscal", case.description) as campaign:
         campaign.run(SimulatedSource(truth, SEED), watch)
         estimation = campaign.estimate(ended=True)
-        extras = Extras(checked=checked(campaign, truth))
-        return deliver(campaign, estimation, out, extras)
+        return deliver(campaign, estimation, out, checked=checked(campaign, truth))
 
 
 def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
