@@ -17,7 +17,7 @@ from axiscal.campaign.possible import versions
 from axiscal.description.campaign import Equipment
 from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.estimation import Estimation, Moment, expanded_uncertainty, linearity, path
-from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
+from axiscal.language.spoken import WORDS, listed, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.questions import which_way
 from axiscal.measurement.reading import (
@@ -28,7 +28,6 @@ from axiscal.measurement.reading import (
     value_columns,
 )
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.type_b import Distribution
 from axiscal.present.answer import Outcome
 from axiscal.present.answer_words import answer_text
 from axiscal.present.axis_tests_read import iso230_blocks
@@ -57,8 +56,7 @@ from axiscal.tables.offer import Export
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.ties import ALIKE, ranked
 
-_WORDS = WORDS["sources"]
-_DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
+_WORDS, _DISTRIBUTIONS = WORDS["sources"], WORDS["distributions"]
 
 
 @stage("the summary")
