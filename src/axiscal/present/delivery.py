@@ -107,7 +107,7 @@ def deliver(
     described = campaign.description
     language = language_of_report(described.particulars, None, spoken_now())
     with speaking("en"):
-        with stage("tables", 1, 2):
+        with stage("tables"):
             made = {name: _made(estimation, name, anyway) for name in (*described.controls, _ALWAYS)}
         files = [each for each in made.values() if isinstance(each, Export)]
         controls = {each.controller: each.control for each in files if each.controller in described.controls}
@@ -127,7 +127,7 @@ def deliver(
                 write_files(introduced(each, campaign, result.agreement.text, doubts), folder / "tables" / name)
         document = json.dumps(result.model_dump(mode="json", by_alias=True), indent=2, ensure_ascii=False)
         written(folder / "result.json", f"{document}\n".encode())
-        with stage("the report", 2, 2):
+        with stage("the report"):
             write_report(campaign, result, folder / "report.pdf", language)
         (folder / "data").mkdir()
         write_whole(folder / "data" / READINGS, readings_csv(campaign, result.history))
