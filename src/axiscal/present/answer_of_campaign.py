@@ -44,7 +44,7 @@ from axiscal.present.answer import (
     Verdict,
 )
 from axiscal.present.bed_screws import screw_turns
-from axiscal.present.row_words import row_name
+from axiscal.present.row_words import one_sided, row_name
 from axiscal.tables.offer import places
 from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
@@ -293,7 +293,7 @@ def missing_readings(known: Estimation, aims: Aims, rows: Answered) -> tuple[int
     """Return about how many readings are missing, one at least, and their minutes; noughts where no number helps."""
     count = len(known.readings)
     left = [aim.missing for aim in aims.volume if aim.floor < aim.limit]
-    turned = {row.row.name for row, _ in rows if row.one_sided and aims.lines}  # one reading from the other side does
+    turned = {row.row for _, row in rows if one_sided(row) and aims.lines}  # one reading from the other side does
     lines = (aim.missing for aim in aims.lines if not aim.unread and aim.name not in turned)
     shares = [min(left, default=0.0), *lines]
     new = sum(not line.read for row, _ in rows if row.open for line in row.lines) if aims.lines else 0
