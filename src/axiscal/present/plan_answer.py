@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from operator import not_
 from typing import Literal
 
 import numpy as np
@@ -48,11 +49,11 @@ class PlanPoint(AnswerDocument):
     direction: Sequence[float]
     approach: Mapping[str, str]
     tcp: Sequence[float]
-    artefact: str | None = Field(None, exclude_if=lambda name: name is None)
-    ball: str | None = Field(None, exclude_if=lambda name: name is None)
+    artefact: str | None = Field(None, exclude_if=not_)
+    ball: str | None = Field(None, exclude_if=not_)
     rms_um: float
     minutes: float
-    check: bool = Field(False, exclude_if=lambda check: not check)
+    check: bool = Field(False, exclude_if=not_)
 
 
 class PlanAnswer(PlannedAnswer):

@@ -7,16 +7,13 @@ Every `std`, `rms` and `worst` is one standard deviation; `U` and the bands that
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from operator import not_
 from typing import Literal, Self
 
 from pydantic import Field
 
 from axiscal.language.spoken import WORDS, said
 from axiscal.present.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, Text
-
-
-def _left_out(text: str) -> bool:
-    return not text
 
 
 class HistoryRow(AnswerDocument):
@@ -126,8 +123,8 @@ class SetupUse(AnswerDocument):
     moves: Sequence[str] = Field(description="axes")
     noise: Text = Field(description="of a reading")
     readings: int = Field(description="count")
-    serial: str = Field("", exclude_if=_left_out, description="if stated")
-    certificate: str = Field("", exclude_if=_left_out, description="if stated")
+    serial: str = Field("", exclude_if=not_, description="if stated")
+    certificate: str = Field("", exclude_if=not_, description="if stated")
 
 
 class NamedMistake(AnswerDocument):
