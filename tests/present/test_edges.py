@@ -55,13 +55,6 @@ def test_extreme_figures_still_make_a_report(size: float, paper: Path) -> None:
     assert "nan" not in said
 
 
-def test_readings_that_contradict_each_other_leave_no_uncertainty(paper: Path) -> None:
-    result = golden_result("contradict/again")
-    said = _said(result, paper)
-    assert "READINGSCONTRADICT" in said
-    assert plain(result.agreement.text) in said
-
-
 @pytest.mark.parametrize("language", sorted(LANGUAGES))
 def test_the_first_page_is_short(language: str, paper: Path) -> None:
     with speaking(language):

@@ -18,11 +18,11 @@ from axiscal.present.drawing.scene import (
     EYE,
     Arrow,
     Drawing,
-    Fit,
     Part,
     Stroke,
     Viewport,
     drawn,
+    fitted,
     short_number,
     text,
     wrapped,
@@ -66,7 +66,7 @@ def found_and_left_drawing(volume: VolumeFigures, machine: Machine, width: float
         body += "".join(text(x + _SIDE, y + 18 + _LINE * line, each, "title") for line, each in enumerate(heads[n]))
         frame = panel._replace(left=x + _SIDE, top=y + head)
         body += drawn([*_bent(nominal, times * deviation, times * half, colour), *triad], frame, around)
-    scale, top = Fit.into(around, panel).scale, (high + head) * (1 if beside else len(panels))
+    scale, top = fitted(around, panel)[0], (high + head) * (1 if beside else len(panels))
     size = f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}"
     parts = [said("errors × {times}", times=size), said("dashed: without errors"), said("between thin lines: 95 %")]
     lines = wrapped(" · ".join(parts), width - 2 * _SIDE)

@@ -219,26 +219,14 @@ def flat(points: Array) -> Array:
     return np.stack([points @ RIGHT, -(points @ UP)], axis=1)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Fit:
-    """How a scene lies in its frame: pixel = scale · seen + shift."""
-
-    scale: float
-    shift: Array
-
-    @classmethod
-    def into(cls, points: Array, frame: Viewport) -> Fit:
-        """Return the largest way to fit points, (n, 3) m, into a frame."""
-        seen = flat(points)
-        low, high = seen.min(axis=0), seen.max(axis=0)
-        size, room = np.maximum(high - low, 1e-12), np.array([frame.width, frame.height]) - 2 * _MARGIN
-        scale = float((room / size).min())
-        middle = np.array([frame.left + frame.width / 2, frame.top + frame.height / 2])
-        return cls(scale, middle - scale * (low + high) / 2)
-
-    def pixels(self, points: Array) -> Array:
-        """Return where points (n, 3) or (3,) m stand, (n, 2)."""
-        return flat(np.atleast_2d(points)) * self.scale + self.shift
+def fitted(points: Array, frame: Viewport) -> tuple[float, Array]:
+    """Return scale and shift (2,) by which points, (n, 3) m, are as large as a frame allows: scale · seen + shift."""
+    seen = flat(points)
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    size, room = np.maximum(high - low, 1e-12), np.array([frame.width, frame.height]) - 2 * _MARGIN
+    scale = float((room / size).min())
+    middle = np.array([frame.left + frame.width / 2, frame.top + frame.height / 2])
+    return scale, middle - scale * (low + high) / 2
 
 
 def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -> str:
@@ -246,12 +234,12 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
 
     within : points that fill the frame, (n, 3) m, in place of those of the parts; several scenes get one scale by it
     """
-    fitted = Fit.into(np.vstack([part.points for part in parts]) if within is None else within, frame)
-    placed = [(part, fitted.pixels(part.points)) for part in parts]
-    inside = "".join(part.svg(at, fitted.scale) for part, at in placed if not isinstance(part, Caption))
+    scale, shift = fitted(np.vstack([part.points for part in parts]) if within is None else within, frame)
+    placed = [(part, flat(np.atleast_2d(part.points)) * scale + shift) for part in parts]
+    inside = "".join(part.svg(at, scale) for part, at in placed if not isinstance(part, Caption))
     x, y, wide, high = map(short_number, frame)
     cut = f'<svg x="{x}" y="{y}" width="{wide}" height="{high}" viewBox="{x} {y} {wide} {high}">{inside}</svg>'
-    return cut + "".join(_names(placed, fitted.scale, frame))
+    return cut + "".join(_names(placed, scale, frame))
 
 
 def _names(placed: Iterable[tuple[Part, Array]], scale: float, frame: Viewport) -> Iterator[str]:
