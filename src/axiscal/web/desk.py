@@ -19,7 +19,7 @@ from axiscal.language.spoken import said
 from axiscal.present.answer import Outcome, PlannedAnswer
 from axiscal.present.answer_of_campaign import results_beside, standing_answer
 from axiscal.present.guide import progress, slips
-from axiscal.present.guide.question import Question, asked_text, measured, stands
+from axiscal.present.guide.question import Question, asked_text, typed
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
@@ -97,11 +97,11 @@ class Desk:
         """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
         asked = self.campaign.open_question()
         question = self.state.question or Question.from_campaign(self.campaign, asked)
-        typed = measured(text, self.campaign.description.setup(question.setup), stands(self.campaign))
+        values = typed(self.campaign, text)
         if cause is None:
-            slips.refuse_surprising(self.campaign, question, typed)
+            slips.refuse_surprising(self.campaign, question, values)
         before = progress.doubted(self.campaign)
-        kept, told = slips.keep_as(self.campaign, question, typed, cause)
+        kept, told = slips.keep_as(self.campaign, question, values, cause)
         self._before = before
         self._show()
         return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()

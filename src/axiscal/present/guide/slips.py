@@ -19,7 +19,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.answer import AnswerDocument
 from axiscal.present.guide.progress import set_anew
-from axiscal.present.guide.question import SURPRISING, Question, measured, stands
+from axiscal.present.guide.question import SURPRISING, Question, measured, typed
 from axiscal.present.sentences import spelt
 from axiscal.units import digits, to_unit
 
@@ -86,7 +86,7 @@ class Meant(AnswerDocument):
         if question is None or not text.strip():
             return cls()
         try:
-            values = measured(text, campaign.description.setup(question.setup), stands(campaign))
+            values = typed(campaign, text)
         except AxiscalError as failure:
             return cls(sentence=str(failure))
         shown = [float(to_unit(float(each), question.unit)) for each in values]
