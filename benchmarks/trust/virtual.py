@@ -8,12 +8,12 @@ from functools import cache
 
 import numpy as np
 
-from axiscal.answers.prediction import tcp_prediction
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.prediction import tcp_prediction
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from axiscal.answers.answer_of_campaign import answered
 from axiscal.campaign import ending
 from axiscal.campaign.ending import (
     ALL_REACHED,
@@ -29,6 +28,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.agreement import Explained
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import reached_unread
+from axiscal.present.answer_of_campaign import answered
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
 from tests.generators.laser_axis import CASE, closed, machine, read

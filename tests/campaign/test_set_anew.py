@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.measurement.reading import Place
+from axiscal.present.answer_of_campaign import standing_answer
 from axiscal.present.guide.progress import Named, named_now
 from axiscal.record.accepted import Accepted
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.inheritance import last_campaign
 from axiscal.exceptions import DescriptionError, ReadingError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import STEEL
+from axiscal.present.answer_of_campaign import standing_answer
 from axiscal.present.guide.progress import due, last_step, open_temperature
 from axiscal.record.carried import carried_text
 from tests.generators.laser_axis import CAMPAIGN, MACHINE

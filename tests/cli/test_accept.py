@@ -20,7 +20,8 @@ from axiscal.estimation.promise.agreement import Agreement
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.present.result_of_campaign import Extras, result_of
+from axiscal.present.answer_of_campaign import answer_of
+from axiscal.present.result_of_campaign import result_of
 from axiscal.record.carried import carried_text
 from tests.commands import Command
 from tests.generators.texts import campaign_text, machine_text, setup_text
@@ -145,7 +146,7 @@ def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, comman
     said = 'the readings of "X again" before reading 19 have a zero of their own'
     assert f"Accepted: {said}" in command("status", path, "--details").printed
     with Campaign.open(path) as campaign:
-        found = result_of(campaign, campaign.estimate(ended=True), Extras())
+        found = result_of(campaign, known := campaign.estimate(ended=True), answer_of(campaign, known, {}))
         description, readings = last_campaign(carried_text(path))
         assert (readings, description.setups[-1].name) == (campaign.state.readings, "X again, before reading 19")
     assert [each.text for each in found.warnings if each.code == "accepted"] == [f"A person accepted: {said}."]

@@ -15,7 +15,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics import Array
-from axiscal.present.guide.question import Stands, measured
+from axiscal.present.guide.question import measured
 from benchmarks.zoo.running import given, rows_of
 from tests.generators.texts import artefact_text, campaign_text, machine_text, setup_text
 
@@ -106,7 +106,7 @@ def test_what_the_control_found_is_typed_as_it_prints_it(tmp_path: Path) -> None
     assert done.status == 0, done
     with Campaign.open(record, write=False) as kept:
         (reading,) = kept.state.readings
-        setup, at = kept.description.setup("touch"), Stands(kept.description.machine, reading.pose)
+        setup, at = kept.description.setup("touch"), (kept.description.machine, reading.pose)
         prompted = measured(f"found {x}; {y}; {z}", setup, at)
         with pytest.raises(AxiscalError, match="2 values"):
             measured("found 1 2", setup, at)

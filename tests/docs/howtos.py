@@ -16,7 +16,6 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place
-from axiscal.present.drawing.svg_picture import picture_file
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.schematic import plan_picture
 from axiscal.present.volume_error import volume_error
@@ -86,7 +85,7 @@ def draw_demo(folder: Path) -> None:
         known = campaign.estimate(ended=True)
         volume = volume_error(known, controller, export(known.estimate(), controller, ExportOptions()).control)
         drawing = found_and_left_drawing(volume, campaign.description.machine, 1110.0)
-        _keep("demo.svg", picture_file(drawing, "The error of the volume, found and left"))
+        _keep("demo.svg", drawing.on_screen("The error of the volume, found and left"))
 
 
 def _keep(name: str, svg: str) -> None:

@@ -29,7 +29,7 @@ FOLDER = SOURCES / "language" / "translations"
 WORDS = SOURCES / "language" / "words.toml", SOURCES / "document" / "gone.toml"
 Message = str | tuple[str, str]
 REFUSALS = {name for name, each in vars(exceptions).items() if isinstance(each, type) and issubclass(each, InputError)}
-_SAYING = ("said", "counted", "later", "stage", "staged")
+_SAYING = ("said", "counted", "later", "stage")
 _NEVER = datetime(2026, 1, 1, tzinfo=UTC)
 """Files that are made anew from the same messages are the same."""
 _IN_SCRIPT = re.compile(r'\bsaid\("((?:[^"\\]|\\.)*)"')

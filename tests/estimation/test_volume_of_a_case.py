@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
-from axiscal.answers.budget import budget
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.budget import budget
 from axiscal.estimation.case import NO_GOAL, Case
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading_rows import seen

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from axiscal.answers.answer import Aim, AnswerLine, AnswerRow, Outcome, SignedNumber
 from axiscal.description.target import Kind, RowName, dimension
+from axiscal.present.answer import Aim, AnswerLine, AnswerRow, Outcome, SignedNumber
 from axiscal_core.machine import Machine
 
 _SIGNED: dict[Kind, tuple[str, ...]] = {

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.language.spoken import speaking
+from axiscal.present.answer_of_campaign import standing_answer
 from axiscal.web.desk import Desk
 from tests.golden.__main__ import EXPECTED, compared
 from tests.golden.comparing import of_values

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import load_machine
-from axiscal.measurement.reading import sense
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.question import AxisPlace, coordinates_text, measured
+from axiscal.present.guide.question import measured
 from tests.generators.texts import campaign_text, setup_text
 
 SETUPS = campaign_text(
@@ -57,19 +56,3 @@ def test_nothing_typed_is_a_traceback(text: str) -> None:
         except AxiscalError:
             continue
         assert np.all(np.isfinite(typed))
-
-
-def test_axes_that_move_are_said_apart_from_those_that_stand() -> None:
-    places = [
-        AxisPlace(axis=axis, value=value, unit="mm", moves=moves, changed=True, side="+", diameter=axis == "X")
-        for axis, value, moves in (("X", 20.0, True), ("Y", 1.25, True), ("Z", -3.0, False))
-    ]
-    assert coordinates_text(places, moves=True) == "X = 20 mm (the diameter 40 mm), Y = 1.25 mm"
-    assert coordinates_text(places, moves=False) == "Z = -3 mm"
-
-
-def test_the_sign_is_said_in_words() -> None:
-    assert sense(DIAL).sign == "+ where the tool stands too far towards -y, seen from the workpiece"
-    assert sense(LEVEL).sign == "+ where the tool is turned too far about +x by the right hand, seen from the workpiece"
-    assert "+x, +y, +z" in sense(NEST).sign
-    assert [sense(each).reads for each in (DIAL, LEVEL, NEST)] == ["along -y", "about x", "x, y and z"]

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.language.spoken import speaking
+from axiscal.present.answer_of_campaign import cost_sentence, cost_words
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from axiscal.answers.prediction import expectation
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
+from axiscal.estimation.prediction import expectation
 from axiscal.measurement.reading import Place, Reading
 from tests.generators.texts import campaign_text, machine_text, setup_text
 

@@ -13,9 +13,10 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.language.spoken import Said, speaking
 from axiscal.present import rendering
+from axiscal.present.answer_of_campaign import answer_of
 from axiscal.present.rendering import pdf
 from axiscal.present.result import Result
-from axiscal.present.result_of_campaign import Extras, result_of
+from axiscal.present.result_of_campaign import result_of
 from tests.golden.surfaces import lines_of
 
 CAMPAIGNS = Path(__file__).resolve().parents[1] / "golden" / "campaigns"
@@ -32,7 +33,7 @@ def result(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     folder, out = CAMPAIGNS / request.param, tmp_path_factory.mktemp("german") / "out"
     run(["estimate", str(folder / "campaign.toml"), str(folder / GIVEN[request.param]), "--out", str(out)])
     with Campaign.open(out / "campaign.axiscal", write=False) as campaign:
-        return result_of(campaign, campaign.estimate(ended=True), Extras())
+        return result_of(campaign, known := campaign.estimate(ended=True), answer_of(campaign, known, {}))
 
 
 def _sentences(result: Result) -> Iterator[str]:

@@ -6,11 +6,11 @@ from typing import get_args
 
 import pytest
 
-from axiscal.answers.answer import Outcome, Verdict
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.present import rendering
+from axiscal.present.answer import Outcome, Verdict
 from axiscal.web.desk import Desk
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 from tests.golden.surfaces import numbers, of_screen, of_state

@@ -6,12 +6,12 @@ import re
 
 import pytest
 
-from axiscal.answers.answer import NextStep, PlannedRow, PlannedSetup, PlanVerdict, ReachAnswer
-from axiscal.answers.answer_words import WIDTH
 from axiscal.description.target import RowName, dimension, rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
 from axiscal.planning.helping import Helping
+from axiscal.present.answer import NextStep, PlannedRow, PlannedSetup, PlanVerdict, ReachAnswer
+from axiscal.present.answer_words import WIDTH
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.plan_words import LINES, plan_screen
 from axiscal_core.machine import Machine

@@ -59,9 +59,9 @@ def test_the_tip_is_where_the_chain_puts_it(machine: Machine) -> None:
     tools = [k for k, axis in enumerate(machine.axes) if not axis.workpiece_side]
     for pose in _poses(machine):
         room = DrawnMachine(machine, pose)
-        np.testing.assert_allclose(room.on_table(tip(machine, pose)[None])[0], room.tip, atol=1e-12)
+        np.testing.assert_allclose(room.placed(tip(machine, pose)[None])[0], room.tip, atol=1e-12)
         if tools:
-            held = _carried(machine, room.tool[-1], pose)
+            held = _carried(machine, tools[-1], pose)
             on_bed = room.upright @ (held @ [0, 0, -machine.tool_length, 1])[:3]
             np.testing.assert_allclose(room.tip, on_bed, atol=1e-12)
             np.testing.assert_allclose(room.stem, room.upright @ held[:3, 2], atol=1e-12)
@@ -69,7 +69,7 @@ def test_the_tip_is_where_the_chain_puts_it(machine: Machine) -> None:
 
 def _arrows(machine: Machine) -> dict[str, Arrow]:
     parts = machine_schematic(machine, lengths=False).parts
-    return {part.name: part for part in parts if isinstance(part, Arrow)}
+    return {part.words: part for part in parts if isinstance(part, Arrow)}
 
 
 @pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
@@ -115,7 +115,8 @@ def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[Place
             dots = [part.points for part in scene.parts if isinstance(part, RoundMark) and part.colour == "read"]
             machine, pose = campaign.machine, np.array(own[0].pose)
             room = DrawnMachine(machine, pose)
-            held = _carried(machine, room.work[0], pose) if room.work else np.eye(4)
+            work = [k for k, axis in enumerate(machine.axes) if axis.workpiece_side]
+            held = _carried(machine, work[0], pose) if work else np.eye(4)
             for place in own:
                 there = room.upright @ (held @ np.append(tip(machine, np.array(place.pose)), 1.0))[:3]
                 assert min(np.linalg.norm(there - dot) for dot in dots) < 1e-9

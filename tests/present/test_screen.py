@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.answers.answer import NextStep, Outcome, TablesChecked, Verdict
-from axiscal.answers.answer_words import LINES, WIDTH, screen
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.target import rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
+from axiscal.present.answer import NextStep, Outcome, TablesChecked, Verdict
+from axiscal.present.answer_words import LINES, WIDTH, screen
 from tests.commands import Command
 from tests.generators.answers import aim, answer, answer_row
 from tests.generators.laser_axis import CASE, machine, read

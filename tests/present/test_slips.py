@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import first_described, of_builtin
 from axiscal.exceptions import ReadingError
+from axiscal.present.answer_of_campaign import standing_answer
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import CAUSES, Cause, Meant, causes, jog, keep_as, surprise_text, try_jog
 from axiscal.record.events import Asked

@@ -4,10 +4,9 @@ from typing import get_args
 
 import pytest
 
-from axiscal.answers import row_words
 from axiscal.description import target
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.present import findings, sentences
+from axiscal.present import findings, row_words, sentences
 from axiscal_core.theta import Kind
 
 

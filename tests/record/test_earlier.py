@@ -7,11 +7,11 @@ from unittest.mock import Mock
 
 import pytest
 
-from axiscal.answers.answer_of_campaign import answered, standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.repairing import repaired
 from axiscal.estimation.inheritance import last_estimation
 from axiscal.exceptions import RecordError
+from axiscal.present.answer_of_campaign import answered, standing_answer
 from axiscal.record.carried import carried_text
 from axiscal.record.store import Record
 from benchmarks.reliability.record_faults import recorded, values

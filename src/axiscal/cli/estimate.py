@@ -6,13 +6,13 @@ from pathlib import Path
 
 import typer
 
-from axiscal.answers.prediction import predict_poses
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import length_unit
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say, say_document, say_either, tell, tell_minds
 from axiscal.cli.record import placed_log
 from axiscal.description.campaign import read_campaign
+from axiscal.estimation.prediction import predict_poses
 from axiscal.evaluation.standards import Positioning, figures_of
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import WORDS, decimals, said
@@ -22,7 +22,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import evaluated, read_in
 from axiscal.present.findings import OF_THE_READING, of_readings
 from axiscal.present.plan_words import open_questions
-from axiscal.present.result_of_campaign import Extras
 from axiscal.present.result_set import RECORD
 from axiscal.tables.exporter import unasked
 from axiscal.units import to_unit
@@ -67,10 +66,10 @@ def estimate(
         raise RecordError("This folder holds a campaign already", "Name another --out, or remove it", out / RECORD)
     if told:
         tell(told)
-    extras = Extras(warnings=of_readings(placed, description.setups, description.machine.axes))
+    warnings = of_readings(placed, description.setups, description.machine.axes)
     with evaluated(description, placed) as opened:
         kept, again = out / RECORD, "give the command again"
-        result = write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
+        result = write_outputs(opened, out, as_json=json, details=details, record=kept, warnings=warnings, again=again)
     seen = [each.text for code in OF_THE_READING if not details for each in result.warnings if each.code == code]
     tell_minds(unasked(description), *seen, *open_questions(description))
 

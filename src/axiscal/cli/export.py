@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 
-from axiscal.answers.answer_words import wrapped
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
@@ -19,6 +18,7 @@ from axiscal.language.spoken import ending, joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.measurement.readers.probe_offset import place_of
 from axiscal.measurement.readers.text_file import exact_text
+from axiscal.present.answer_words import wrapped
 from axiscal.present.delivery import introduced, write_files
 from axiscal.present.findings import findings
 from axiscal.present.result_of_campaign import record_state

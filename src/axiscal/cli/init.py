@@ -14,8 +14,6 @@ from typing import TypeVar
 
 import typer
 
-from axiscal.answers.answer_words import WIDTH, wrapped
-from axiscal.answers.row_words import row_name
 from axiscal.cli.printing import ask, complain, say
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.first_campaign import Beginning, Purpose
@@ -35,6 +33,8 @@ from axiscal.description.printer_file import is_printer_file, of_printer
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import counted, ending, listed, said
 from axiscal.machine import builtin_names
+from axiscal.present.answer_words import WIDTH, wrapped
+from axiscal.present.row_words import row_name
 
 _Answer = TypeVar("_Answer")
 _MACHINE = "three-axis-mill"

@@ -11,26 +11,23 @@ from functools import partial
 from pathlib import Path
 from typing import Literal
 
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside
-from axiscal.answers.answer_words import minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.outputs import standing_screen, write_outputs
 from axiscal.cli.printing import ask, mind_lines, say
 from axiscal.cli.texts import opened_to_write, tell_out_of_reach
 from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.language.spoken import WORDS, decimals, listed, put, said, speaking, spoken_now
-from axiscal.numerics import Array
+from axiscal.language.spoken import WORDS, decimals, listed, put, said, speaking
+from axiscal.present.answer_of_campaign import cost_sentence, cost_words, results_beside
+from axiscal.present.answer_words import minutes_text
 from axiscal.present.guide import progress, slips
 from axiscal.present.guide.question import (
     Question,
     action,
     degrees,
-    measured,
     question_text,
-    stands,
+    typed,
 )
-from axiscal.present.result_of_campaign import Extras
 from axiscal.present.result_set import RECORD
 from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
@@ -86,10 +83,10 @@ class Prompt:
         """
         then: _Then = "same"
         while then == "same":
-            word, _, text = (typed := ask(prompt).strip()).partition(" ")
+            word, _, text = (line := ask(prompt).strip()).partition(" ")
             try:
                 wanted = action(word)
-                then = take(typed) if wanted is None else self._done(wanted, text, question) if wanted else enter
+                then = take(line) if wanted is None else self._done(wanted, text, question) if wanted else enter
             except OvertakenError:
                 self.campaign.looked_at_again()
                 say("  " + said("Nothing was done: the record has moved on, on a page or by another command."))
@@ -100,18 +97,14 @@ class Prompt:
                 say(question_lines(question))
         return then
 
-    def _too_early(self, typed: str) -> _Then:
-        self._measured(typed)
+    def _too_early(self, text: str) -> _Then:
+        typed(self.campaign, text)
         say("  " + said("This is a reading: press Enter when the set-up stands, then type it."))
         return "same"
 
-    def _take_temperature(self, typed: str) -> _Then:
-        say(f"  {progress.take_note(self.campaign, degrees(typed))}")
+    def _take_temperature(self, text: str) -> _Then:
+        say(f"  {progress.take_note(self.campaign, degrees(text))}")
         return "stands"
-
-    def _measured(self, typed: str) -> Array:
-        asked = self.campaign.open_question()
-        return measured(typed, self.campaign.description.setup(asked.place.setup), stands(self.campaign))
 
     def _done(self, wanted: str, text: str, question: Question | None) -> _Then:
         """Do what a word asks for.  text : what followed it"""
@@ -126,7 +119,7 @@ class Prompt:
             case "stop":
                 return self._stop()
             case "help":
-                say("\n".join(f"  {said(typed):<18} {said(does)}" for typed, does in WORDS["prompt"]["rows"]))
+                say("\n".join(f"  {said(word):<18} {said(does)}" for word, does in WORDS["prompt"]["rows"]))
             case "pause":
                 return "pause"
             case "undo":
@@ -144,10 +137,10 @@ class Prompt:
         return "same"
 
     def _keep(self, question: Question, text: str) -> _Then:
-        typed = self._measured(text)
+        values = typed(self.campaign, text)
         cause: slips.Cause | None = None
         try:
-            slips.refuse_surprising(self.campaign, question, typed)
+            slips.refuse_surprising(self.campaign, question, values)
         except slips.SurprisingError as strange:
             say(f"  {strange.what}.")
             named_by = {_LETTERS[each]: each for each in strange.causes}
@@ -158,7 +151,7 @@ class Prompt:
             if (cause := named_by.get(word)) is None:
                 return "same"
         before, asked = progress.doubted(self.campaign), progress.named_now(self.campaign)
-        kept, told = slips.keep_as(self.campaign, question, typed, cause)
+        kept, told = slips.keep_as(self.campaign, question, values, cause)
         if told:
             say(f"  {told}")
         say("  " + said("kept reading {number}; it is on the disk", number=kept.number))
@@ -253,6 +246,6 @@ def measure(record: Path, out: Path | None = None, language: str | None = None) 
             if over:
                 campaign.log.refuse_other(folder / RECORD)
                 campaign.finish()
-                write_outputs(campaign, folder, as_json=False, extras=Extras(spoken=spoken_now()))
+                write_outputs(campaign, folder, as_json=False)
         if not over:
             say(said("Paused; every reading is kept. Go on: axiscal measure {record}", record=record))

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
 
-from axiscal.answers.answer_of_campaign import results_of, standing_answer
-from axiscal.answers.answer_words import screen
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
 from axiscal.cli.printing import say, say_document
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.language.spoken import again, put, said, speaking
+from axiscal.present.answer_of_campaign import results_of, standing_answer
+from axiscal.present.answer_words import screen
 from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.delivery import deliver
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_screen
-from axiscal.present.result import Result, TableFile
-from axiscal.present.result_of_campaign import Extras
+from axiscal.present.result import Finding, Result, TableFile
 from axiscal.present.sentences import U_OF_TABLES
 
 
@@ -29,7 +28,7 @@ def write_outputs(
     as_json: bool,
     details: bool = False,
     record: Path | None = None,
-    extras: Extras | None = None,
+    warnings: Sequence[Finding] = (),
     again: str = "",
     anyway: bool = False,
 ) -> Result:
@@ -45,7 +44,7 @@ def write_outputs(
     whole = f"The results in {out} are whole, those of before or the new ones"
     again = again or said("write them by: axiscal finish {record} --out {out}", record=campaign.path, out=out)
     try:
-        result = deliver(campaign, campaign.estimate(ended=True), out, replace(extras or Extras(), anyway=anyway))
+        result = deliver(campaign, campaign.estimate(ended=True), out, anyway=anyway, warnings=warnings)
     except OSError as failure:
         what, reason = "The results were not written: {reason}", failure.strerror or failure
         remedy = "Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"

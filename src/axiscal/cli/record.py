@@ -9,7 +9,6 @@ from pathlib import Path
 
 import typer
 
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.cli.printing import mind_lines, say_either, tell
@@ -21,8 +20,9 @@ from axiscal.language.spoken import counted, joined, later, listed, quoted, said
 from axiscal.measurement.readers.columns import approach_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose, units_of
 from axiscal.measurement.setup import Setup
+from axiscal.present.answer_of_campaign import cost_sentence, cost_words
 from axiscal.present.guide.progress import contradictions, doubted, last_doubt, open_question, others_doubted
-from axiscal.present.guide.question import Stands, asked_text, found_at, value_texts
+from axiscal.present.guide.question import asked_text, found_at, value_texts
 from axiscal.units import format_quantity, parse_quantity, to_unit
 from axiscal_core.machine import Machine
 
@@ -63,7 +63,7 @@ def record(
             place = Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
         mounted = campaign.description.setup(place.setup)
         reads = mounted.reads_each
-        met = found_at(text, mounted, Stands(campaign.description.machine, place.pose))
+        met = found_at(text, mounted, (campaign.description.machine, place.pose))
         parts = value_texts(text, mounted) if met is None else []
         number, *others = [*map(parse_quantity, parts, reads)] if met is None else met.tolist()
         noise = None if std is None else parse_quantity(std, reads[0])

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import typer
 
-from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
@@ -14,8 +13,9 @@ from axiscal.cli.texts import opened_to_write
 from axiscal.document.gone import instead_of
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
+from axiscal.present.answer_of_campaign import results_of, standing_answer
 from axiscal.present.delivery import language_of_report, write_report
-from axiscal.present.result_of_campaign import Extras, result_of
+from axiscal.present.result_of_campaign import result_of
 from axiscal.present.result_set import RECORD
 
 
@@ -30,7 +30,7 @@ def report(record: Path, out: Path | None = None, language: str | None = None) -
         raise RecordError(what, "Write it to {name}", target, out=target.name, name=target.with_suffix(".pdf").name)
     with Campaign.open(record, write=False) as campaign:
         known = campaign.estimate(ended=True)
-        result = result_of(campaign, known, Extras(answer=standing_answer(campaign)))
+        result = result_of(campaign, known, standing_answer(campaign))
         target.parent.mkdir(parents=True, exist_ok=True)
         write_report(campaign, result, target, language_of_report(campaign.description.particulars, language))
     say(said("The report is in {file}.", file=target))

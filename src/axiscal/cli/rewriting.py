@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from axiscal.answers.answer_words import wrapped
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
@@ -14,6 +13,7 @@ from axiscal.document.ports import rendered
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, said, speaking
 from axiscal.measurement.readers.text_file import read_text
+from axiscal.present.answer_words import wrapped
 from axiscal.present.result_of_campaign import record_state
 from axiscal.present.result_set import result_set, write_manifest
 from axiscal.tables.rewriting import rewrite

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 from axiscal.cli.printing import rewrite
 from axiscal.language.spoken import put, said, speaking
-from axiscal.language.stages import Listener, Stage, listening, stage_text
+from axiscal.language.stages import Listener, listening
 from axiscal.present.whose_language import chosen
 
 _QUIET = 2.0
@@ -26,7 +26,7 @@ def shown_stages() -> Iterator[None]:
     if os.environ.get("AXISCAL_PROGRESS") == "off" or not sys.stderr.isatty():
         yield
         return
-    stages, start, language = list[Stage](), time.monotonic(), chosen(None)
+    stages, start, language = list[str](), time.monotonic(), chosen(None)
     over, writing = threading.Event(), threading.Lock()
 
     def wipe() -> None:
@@ -39,8 +39,8 @@ def shown_stages() -> Iterator[None]:
             now = time.monotonic()
             with writing, speaking(language):  # of the thread that began
                 if stages and now - start >= _QUIET:
-                    stage = stage_text(stages[-1], now - stages[-1].since)
-                    rewrite(said("{stage}, {seconds} s so far", stage=stage, seconds=put("{s:.0f}", s=now - start)))
+                    so_far = put("{s:.0f}", s=now - start)
+                    rewrite(said("{stage}, {seconds} s so far", stage=said(stages[-1]), seconds=so_far))
 
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()

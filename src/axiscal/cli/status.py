@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from shlex import quote
 
-from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.agreement_words import agreement_document, agreement_words, change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
@@ -17,6 +16,7 @@ from axiscal.cli.texts import asked_screen
 from axiscal.document.consent import asking
 from axiscal.exceptions import CodeError, RecordError
 from axiscal.language.spoken import counted, later, said
+from axiscal.present.answer_of_campaign import standing_answer
 from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
 from axiscal.present.plan_answer import coming_answer

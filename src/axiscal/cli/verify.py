@@ -9,8 +9,6 @@ from pathlib import Path
 
 import typer
 
-from axiscal.answers.answer_of_campaign import advised_control
-from axiscal.answers.answer_words import WIDTH, template_of, wrapped
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import opened_to_write
@@ -19,6 +17,8 @@ from axiscal.evaluation.check import Check
 from axiscal.language.spoken import ending, listed, said
 from axiscal.measurement.readers.text_file import exact_text
 from axiscal.measurement.reading import Places
+from axiscal.present.answer_of_campaign import advised_control
+from axiscal.present.answer_words import WIDTH, template_of, wrapped
 from axiscal.present.check_answer import CheckAnswer, check_details, check_plan, check_screen
 from axiscal.tables import registry
 from axiscal.tables.bump import other_way

@@ -78,11 +78,6 @@ class KnownRow:
         return self.known <= attainable(self.goal, self.floor)
 
     @property
-    def one_sided(self) -> bool:
-        """Whether it is a backlash that was read from one side alone, or from both at no one place."""
-        return self.row.kind == "backlash" and not self.measured and bool(self.lines[0].read and not self.lines[0].both)
-
-    @property
     def goal(self) -> float:
         """U at which it is reached, or measured where no limit is given; of the volume inf where none is."""
         measured = math.inf if self.row.kind == "volume" else _MEASURED * self.before

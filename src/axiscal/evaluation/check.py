@@ -34,7 +34,7 @@ from axiscal.evaluation.verification import (
 )
 from axiscal.exceptions import InputError, ReadingError, SourceError, TargetError
 from axiscal.language.spoken import said
-from axiscal.language.stages import stage, staged
+from axiscal.language.stages import stage
 from axiscal.measurement.readers.csv_readings import blank_sheet, filled_sheet
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Place, Places, Reading, shown_pose
@@ -84,6 +84,7 @@ class Sheet:
         """Whether it holds all of its readings."""
         return len(self.held()) == len(self.wanted)
 
+    @stage("readings")
     def fill(self, opened: Callable[[], Source]) -> None:
         """Read what is missing; raises ReadingError before that, SourceError with how many readings are kept."""
         readings = list(self.held())
@@ -91,8 +92,7 @@ class Sheet:
             raise ReadingError("nothing can be written there", "Name a file in a folder of yours", self.file)
         source = opened()
         try:
-            missing = self.wanted[len(readings) :]
-            for request in staged("readings", missing, len(missing)):
+            for request in self.wanted[len(readings) :]:
                 answer = source.read(request)
                 if isinstance(answer, Skip):
                     raise SourceError(

@@ -72,16 +72,19 @@ class Positioning:
 
     def as_json(self) -> dict[str, object]:
         """Return the document `axiscal-iso230/1`: figures in um, or arcsec of angles; targets in mm or deg."""
-        unit, target_unit = self.unit, self.target_unit
-        figures = {name: _shown(self.figures.get(name), unit) for name in FIGURES}
-        per_target = [
-            {name: _shown(value, target_unit if name == "target" else unit) for name, value in row.items()}
-            for row in self.per_target
-        ]
-        head: dict[str, object] = {"schema": "axiscal-iso230/1", "unit": unit, "target_unit": target_unit}
-        uncertainty = {name: _shown(value, unit) for name, value in self.uncertainty.items()}
-        tail = {"uncertainty": uncertainty, "coverage_factor": COVERAGE_FACTOR}
-        return head | figures | tail | {"per_target": per_target, "warnings": list(self.warnings)}
+        units = dict.fromkeys(_OF_TARGET, self.unit) | {"target": self.target_unit}
+        return {
+            "schema": "axiscal-iso230/1",
+            "unit": self.unit,
+            "target_unit": self.target_unit,
+            **{name: _shown(self.figures.get(name), self.unit) for name in FIGURES},
+            "uncertainty": {name: _shown(value, self.unit) for name, value in self.uncertainty.items()},
+            "coverage_factor": COVERAGE_FACTOR,
+            "per_target": [
+                {name: _shown(value, units[name]) for name, value in row.items()} for row in self.per_target
+            ],
+            "warnings": list(self.warnings),
+        }
 
 
 _Sides = Mapping[str, tuple[Array, Array]]

@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.causes import at_feed
-from axiscal.language.spoken import listed, said
+from axiscal.language.spoken import listed
 from axiscal.present.result import Finding
 from axiscal.units import format_quantity, said_quantity
 
@@ -23,11 +23,6 @@ def beside_the_tool(estimation: Estimation) -> Iterator[Finding]:
 
     They are expected by more than its noise, and readings have taken off less than half of that.
     """
-    text = (
-        '"{setup}" looks {far} beside the tool point. There {names} count as well, by ± {size} (95 %), and these '
-        "readings do not tell them from what the tool point does. Read these angles with a level, or read the same "
-        "places at the tool point itself."
-    )
     observation, errors, printed = estimation.case.observation, estimation.case.errors, estimation.printed.belief
     for index, setup in enumerate(observation.setups):
         read = [reading.pose for reading in estimation.readings if reading.setup == setup.name]
@@ -48,7 +43,7 @@ def beside_the_tool(estimation: Estimation) -> Iterator[Finding]:
             far = format_quantity(math.dist(setup.offset or (0.0,), (0.0, 0.0, 0.0)), "mm", 2)
             size = said_quantity(BAND * after, "um", 2)
             named = {"setup": setup.name, "far": far, "names": listed(", ", names), "size": size}
-            yield Finding(code="beside", text=said(text, **named))
+            yield Finding.of("beside", **named)
 
 
 def lagging(estimation: Estimation) -> Iterator[Finding]:
@@ -56,22 +51,13 @@ def lagging(estimation: Estimation) -> Iterator[Finding]:
 
     Also where they go one way round: there such a lag is no other than squareness.
     """
-    once = (
-        'Circles of "{setup}" go one way round. There an axis that lags behind the other looks like squareness, and U '
-        "does not count it. Read them the other way round, too."
-    )
-    text = (
-        'Circles of "{setup}" differ by the way round, as if one axis lagged behind the other or a reversal came late. '
-        "Neither is geometry, both look like backlash, and U counts them. Read at a quarter of that feed: what stays "
-        "is the machine."
-    )
     for circle in at_feed(estimation.case.observation, estimation.readings):
         if not circle.both:
-            yield Finding(code="lag", text=said(once, setup=circle.setup))
+            yield Finding.of("lag_once", code="lag", setup=circle.setup)
     if estimation.posterior is None:
         return
     problem, setups = estimation.posterior.draws[0].problem, estimation.case.description.setups
     passing = np.arange(len(problem.passing))
     servo = passing[(np.array(problem.passing) == "way") & (problem.size_at[passing] < 0)]
     for setup in np.unique(problem.setup[np.any(problem.rows[:, servo] != 0, axis=1)]).tolist():
-        yield Finding(code="lag", text=said(text, setup=setups[setup].name))
+        yield Finding.of("lag", setup=setups[setup].name)

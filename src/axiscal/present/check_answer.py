@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.answers.answer import TablesChecked, finite
-from axiscal.answers.answer_words import VERDICTS, farthest_words, sizes_words, wrapped
-from axiscal.answers.row_words import row_name
 from axiscal.evaluation.check import Check
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import WORKS, Decision, Judgement, Verdict
-from axiscal.language.spoken import counted, later, listed, put, quoted, said
+from axiscal.language.spoken import WORDS, counted, listed, put, quoted, said
 from axiscal.measurement.reading import Places, approach_text, place_text, shown_pose
 from axiscal.numerics import Array
+from axiscal.present.answer import TablesChecked, finite
+from axiscal.present.answer_words import VERDICTS, farthest_words, sizes_words, wrapped
+from axiscal.present.row_words import row_name
 from axiscal.units import digits, to_unit
 from axiscal_core.ties import ALIKE, first_best
 
@@ -26,22 +26,8 @@ _ROUNDING = 1e-6
 """A figure below a picometre, in um."""
 
 
-_DECISIONS: Mapping[Decision, str] = {
-    "conform": later("kept: every deviation lies inside, with its uncertainty"),
-    "not conform": later("not kept: a deviation lies outside, with all of its uncertainty"),
-    "neither": later("undecided: a deviation lies nearer to it than the readings can tell"),
-}
-_WHY: Mapping[Verdict, str] = {
-    "promised": later("the readings lie no farther from the estimate than its uncertainty and their noise explain"),
-    "worse": later(
-        "the readings lie farther from the estimate than its uncertainty and their noise explain (p = {p:.2g}): the "
-        "machine has changed, or it was known less well than stated"
-    ),
-    "faulty": later("not as exported: {tables}"),
-    "undecided": later(
-        "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
-    ),
-}
+_DECISIONS: Mapping[Decision, str] = WORDS["check"]["decisions"]
+_WHY: Mapping[Verdict, str] = WORDS["check"]["why"]
 _COVERAGE = 2.0
 """k of the uncertainty that is stated beside a decision, as certificates do."""
 _LINES = 12
@@ -209,42 +195,25 @@ def check_details(answer: CheckAnswer) -> list[str]:
 
 
 def _warnings(judged: Judgement) -> Iterator[str]:
-    own_line = '"{name}" is judged against its own line: its slope is not known to the tolerance.'
-    own_tool = (
-        '"{name}" is judged with its tool where the readings put it: nobody knows to the tolerance where it sits, and '
-        "what looks like a tool that sits elsewhere is not judged."
-    )
-    shown = "WARNING: of the table {table} the readings show {share:.2f} ({std:.2f}) times what it takes away: {cause}."
-    off = (
-        'WARNING: the {unknown} of "{setup}" would have to be far larger than its std says: the set-up moved, or the '
-        "machine has an error that looks like it."
-    )
-    still = (
-        'WARNING: all as-left readings of "{name}" are one and the same number: the instrument does not move, or its '
-        "resolution is coarser than its noise."
-    )
-    not_loaded = "WARNING: as found minus as left is not what the tables take away (p = {p:.2g}{share}): {cause}."
-    yield from (said(own_line, name=name) for name in judged.lines)
-    yield from (said(own_tool, name=name) for name in judged.tools)
+    words, causes = WORDS["check"]["warnings"], WORDS["check"]["causes"]
+    for kind, names in (("line", judged.lines), ("tool", judged.tools)):
+        yield from (said(words[kind], name=name) for name in names)
     for share in judged.faulty:
-        cause = said("it was loaded with the wrong sign" if share.value < -WORKS else "it was not loaded")
-        yield said(shown, table=share.name, share=share.value, std=share.std, cause=cause)
+        cause = said(causes["wrong_sign" if share.value < -WORKS else "not_loaded"])
+        yield said(words["table"], table=share.name, share=share.value, std=share.std, cause=cause)
     if not judged.loaded:
         times = judged.share
-        changed = "" if times is None else said(", they changed by {share:.2f} times that", share=times)
-        yield said(not_loaded, p=judged.changed, share=changed, cause=said(_cause(times)))
-    yield from (said(off, unknown=datum.unknown, setup=datum.setup) for datum in judged.strained)
-    yield from (said(still, name=name) for name in judged.still)
+        changed = "" if times is None else said(words["changed"], share=times)
+        yield said(words["tables"], p=judged.changed, share=changed, cause=said(causes[_cause(times)]))
+    yield from (said(words["off"], unknown=datum.unknown, setup=datum.setup) for datum in judged.strained)
+    yield from (said(words["still"], name=name) for name in judged.still)
 
 
 def _cause(share: float | None) -> str:
     """Return the most probable cause.  share : change of the readings divided by what the tables take away"""
     if share is None:
-        return later("the tables hold nothing here, and yet the readings changed")
-    if abs(share + 1) < _NEAR:
-        return later("the tables were loaded with the wrong sign, or the files of before and after are swapped")
-    if abs(share) < _NEAR:
-        return later("the tables were not loaded, or it is another machine")
-    if abs(share - 1) < _NEAR:
-        return later("the machine or a set-up moved between the two, or single values are wrong")
-    return later("the tables were not loaded, loaded with the wrong sign or unit, or it is another machine")
+        return "empty"
+    return next((cause for near, cause in _NEAREST.items() if abs(share - near) < _NEAR), "other")
+
+
+_NEAREST = {-1.0: "reversed", 0.0: "none", 1.0: "moved"}

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.estimation.case import Case
-from axiscal.language.spoken import counted, later, listed, put, quoted, said
+from axiscal.language.spoken import WORDS, counted, later, listed, put, quoted, said
 from axiscal.measurement.reading import reading_unit
-from axiscal.measurement.setup import SaidOfDrift, Setup
+from axiscal.measurement.setup import Setup
 from axiscal.units import said_quantity, to_unit
 
 _HOUR, _MANY = 3600.0, 3
@@ -46,13 +46,8 @@ def drift_words(setups: Sequence[Setup]) -> list[str]:
     """Return clauses: which zeros wander as is usual, or as stated, and where it was said that nothing drifts."""
     if all(setup.drift_said == "denied" for setup in setups):
         return [said("as if nothing drifted: you said that nothing drifts")]
-    known: dict[SaidOfDrift, str] = {
-        "usual": later("with zeros that wander as is usual, {these}"),
-        "stated": later("with zeros that wander as stated, {these}"),
-        "denied": later("as if the zero of {these} did not drift: you said that it does not"),
-    }
     found = []
-    for kind, words in known.items():
+    for kind, words in WORDS["drift"].items():
         mine = [setup for setup in setups if setup.drift_said == kind]
         if mine:
             these = [quoted(setup.name) if kind == "denied" else _rate(setup) for setup in mine]

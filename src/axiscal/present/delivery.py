@@ -10,7 +10,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.wrong_unit import refuse_implausible
@@ -19,16 +18,18 @@ from axiscal.description.placed_readings import file_readings
 from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError, TableError
-from axiscal.language.spoken import capital, put, said, speaking
+from axiscal.language.spoken import capital, put, said, speaking, spoken_now
 from axiscal.language.stages import stage
 from axiscal.measurement.readers.csv_readings import Around
 from axiscal.measurement.readers.files import recognised
 from axiscal.measurement.readers.probe_offset import place_of
 from axiscal.measurement.reading import Reading
+from axiscal.present.answer import TablesChecked
+from axiscal.present.answer_of_campaign import answer_of
 from axiscal.present.conditions import NOT_KNOWN
 from axiscal.present.readings_file import READINGS, readings_csv
-from axiscal.present.result import Result, TableFile
-from axiscal.present.result_of_campaign import Extras, record_state, result_of
+from axiscal.present.result import Finding, Result, TableFile
+from axiscal.present.result_of_campaign import record_state, result_of
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.whose_language import named_language
 from axiscal.tables import registry
@@ -87,23 +88,34 @@ def evaluated(description: CampaignDescription, readings: tuple[Reading, ...]) -
 
 
 @one_thread()
-def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras) -> Result:
+def deliver(
+    campaign: Campaign,
+    estimation: Estimation,
+    out: Path,
+    *,
+    anyway: bool = False,
+    checked: TablesChecked | None = None,
+    warnings: Sequence[Finding] = (),
+) -> Result:
     """Write record, tables, result and report of a campaign as a set, and return what they say.  Raises OSError.
 
+    anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
+    checked : what a check of the tables on the machine found; warnings : about what was given
     A table that a control cannot hold is not written; the report says why.
     The report is in the language of the campaign, else of the person who ends it, all other files are in English.
     """
     described = campaign.description
+    language = language_of_report(described.particulars, None, spoken_now())
     with speaking("en"):
-        with stage("tables", 1, 2):
-            made = {name: _made(estimation, name, extras.anyway) for name in (*described.controls, _ALWAYS)}
+        with stage("tables"):
+            made = {name: _made(estimation, name, anyway) for name in (*described.controls, _ALWAYS)}
         files = [each for each in made.values() if isinstance(each, Export)]
         controls = {each.controller: each.control for each in files if each.controller in described.controls}
-        answer = answer_of(campaign, estimation, controls, written=True, anyway=extras.anyway)
+        answer = answer_of(campaign, estimation, controls, written=True, anyway=anyway, checked=checked)
         offers = [row for name, each in made.items() for row in _offered(name, each, described, answer.withheld)]
         advised = {step.control for step in answer.steps}
         best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
-        result = result_of(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
+        result = result_of(campaign, estimation, answer, tables=offers, best=best, warnings=warnings)
     home = out / RECORD
     live = home.exists() and campaign.path.exists() and home.samefile(campaign.path)
     with speaking("en"), result_set(out) as folder:
@@ -115,8 +127,7 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
                 write_files(introduced(each, campaign, result.agreement.text, doubts), folder / "tables" / name)
         document = json.dumps(result.model_dump(mode="json", by_alias=True), indent=2, ensure_ascii=False)
         written(folder / "result.json", f"{document}\n".encode())
-        with stage("the report", 2, 2):
-            language = language_of_report(described.particulars, None, extras.spoken)
+        with stage("the report"):
             write_report(campaign, result, folder / "report.pdf", language)
         (folder / "data").mkdir()
         write_whole(folder / "data" / READINGS, readings_csv(campaign, result.history))

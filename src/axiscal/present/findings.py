@@ -47,21 +47,12 @@ class Copies(NamedTuple):
 
 def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
     """Yield warnings of set-ups whose readings in a file show the same values, one by one, as others before them."""
-    text = (
-        '{count} values of "{setup}" in {again} repeat those in {before}, in the same order. By chance that comes '
-        "in less than one file of ten thousand. Take out what was copied (a file added twice, a block pasted "
-        "again, a display that froze): it counts as read. If all of it was read, state a smaller noise."
-    )
     for setup in setups:
         mine = [reading for reading in readings if reading.setup == setup.name]
         found = repeated(mine, setup.noise)
         if found is not None:
             again, before = (_lines(mine, first, first + found.size - 1) for first in (found.again, found.before))
-            yield Finding(
-                code="copies",
-                error=None,
-                text=said(text, setup=setup.name, count=found.size, again=again, before=before),
-            )
+            yield Finding.of("copies", setup=setup.name, count=found.size, again=again, before=before)
 
 
 def _lines(readings: Sequence[Reading], first: int, last: int) -> str:
@@ -99,21 +90,17 @@ def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
 
 def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
     """Yield warnings of set-ups whose values move in coarse steps, by their own or those of their instrument."""
-    text = (
-        'The values of "{setup}" move in steps of {step}, {times:.3g} times its noise: that is taken as its '
-        'resolution, and what is rounded off as unknown. State resolution = "{written}" or, if the display shows finer '
-        "steps and the values were written with too few decimals, write them all."
-    )
     for setup, shown in zip(setups, as_shown(setups, readings), strict=True):
         if shown is not setup:
             step, unit = shown.resolution, reading_unit(setup)
             steps = {"step": said_quantity(step, unit, 6), "written": format_quantity(step, unit)}
-            yield Finding(code="resolution", text=said(text, setup=setup.name, times=step / setup.noise, **steps))
+            yield Finding.of("resolution", setup=setup.name, times=step / setup.noise, **steps)
 
 
 _FAR_FROM_STATED = 3.0
 """Factor from which on a size is not as stated."""
 _WORDS: dict[Kind, str] = WORDS["sizes"]
+
 
 _FAR, _MANY = 4.0, 0.1
 _SHOWS, _AN_HOUR = 3.0, 3600.0
@@ -136,7 +123,7 @@ def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
         *_outliers(estimation, ended),
         *learnt_sizes(estimation),
         *(Finding(code="drift", text=listed(" ", found)) for found in drifted if found),
-        *unread_prior(estimation),
+        *([Finding.of("prior-gone")] if estimation.stated.description.prior_gone else []),
     ]
 
 
@@ -151,33 +138,21 @@ def of_readings(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequ
 
 def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> Iterator[Finding]:
     """Yield what no estimate can see: the sign of angles, the frame of a tracker, and regular places."""
-    sign = (
-        'With the other sign the values of "{setup}" would fit as well. Tilt it once, and look whether it shows {sign}.'
-        " If not, give them with the other sign."
-    )
-    frame = (
-        'With x and y exchanged, or one turned round, the values of "{setup}" would fit as well. Move each axis alone, '
-        "and look whether it shows {sign}."
-    )
     told = set[str]()
     for setup in setups:
         meant = sense(setup).sign
         angles, framed = setup.reads == "angle", bool(setup.station) and len(setup.numbers) > 1
         if meant not in told and (angles or framed) and any(each.setup == setup.name for each in readings):
             told.add(meant)
-            yield Finding(code="sign", text=said(sign if angles else frame, setup=setup.name, sign=meant))
+            yield Finding.of("sign" if angles else "frame", code="sign", setup=setup.name, sign=meant)
     yield from regular_places(readings, setups, axes)
 
 
 def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:
     """Return warnings of set-ups whose zero may drift, where given readings do not tell when they were taken."""
     silent = {reading.setup for reading in readings if reading.time is None}
-    text = (
-        'The zero of "{setup}" may drift, and its readings have no time. They count as taken one after the other, '
-        "as in a plan. If that took longer, the bands are too narrow: add a column time."
-    )
     drifting = [setup.name for setup in setups if setup.drift_said == "stated" and setup.name in silent]
-    return [Finding(code="drift", text=said(text, setup=name)) for name in drifting]
+    return [Finding.of("untimed", code="drift", setup=name) for name in drifting]
 
 
 _WRITTEN = 1e-3
@@ -189,10 +164,6 @@ def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: S
 
     Without where its raster has none.
     """
-    text = (
-        'The places of "{setup}" along {axis} do not see an error that comes again every {period} or in a part of it. '
-        "It looks like none, or like a slow curve. {others}"
-    )
     more = 'Read three more, such as {places}, with "yes" in a column check: they judge the others.'
     for setup in setups:
         poses = np.array([reading.pose for reading in readings if reading.setup == setup.name]).reshape(-1, len(axes))
@@ -205,7 +176,7 @@ def regular_places(readings: Sequence[Reading], setups: Sequence[Setup], axes: S
                 seen = sees(np.append(places, asked), float(hidden[0]))
                 others = said(more, places=listed(", ", odd)) if seen else said("Its raster has no others.")
                 named = {"axis": axes[k].name, "period": f"{1 / hidden[0]:.4g} {unit}", "others": others}
-                yield Finding(code="period", text=said(text, setup=setup.name, **named))
+                yield Finding.of("period", setup=setup.name, **named)
 
 
 _ENDS = 0.05
@@ -217,10 +188,6 @@ def turned_alike(estimation: Estimation) -> Iterator[Finding]:
 
     Out and back over the whole travel, a place is reached by one way since the turn from each side.
     """
-    text = (
-        "The {what} differs from place to place, or it is complete only some way after a turn. Out and back over the "
-        "whole travel both look alike. To tell them apart, read three places again from both sides, soon after a turn."
-    )
     errors, setups = estimation.case.errors, estimation.case.description.setups
     for term in errors.curves:
         axis = errors.axes[term.axis]
@@ -228,16 +195,11 @@ def turned_alike(estimation: Estimation) -> Iterator[Finding]:
             found = [_turns(estimation, setup, term.axis) for setup in setups if term.axis in setup.moves]
             inside = [np.minimum(turns - at.min(), at.max() - turns) for at, turns in found if len(at)]
             if all(np.all(far < _ENDS * axis.length) for far in inside):
-                yield Finding(code="reversal", error=term.name, text=said(text, what=words(term.name)))
+                yield Finding.of("reversal", error=term.name, what=words(term.name))
 
 
 def once_over(estimation: Estimation) -> Iterator[Finding]:
     """Yield a warning for each set-up that went along its axis once, or once out and back: there time is place."""
-    text = (
-        '"{setup}" went along {axis} once, or once out and back. A zero or scale of the instrument that changes '
-        "meanwhile looks like an error of the axis, or like its backlash. To tell them apart, read {places} once more, "
-        "out and back without a pause."
-    )
     described, axes = estimation.case.description, estimation.case.description.machine.axes
     for setup in described.setups:
         alone = described.usual and setup.drift_said == "nothing" and len(setup.names) == 1
@@ -246,7 +208,7 @@ def once_over(estimation: Estimation) -> Iterator[Finding]:
             if len(set(at.tolist())) >= FEWEST and len(turns) <= 1:
                 again = np.quantile(at, (0.0, 0.5, 1.0), method="nearest").tolist()
                 places = listed(", ", [place_text(axes, [each] * len(axes), [k]) for each in again])
-                yield Finding(code="passes", text=said(text, setup=setup.name, axis=axes[k].name, places=places))
+                yield Finding.of("passes", setup=setup.name, axis=axes[k].name, places=places)
 
 
 def _turns(estimation: Estimation, setup: Setup, k: int) -> tuple[Array, Array]:
@@ -259,29 +221,22 @@ def _turns(estimation: Estimation, setup: Setup, k: int) -> tuple[Array, Array]:
 
 
 def _unobservable(estimation: Estimation) -> Iterator[Finding]:
-    yardstick = estimation.case.yardstick_as_sized
-    if yardstick.unseen_rms > _MATTERS * estimation.accuracy.rms:
-        text = "No allowed reading can bring the RMS below {size}: see what could not be seen."
-        yield Finding(code="unobservable", text=said(text, size=said_quantity(yardstick.unseen_rms, "um")))
+    unseen = estimation.case.yardstick_as_sized.unseen_rms
+    if unseen > _MATTERS * estimation.accuracy.rms:
+        yield Finding.of("unobservable", size=said_quantity(unseen, "um"))
 
 
 def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
     """Say which readings do not count, and which do although they do not agree; of very many it is not the readings."""
-    text = "{objection}: it is not used; take it again, or record it with --accept if it is right."
-    if ended:
-        text = (
-            "{objection}: no figure and no table uses it. `axiscal step undo` takes the end back; then `axiscal step "
-            "record` takes it again, with --accept if it is right."
-        )
     for doubt in estimation.outliers:
-        yield Finding(code="outlier", text=capital(said(text, objection=estimation.objection_to(doubt))))
+        words = "outlier_ended" if ended else "outlier"
+        yield Finding.of(words, code="outlier", objection=capital(estimation.objection_to(doubt)))
     left = {} if estimation.posterior is None else estimation.posterior.left_out
     far = [index for index, each in left.items() if each.z > AGREES and index not in estimation.left_out]
     for index in far if len(far) <= max(2.0, _MANY * len(left)) else ():
         if not estimation.readings[index].accepted:
-            text = "{reading} is {away:.1f} standard deviations from what the other readings say, and is used."
-            name = estimation.name_of(index)
-            yield Finding(code="outlier", text=capital(said(text, reading=name, away=float(left[index].z))))
+            reading, away = capital(estimation.name_of(index)), float(left[index].z)
+            yield Finding.of("outlier_used", code="outlier", reading=reading, away=away)
 
 
 def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
@@ -311,28 +266,15 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
                 yield said(usual if setup.drift_said == "usual" else stated, rate=written)
 
 
-def unread_prior(estimation: Estimation) -> Iterator[Finding]:
-    """Yield a warning where the record's prior is one that a type has taught, which is gone."""
-    if estimation.stated.description.prior_gone:
-        text = "The prior of this record came from a type, which is gone: the machine's stated prior counts instead."
-        yield Finding(code="prior-gone", text=said(text))
-
-
 def learnt_sizes(estimation: Estimation) -> Iterator[Finding]:
     """Yield a sentence for each group of alike sizes that readings find far from what was stated."""
     found = estimation.posterior
     if found is None:
         return
     for size in estimation.stated.sizes.of:
-        times = found.sizes[size.kind, size.owners[0]]
+        times, alone = found.sizes[size.kind, size.owners[0]], size.owners[0] if len(size.owners) == 1 else ""
         if not 1 / _FAR_FROM_STATED < times < _FAR_FROM_STATED:
-            text = "{names}, {what}: {times:.2g} times as large as stated or usual."
-            names = ", ".join(size.owners)
-            owner = (
-                size.owners[0] if size.owners[0] in estimation.case.errors.by_name and len(size.owners) == 1 else None
-            )
-            yield Finding(
-                code="prior-misfit",
-                error=owner,
-                text=said(text, names=names, what=said(_WORDS[size.kind]), times=times),
+            named = {"names": ", ".join(size.owners), "what": said(_WORDS[size.kind])}
+            yield Finding.of(
+                "prior-misfit", error=alone if alone in estimation.case.errors.by_name else None, times=times, **named
             )

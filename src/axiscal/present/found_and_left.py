@@ -7,22 +7,32 @@ Thin lines hold 95 % between them: without them what is left would look like a p
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from axiscal.language.spoken import said
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import EYE, Arrow, Fit, Part, Stroke, Viewport, drawn, points_of
-from axiscal.present.drawing.strokes import rounded_down, rounded_up, short_number, text, wrapped
-from axiscal.present.drawing.svg_picture import Drawing
+from axiscal.present.drawing.scene import (
+    EYE,
+    Arrow,
+    Drawing,
+    Part,
+    Stroke,
+    Viewport,
+    drawn,
+    fitted,
+    short_number,
+    text,
+    wrapped,
+)
 from axiscal.present.result import VolumeFigures
 from axiscal.present.schematic import upright
 from axiscal_core.machine import Machine
 
+_SLACK = 1e-9
+"""Share of a step by which rounding may be off."""
 _FLAT = 0.05
 """Of the longest side: a shorter one is the height of something flat."""
 _SHARE = 0.1
@@ -35,60 +45,43 @@ _BAR = 60.0
 """Pixels of the bar that shows the scale, at most."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Grids:
-    """A volume in the room, mm: nominal places, ± of deviations outwards, and deviations, (a, b, c, 3) each."""
-
-    nominal: Array
-    half: Array
-    bent: list[Array]
-
-    @classmethod
-    def of(cls, volume: VolumeFigures, machine: Machine) -> _Grids:
-        shape = (*volume.counts, *(1,) * (3 - len(volume.counts)), 3)
-        tcp = np.array(volume.tcp_mm)
-        away = tcp - (tcp.min(axis=0) + tcp.max(axis=0)) / 2
-        outwards = np.where(np.ptp(tcp, axis=0) > 0, np.sign(away), 1.0) * np.array(volume.half_um)
-        bent = [each for each in (volume.found_um, volume.left_um) if len(each)]
-        nominal, half, *others = (
-            (np.array(each) @ upright(machine).T).reshape(shape)
-            for each in (tcp, 1e-3 * outwards, *(1e-3 * np.array(each) for each in bent))
-        )
-        return cls(nominal, half, others)
-
-    @property
-    def shown(self) -> list[Array]:
-        """Each deviation that is drawn."""
-        return [each + side * self.half for each in self.bent for side in (-1, 0, 1)]
-
-
 def found_and_left_drawing(volume: VolumeFigures, machine: Machine, width: float) -> Drawing:
     """Return the picture for a width, pixels."""
-    grids, times = _Grids.of(volume, machine), magnification(volume)
+    nominal, half, *deviations = _grids(volume, machine)
+    times = magnification(volume)
     titles = [said("found"), said("left with the tables for {controller}", controller=volume.controller)]
-    panels = list(zip(titles, grids.bent, ("beam", "read"), strict=False))
+    panels = list(zip(titles, deviations, ("beam", "read"), strict=False))
     beside = width >= _BESIDE
     across = width / len(panels) if beside else width
     high = round(across * (0.72 if len(panels) > 1 or not beside else 0.5))
     triad = list(_triad(volume, machine))
-    moved = [(grids.nominal + times * each).reshape(-1, 3) for each in grids.shown]
-    around = np.vstack([*moved, points_of(triad)])  # of both: one scale
-    heads = [wrapped(title, across - 2 * _SIDE, "title") for title, _, _ in panels]
+    shown = (nominal + times * (each + side * half) for each in deviations for side in (-1, 0, 1))
+    bounds = [*(each.reshape(-1, 3) for each in shown), *(arrow.points for arrow in triad)]
+    around = np.vstack(bounds)  # of both: one scale
+    heads = [wrapped(title, across - 2 * _SIDE, "title") for title in titles[: len(panels)]]
     panel = Viewport(0, 0, across - 2 * _SIDE, high)
     body, head = "", _LINE * max(map(len, heads)) + 10
-    for n, (_, bent, colour) in enumerate(panels):
+    for n, (_, deviation, colour) in enumerate(panels):
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
-        for line, each in enumerate(heads[n]):
-            body += text(x + _SIDE, y + 18 + _LINE * line, each, "title")
-        frame = replace(panel, left=x + _SIDE, top=y + head)
-        body += drawn([*_bent(grids, bent, times, colour), *triad], frame, around)
-    scale, top = Fit.into(around, panel).scale, (high + head) * (1 if beside else len(panels))
+        body += "".join(text(x + _SIDE, y + 18 + _LINE * line, each, "title") for line, each in enumerate(heads[n]))
+        frame = panel._replace(left=x + _SIDE, top=y + head)
+        body += drawn([*_bent(nominal, times * deviation, times * half, colour), *triad], frame, around)
+    scale, top = fitted(around, panel)[0], (high + head) * (1 if beside else len(panels))
     size = f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}"
     parts = [said("errors × {times}", times=size), said("dashed: without errors"), said("between thin lines: 95 %")]
     lines = wrapped(" · ".join(parts), width - 2 * _SIDE)
     body += _scale_bar(1e-3 * scale * times, top + 8)
     body += "".join(text(_SIDE, top + 37 + _LINE * n, each, "soft") for n, each in enumerate(lines))
     return Drawing(width, top + 32 + _LINE * len(lines), body)
+
+
+def _grids(volume: VolumeFigures, machine: Machine) -> Iterator[Array]:
+    """Yield the volume in the room, (a, b, c, 3) mm each: nominal places, ± of deviations outwards, and deviations."""
+    shape, tcp = (*volume.counts, *(1,) * (3 - len(volume.counts)), 3), np.array(volume.tcp_mm)
+    away = tcp - (tcp.min(axis=0) + tcp.max(axis=0)) / 2
+    outwards = np.where(np.ptp(tcp, axis=0) > 0, np.sign(away), 1.0)
+    each = [1e3 * tcp, outwards * volume.half_um, volume.found_um, volume.left_um]
+    yield from ((1e-3 * np.array(some) @ upright(machine).T).reshape(shape) for some in each if len(some))
 
 
 def magnification(volume: VolumeFigures) -> float:
@@ -104,16 +97,25 @@ def magnification(volume: VolumeFigures) -> float:
     return min(rounded_down(wanted), rounded_up(wanted), key=lambda step: abs(math.log10(step / wanted)))
 
 
-def _bent(grids: _Grids, bent: Array, times: float, colour: str) -> Iterator[Part]:
-    """Yield the volume as drawn, between which it is, and the bent one over them."""
-    nominal = grids.nominal
+def rounded_up(size: float) -> float:
+    """Return the smallest of 1, 2, 5 times a power of ten that is not below size."""
+    power = 10.0 ** math.floor(math.log10(size))
+    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= size * (1 - _SLACK))
+
+
+def rounded_down(size: float) -> float:
+    """Return the largest of 1, 2, 5 times a power of ten that is not above size: whose inverse is another of them."""
+    return 1 / rounded_up(1 / size)
+
+
+def _bent(nominal: Array, away: Array, half: Array, colour: str) -> Iterator[Part]:
+    """Yield the volume as drawn, between which it is, and the bent one over them.  away, half : as enlarged, mm"""
     yield from (Stroke(each, "soft", 1.0, "4 4", 0.9) for each in _lines(nominal, nominal, edges=True))
     for side in (-1, 1):
-        between = nominal + times * (bent + side * grids.half)
+        between = nominal + away + side * half
         yield from (Stroke(each, colour, 1.0, opacity=0.5) for each in _lines(nominal, between, edges=True))
-    whole = nominal + times * bent
-    yield from (Stroke(each, colour, 0.8, opacity=0.8) for each in _lines(nominal, whole, edges=False))
-    yield from (Stroke(each, colour, 1.9) for each in _lines(nominal, whole, edges=True))
+    yield from (Stroke(each, colour, 0.8, opacity=0.8) for each in _lines(nominal, nominal + away, edges=False))
+    yield from (Stroke(each, colour, 1.9) for each in _lines(nominal, nominal + away, edges=True))
 
 
 def _lines(nominal: Array, grid: Array, edges: bool) -> Iterator[Array]:
@@ -121,18 +123,13 @@ def _lines(nominal: Array, grid: Array, edges: bool) -> Iterator[Array]:
 
     nominal : the grid before it is bent, which says what lies behind
     """
-    counts, behind = grid.shape[:3], [_behind(nominal, way) for way in range(3)]
     for along in range(3):
-        if counts[along] < 2:
-            continue
-        u, v = (k for k in range(3) if k != along)
-        for i, j in itertools.product(range(counts[u]), range(counts[v])):
-            outer = [i in (0, counts[u] - 1), j in (0, counts[v] - 1)]
-            far = [i == behind[u], j == behind[v]]
-            if all(outer) if edges else any(far) and not all(outer):
-                at: list[int | slice] = [slice(None)] * 3
-                at[u], at[v] = i, j
-                yield grid[tuple(at)]
+        counts = np.delete(grid.shape[:3], along)
+        behind = [_behind(nominal, way) for way in range(3) if way != along]
+        for at in np.ndindex(*counts) if grid.shape[along] > 1 else ():
+            outer, far = np.isin(at, [0]) | (at == counts - 1), np.equal(at, behind)
+            if outer.all() if edges else far.any() and not outer.all():
+                yield np.moveaxis(grid, along, 2)[at]
 
 
 def _behind(grid: Array, way: int) -> int:

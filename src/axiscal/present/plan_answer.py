@@ -3,24 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from operator import not_
 from typing import Literal
 
 import numpy as np
 from pydantic import Field
 
-from axiscal.answers.answer import (
-    Aim,
-    AnswerDocument,
-    BoughtAccuracy,
-    NextStep,
-    PlannedAnswer,
-    PlannedRow,
-    PlannedSetup,
-    PlanVerdict,
-    ReachAnswer,
-    StepCode,
-)
-from axiscal.answers.answer_of_campaign import Aims, known_figures
 from axiscal.campaign.campaign import Campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.known_rows import known_rows
@@ -32,6 +20,19 @@ from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import foreseen
 from axiscal.planning.proposal import Bought, bought
+from axiscal.present.answer import (
+    Aim,
+    AnswerDocument,
+    BoughtAccuracy,
+    NextStep,
+    PlannedAnswer,
+    PlannedRow,
+    PlannedSetup,
+    PlanVerdict,
+    ReachAnswer,
+    StepCode,
+)
+from axiscal.present.answer_of_campaign import Aims, known_figures
 from axiscal.units import to_unit
 from axiscal_core.threads import one_thread
 
@@ -48,11 +49,11 @@ class PlanPoint(AnswerDocument):
     direction: Sequence[float]
     approach: Mapping[str, str]
     tcp: Sequence[float]
-    artefact: str | None = Field(None, exclude_if=lambda name: name is None)
-    ball: str | None = Field(None, exclude_if=lambda name: name is None)
+    artefact: str | None = Field(None, exclude_if=not_)
+    ball: str | None = Field(None, exclude_if=not_)
     rms_um: float
     minutes: float
-    check: bool = Field(False, exclude_if=lambda check: not check)
+    check: bool = Field(False, exclude_if=not_)
 
 
 class PlanAnswer(PlannedAnswer):

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from axiscal.answers.answer import AnswerWords, PlannedAnswer, PlannedRow, ReachAnswer
-from axiscal.answers.answer_words import (
+from axiscal.description.artefacts import unused_artefacts
+from axiscal.description.campaign import CampaignDescription
+from axiscal.language.spoken import counted, ending, listed, put, said
+from axiscal.planning.helping import helping_words
+from axiscal.present.answer import AnswerWords, PlannedAnswer, PlannedRow, ReachAnswer
+from axiscal.present.answer_words import (
     ROOM,
     aim_text,
     aims_text,
@@ -17,12 +21,8 @@ from axiscal.answers.answer_words import (
     minutes_text,
     wrapped,
 )
-from axiscal.answers.row_words import row_names
-from axiscal.description.artefacts import unused_artefacts
-from axiscal.description.campaign import CampaignDescription
-from axiscal.language.spoken import counted, ending, listed, put, said
-from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import PlanAnswer
+from axiscal.present.row_words import row_names
 from axiscal.units import digits, um_text
 
 LINES = 16

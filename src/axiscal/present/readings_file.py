@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from axiscal.answers.answer import number
 from axiscal.campaign.campaign import Campaign
 from axiscal.measurement.readers.csv_readings import FOUND
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.reading import units_of, value_columns
+from axiscal.present.answer import number
 from axiscal.present.result import HistoryRow
 from axiscal.present.sentences import axis_unit
 from axiscal.units import to_unit

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib import resources
@@ -14,7 +14,7 @@ from typing import Any
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import resaid, spoken_now
-from axiscal.present.drawing.svg_picture import Drawing
+from axiscal.present.drawing.scene import Drawing
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.result import Result
 from axiscal.present.schematic import read_schematics
@@ -29,10 +29,23 @@ def pdf(result: Result, pictures: Mapping[str, str]) -> bytes:
     """Return the report in the language that is spoken, as PDF/A-2b where letters hold all of its signs.
 
     The same result has the same bytes.  pictures : the text of SVG files, by name
+    Where a sign is in no font a box stands for it, which archives forbid.
     """
+    import typst
+
     day = datetime.fromisoformat(str(result.identity["begun"])).replace(tzinfo=UTC)
-    with _laid_out("report.typ", result, pictures) as compilers:
-        return _set(compilers, int(day.timestamp()))
+    with _laid_out("report.typ", result, pictures) as (plain, whole):
+        reason = ""
+        for compiler, standard in ((plain, "a-2b"), (whole, "a-2b"), (whole, None)):
+            try:
+                made = compiler.compile(pdf_standards=standard, timestamp=int(day.timestamp()))
+                assert isinstance(made, bytes)  # one document, in one file
+                return made
+            except typst.TypstError as failure:
+                reason = str(failure).splitlines()[0][:200]
+    what = "report.pdf could not be set: {reason}"
+    remedy = "result.json beside it says the same; please report this defect of axiscal"
+    raise InputError(what, remedy, reason=reason)
 
 
 def drawn_pictures(campaign: Campaign, result: Result) -> dict[str, str]:
@@ -80,21 +93,3 @@ def _laid_out(layout: str, result: Result, pictures: Mapping[str, str]) -> Itera
             )
             for system in (False, True)
         ]
-
-
-def _set(compilers: Sequence[Any], moment: int) -> bytes:
-    """Return the PDF of a document; where a sign is in no font, a box stands for it, which archives forbid."""
-    import typst
-
-    plain, whole = compilers
-    reason = ""
-    for compiler, standard in ((plain, "a-2b"), (whole, "a-2b"), (whole, None)):
-        try:
-            made = compiler.compile(pdf_standards=standard, timestamp=moment)
-            assert isinstance(made, bytes)  # one document, in one file
-            return made
-        except typst.TypstError as failure:
-            reason = str(failure).splitlines()[0][:200]
-    what = "report.pdf could not be set: {reason}"
-    remedy = "result.json beside it says the same; please report this defect of axiscal"
-    raise InputError(what, remedy, reason=reason)

@@ -7,15 +7,13 @@ Every `std`, `rms` and `worst` is one standard deviation; `U` and the bands that
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from operator import not_
+from typing import Literal, Self
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, Text
-
-
-def _left_out(text: str) -> bool:
-    return not text
+from axiscal.language.spoken import WORDS, said
+from axiscal.present.answer import AnswerDocument, AnswerRow, AnswerWords, Figure, Outcome, Text
 
 
 class HistoryRow(AnswerDocument):
@@ -125,8 +123,8 @@ class SetupUse(AnswerDocument):
     moves: Sequence[str] = Field(description="axes")
     noise: Text = Field(description="of a reading")
     readings: int = Field(description="count")
-    serial: str = Field("", exclude_if=_left_out, description="if stated")
-    certificate: str = Field("", exclude_if=_left_out, description="if stated")
+    serial: str = Field("", exclude_if=not_, description="if stated")
+    certificate: str = Field("", exclude_if=not_, description="if stated")
 
 
 class NamedMistake(AnswerDocument):
@@ -193,6 +191,11 @@ class Finding(AnswerDocument):
     code: str = Field(description="such as drift, outlier, unobservable")
     error: str | None = Field(None, description="the error it is about")
     text: Text = Field(description="in words")
+
+    @classmethod
+    def of(cls, words: str, *, code: str = "", error: str | None = None, **values: object) -> Self:
+        """Return a warning.  words : its key in the table of warnings; code : where it is that of several sentences"""
+        return cls(code=code or words, error=error, text=said(WORDS["warnings"][words], **values))
 
 
 class TableFile(AnswerDocument):

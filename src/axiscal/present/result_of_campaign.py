@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
 
-from axiscal.answers.answer import Outcome, TablesChecked
-from axiscal.answers.answer_of_campaign import answer_of
-from axiscal.answers.answer_words import answer_text
-from axiscal.answers.budget import BudgetShare, budget
-from axiscal.answers.row_words import row_names
 from axiscal.campaign.agreement_words import agreement_words, change_words, mistake_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import Equipment
-from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
-from axiscal.language.spoken import WORDS, later, listed, resaid, said, speaking
+from axiscal.estimation.budget import BudgetShare, budget
+from axiscal.estimation.estimation import Estimation, Moment, expanded_uncertainty, linearity, path
+from axiscal.language.spoken import WORDS, listed, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.questions import which_way
 from axiscal.measurement.reading import (
@@ -33,7 +28,8 @@ from axiscal.measurement.reading import (
     value_columns,
 )
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.type_b import Distribution
+from axiscal.present.answer import Outcome
+from axiscal.present.answer_words import answer_text
 from axiscal.present.axis_tests_read import iso230_blocks
 from axiscal.present.conditions import conditions, counted_along
 from axiscal.present.curves import constants, errors
@@ -53,89 +49,74 @@ from axiscal.present.result import (
     SetupUse,
     TableFile,
 )
+from axiscal.present.row_words import row_names
 from axiscal.present.sentences import cause_words
 from axiscal.present.volume_error import planes, volume_error
 from axiscal.tables.offer import Export
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.ties import ALIKE, ranked
 
-_WORDS = WORDS["sources"]
-_DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Extras:
-    """What a campaign itself does not know: tables that were written.
-
-    warnings : about what was given, besides those of the estimate
-    anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
-    checked : what a check of the tables on the machine found; best : the files that leave least
-    answer : with what tables leave; None where none are made
-    spoken : language of whoever ends the campaign, for a report that states none
-    """
-
-    tables: Sequence[TableFile] = ()
-    warnings: Sequence[Finding] = ()
-    anyway: bool = False
-    checked: TablesChecked | None = None
-    best: Export | None = None
-    answer: Outcome | None = None
-    spoken: str = "en"
+_WORDS, _DISTRIBUTIONS = WORDS["sources"], WORDS["distributions"]
 
 
 @stage("the summary")
-def result_of(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
+def result_of(
+    campaign: Campaign,
+    known: Estimation,
+    answer: Outcome,
+    *,
+    tables: Sequence[TableFile] = (),
+    best: Export | None = None,
+    warnings: Sequence[Finding] = (),
+) -> Result:
     """Return the result of a campaign, in English; `resaid` says it in another language.
 
-    known : after all its readings
+    known : after all its readings; tables : that were written; best : the files that leave least
+    warnings : about what was given, besides those of the estimate
     """
     with speaking("en"):
-        return resaid(_made(campaign, known, extras))
-
-
-def _made(campaign: Campaign, known: Estimation, extras: Extras) -> Result:
-    case, described, readings, best = known.case, campaign.description, campaign.state.readings, extras.best
-    controller, control = ("", None) if best is None else (best.controller, best.control)
-    answer = extras.answer or answer_of(campaign, known, {}, anyway=extras.anyway)
-    answer = answer.model_copy(update={"checked": extras.checked})
-    agreement = agreement_words(known) if readings else ""
-    words = answer_text(answer, agreement, evidence_words(campaign.log))
-    history, linear = _history(campaign, known), linearity(known)
-    sources, smaller = budget_rows(known)
-    changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
-    accepted = [Finding(code="accepted", text=change) for change in changes]
-    found = findings(known, ended=campaign.state.finished is not None)
-    return Result(
-        identity=_identity(campaign),
-        words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
-        machine=described.machine.name,
-        readings=len(readings),
-        minutes=history[-1].minutes,
-        stopped_because=because_text(campaign.state.finished or "not finished"),
-        setups=[_setup_use(setup, campaign) for setup in described.setups],
-        agreement=_agreement(known, agreement),
-        checks=_checks(known),
-        **_uncertainties(known, history[-1], withheld=answer.withheld),
-        unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
-        budget=sources,
-        budget_smaller_um=smaller,
-        nonlinearity=linear.largest,
-        history=history,
-        errors=errors(known, readings),
-        plane_errors=planes(known),
-        volume=volume_error(known, controller, control) if readings else None,
-        constants=constants(known),
-        iso230=iso230_blocks(described, readings, known.left_out),
-        observability=observability(case),
-        questions=[*which_way(described.machine)],
-        rejected=list(_rejected(known, history)),
-        warnings=[*extras.warnings, *accepted, *found, *not_gaussian(linear)],
-        answer=answer,
-        rows=answer.rows,
-        tables=extras.tables,
-        versions=dict(sorted(versions().items())),
-        record=record_state(campaign),
-    )
+        case, described, readings = known.case, campaign.description, campaign.state.readings
+        controller, control = ("", None) if best is None else (best.controller, best.control)
+        agreement = agreement_words(known) if readings else ""
+        words = answer_text(answer, agreement, evidence_words(campaign.log))
+        history, linear = _history(campaign, known), linearity(known)
+        sources, smaller = budget_rows(known)
+        changes = [Finding.of("accepted", change=change_words(each)) for each in campaign.state.accepted]
+        found = findings(known, ended=campaign.state.finished is not None)
+        if linear.reading is not None and not linear.gaussian:
+            found.append(Finding.of("not-gaussian", reading=linear.reading, times=float(linear.largest)))
+        made = Result(
+            identity=_identity(campaign),
+            words=ResultWords(**dict(words), names={row.row: row_names([row]) for row in answer.rows}),
+            machine=described.machine.name,
+            readings=len(readings),
+            minutes=history[-1].minutes,
+            stopped_because=because_text(campaign.state.finished or "not finished"),
+            setups=[_setup_use(setup, campaign) for setup in described.setups],
+            agreement=_agreement(known, agreement),
+            checks=_checks(known),
+            **_uncertainties(known, history[-1], withheld=answer.withheld),
+            unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
+            budget=sources,
+            budget_smaller_um=smaller,
+            nonlinearity=linear.largest,
+            history=history,
+            errors=errors(known, readings),
+            plane_errors=planes(known),
+            volume=volume_error(known, controller, control) if readings else None,
+            constants=constants(known),
+            iso230=iso230_blocks(described, readings, known.left_out),
+            observability=observability(case),
+            questions=[*which_way(described.machine)],
+            rejected=list(_rejected(known, history)),
+            warnings=[*warnings, *changes, *found],
+            answer=answer,
+            rows=answer.rows,
+            tables=tables,
+            versions=dict(sorted(versions().items())),
+            record=record_state(campaign),
+        )
+        return resaid(made)
 
 
 def _uncertainties(known: Estimation, last: HistoryRow, *, withheld: bool) -> dict[str, Any]:
@@ -273,18 +254,6 @@ def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
         serial=of.serial,
         certificate=of.certificate,
     )
-
-
-def not_gaussian(found: Linearity) -> Iterator[Finding]:
-    """Yield a warning where a reading is so far from linear that the posterior is no Gaussian."""
-    if found.gaussian or found.reading is None:
-        return
-    text = (
-        "Reading {reading} is not linear within what is left open: its second order is {times:.2g} times its noise, "
-        "so the bands are only about right. State stations or location errors nearer to the truth, or read more."
-    )
-    words = said(text, reading=found.reading, times=float(found.largest))
-    yield Finding(code="not-gaussian", text=words)
 
 
 WORTH = 5e-4

@@ -5,8 +5,9 @@ Every machine is drawn from its chain and every instrument from its set-up, some
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, listed, put, said
+from axiscal.machine.kinematics import bed_in_workpiece
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -22,16 +24,15 @@ from axiscal.present.drawing.scene import (
     RIGHT,
     Arrow,
     Caption,
+    Drawing,
     Part,
     RoundMark,
     Stroke,
     Viewport,
     drawn,
+    text,
+    wrapped,
 )
-from axiscal.present.drawing.strokes import text, wrapped
-from axiscal.present.drawing.svg_picture import Drawing, picture_file
-from axiscal_core import rigid
-from axiscal_core.axes import Axis, from_frame, to_frame
 from axiscal_core.machine import Machine
 
 _LINE = 20.0
@@ -65,45 +66,40 @@ def upright(machine: Machine) -> Array:
     return _LYING if ways == {0, 2} and turns <= {2} else np.eye(3)
 
 
-def _at_home(machine: Machine) -> list[float]:
-    """Return the pose with linear axes amid their travels, rotary ones at 0."""
-    return [0.0 if axis.rotary else sum(axis.travel) / 2 for axis in machine.axes]
-
-
 class DrawnMachine:
-    """A machine at a pose.  pose : (q,) m or rad
+    """A machine at a pose.  pose : (q,) m or rad, None for home: linear axes amid their travels, rotary ones at 0
 
-    upright : the rotation from the machine frame to the room, (3, 3); home : linear axes amid their travels
-    work : the axes that carry the workpiece, from it to the bed; tool : those that carry the tool, from the bed
+    upright : the rotation from the machine frame to the room, (3, 3)
     reach : low and high corner of the tool's reach in the workpiece frame with rotary axes at 0, (3,) m each
-    size : its largest side, or the tool, m
+    level : the pose with rotary axes at 0, (q,); size : its largest side, or the tool, m
     tip, stem : the tool point, and the unit vector from it into the tool, in the room
     """
 
-    def __init__(self, machine: Machine, pose: ArrayLike) -> None:
-        self.machine, self.pose, axes = machine, np.asarray(pose, dtype=float), machine.axes
-        self.upright, self.home = upright(machine), np.array(_at_home(machine))
-        self.work, self.tool = (
-            [k for k, axis in enumerate(axes) if axis.workpiece_side is carries] for carries in (True, False)
-        )
+    def __init__(self, machine: Machine, pose: ArrayLike | None = None) -> None:
+        self.machine, self.upright, axes = machine, upright(machine), machine.axes
+        self.home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
+        self.pose = self.home if pose is None else np.asarray(pose, dtype=float)
+        self.level = np.where([axis.rotary for axis in axes], 0.0, self.pose)
         ends = [(0.0, 0.0) if axis.rotary else axis.travel for axis in axes]
         reached = machine.frames(np.array(np.meshgrid(*ends)).reshape(len(ends), -1).T).tcp
         self.reach = reached.min(axis=0), reached.max(axis=0)
         self.size = max(*(self.reach[1] - self.reach[0]).tolist(), machine.tool_length, _LEAST)
         at = machine.frames(self.pose[None])
-        self.tip: Array = self.on_table(at.tcp)[0]
+        self.tip: Array = self.placed(at.tcp)[0]
         self.stem: Array = self.along(at.stem[0])
 
-    def on_table(self, points: Array | Sequence[Sequence[float]] | Sequence[float], turned: bool = True) -> Array:
-        """Return points of the workpiece frame, (n, 3) m, in the room.  turned : whether rotary axes stand as posed"""
-        pose = self.pose if turned else np.where([axis.rotary for axis in self.machine.axes], 0.0, self.pose)
-        held = self._across(self.work, pose)
-        placed: Array = (np.atleast_2d(points) - held.translation) @ held.rotation[0] @ self.upright.T
-        return placed
+    def placed(self, points: ArrayLike, pose: Array | None = None) -> Array:
+        """Return points of the workpiece frame, (n, 3) m, in the room.  pose : (q,) m or rad, None for its own"""
+        pose, axes = self.pose if pose is None else pose, self.machine.axes
+        bedded = np.where([axis.workpiece_side for axis in axes], pose, 0.0)[None]  # the tool is where it is in the bed
+        (turn,) = bed_in_workpiece(self.machine, bedded)
+        bed = self.machine.frames(bedded).tcp[0] - turn @ np.array(self.machine.tool)
+        there: Array = (np.atleast_2d(points) - bed) @ turn @ self.upright.T
+        return there
 
     def along(self, direction: Array | Sequence[float]) -> Array:
         """Return a direction of the workpiece frame in the room, (3,)."""
-        foot, end = self.on_table(np.outer([0.0, 1.0], direction))
+        foot, end = self.placed(np.outer([0.0, 1.0], direction))
         there: Array = end - foot
         return there
 
@@ -116,55 +112,45 @@ class DrawnMachine:
         there: Array = own.sign * self.upright @ np.array(own.direction)
         return there
 
-    def axis_point(self, axis: int) -> Array:
-        """Return a point on the line of a rotary axis at home, in the room, (3,) m."""
-        origin = np.array(self.machine.axes[axis].origin)
-        if axis in self.tool:
-            bedded = self._across(self.tool[: self.tool.index(axis)], self.home).apply(origin)[0]
-        else:
-            held = self._across(self.work[self.work.index(axis) + 1 :], self.home)
-            bedded = (origin - held.translation[0]) @ held.rotation[0]
-        there: Array = self.upright @ bedded
-        return there
-
-    def named(self, axis: int) -> str:
-        """Return the name of an axis, primed where it carries the workpiece."""
-        own = self.machine.axes[axis]
-        return own.name + ("′" if own.workpiece_side else "")
-
-    def _across(self, axes: Sequence[int], pose: Array) -> rigid.Motion:
-        """Return the motion over some axes of the chain, from the workpiece to the tool."""
-        motion = rigid.identity(1)
-        for k in axes:
-            axis, at = self.machine.axes[k], pose[[k]]
-            motion = from_frame(axis, to_frame(axis, motion, at, None), at, None)
-        return motion
+    @property
+    def table(self) -> Array:
+        """The corners of the table in the workpiece frame, below what the tool reaches, (5, 3) m."""
+        low, high = self.reach
+        middle, pad = (low + high) / 2, _PAD * self.size
+        half = np.maximum((high - low) / 2, pad) + pad
+        ends = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * half[:2]
+        return np.column_stack([middle[:2] + ends, np.full(5, low[2] - pad / 2)])
 
 
-def _machine(room: DrawnMachine, moves: Sequence[int]) -> Iterator[Part]:
-    """Yield the table, the edges of what the tool reaches, the axes, and the tool.  moves : axes that are not faint"""
-    yield Stroke(room.on_table(_plate(room)), "edge", 1.2, filled="table")
-    box = room.on_table(_corners(*room.reach), turned=False)
-    yield from _edges(box, "part", "5 4")
-    corner, size, alike = box.min(axis=0) - _ASIDE * room.size * np.array([1.0, 1.0, 0.0]), room.size, dict[int, int]()
+def _machine(room: DrawnMachine, moves: Sequence[int], *, lengths: bool = False) -> Iterator[Part]:
+    """Yield the table, the edges of what the tool reaches, the axes, and the tool.
+
+    moves : axes that are not faint; lengths : whether linear axes say how far they travel, in mm
+    """
+    yield Stroke(room.placed(room.table), "edge", 1.2, filled="table")
+    (low, high), size, alike = room.reach, room.size, list[int]()
+    box = room.placed(low + _BITS * (high - low), room.level)
+    yield from _edges(box)
+    corner, aside = box.min(axis=0), size * np.array([1.0, 1.0, 0.0])
     for k, axis in enumerate(room.machine.axes):
-        colour, way = "ink" if k in moves else "soft", room.growing(k)
+        way, name = room.growing(k), axis.name + "′" * axis.workpiece_side
         if axis.rotary:
-            yield from _turning(room, k, box)
+            yield from _turning(room, k, name, box)
             continue
-        beside = alike.setdefault(int(np.argmax(np.abs(way))), 0)
-        alike[int(np.argmax(np.abs(way)))] += 1
-        start = corner - beside * 0.1 * size * np.array([1.0, 1.0, 0.0])
-        yield Arrow(start + _STEP * size * np.outer([0.5, 1.5], way), room.named(k), colour)
+        if lengths:
+            name += f" {1e3 * axis.length:.0f}" + (f" (⌀ {2e3 * axis.length:.0f})" if axis.diameters else "")
+        alike.append(int(np.argmax(np.abs(way))))
+        start = corner - (_ASIDE + 0.1 * (alike.count(alike[-1]) - 1)) * aside
+        yield Arrow(start + _STEP * size * np.outer([0.5, 1.5], way), name, "ink" if k in moves else "soft")
     yield Stroke(np.array([room.tip, room.tip + _TOOL * size * room.stem]), "stone", 5.0)
 
 
-def _turning(room: DrawnMachine, axis: int, box: Array) -> Iterator[Part]:
+def _turning(room: DrawnMachine, axis: int, name: str, box: Array) -> Iterator[Part]:
     """Yield the line of a rotary axis and the arc in which its part turns as its coordinate grows, at home."""
-    way, point, works = room.growing(axis), room.axis_point(axis), axis in room.work
-    beside = (
-        room.on_table(_plate(room), turned=False).mean(axis=0) if works else room.tip + _TOOL * room.size * room.stem
-    )
+    way, works = room.growing(axis), room.machine.axes[axis].workpiece_side
+    (point,) = room.placed(room.machine.frames(room.home[None]).origins[axis], room.home)
+    table, nose = room.placed(room.table, room.level).mean(axis=0), room.tip + _TOOL * room.size * room.stem
+    beside = table if works else nose
     centre = point + way * ((beside - point) @ way)
     radius = max(0.4 * float(np.median(np.ptp(box, axis=0))), _ROUND * room.size) if works else _ROUND * room.size
     u = EYE - (EYE @ way) * way
@@ -172,51 +158,40 @@ def _turning(room: DrawnMachine, axis: int, box: Array) -> Iterator[Part]:
     turns = np.radians(np.linspace(-70.0, 70.0, 30))
     yield Stroke(centre + 1.2 * radius * np.outer([-1.0, 1.0], way), "gold", 1.2, "8 3 2 3")
     arc = centre + radius * (np.outer(np.cos(turns), u) + np.outer(np.sin(turns), np.cross(way, u)))
-    yield Arrow(arc, room.named(axis), "gold")
+    yield Arrow(arc, name, "gold")
 
 
-def _plate(room: DrawnMachine) -> Array:
-    """Return the corners of the table in the workpiece frame, below what the tool reaches, (5, 3) m."""
-    low, high = room.reach
-    middle, pad = (low + high) / 2, _PAD * room.size
-    half = np.maximum((high - low) / 2, pad) + pad
-    ends = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * half[:2]
-    return np.column_stack([middle[:2] + ends, np.full(5, low[2] - pad / 2)])
+_BITS: Array = np.array(list(itertools.product((0, 1), repeat=3)))[:, ::-1]
+"""At which end of x, y and z each corner of a box lies, (8, 3)."""
 
 
-def _corners(low: Array, high: Array) -> Array:
-    """Return the corners of a box, (8, 3) m: the bits of their indices say at which end of x, y and z each lies."""
-    ends = np.array([[k & 1, (k >> 1) & 1, (k >> 2) & 1] for k in range(8)])
-    return low + ends * (high - low)
-
-
-def _edges(corners: Array, colour: str, dash: str) -> Iterator[Part]:
-    """Yield the edges of a box, those of its farthest corner fainter.  corners : (8, 3) m, as of `_corners`"""
+def _edges(corners: Array) -> Iterator[Part]:
+    """Yield the edges of a box, those of its farthest corner fainter.  corners : (8, 3) m, as of `_BITS`"""
     back = int(np.argmin(corners @ EYE))
     for i in range(8):
         for j in (i | bit for bit in (1, 2, 4) if not i & bit):
             if np.any(corners[i] != corners[j]):
-                yield Stroke(corners[[i, j]], colour, 1.2, dash, 0.4 if back in (i, j) else 0.95)
+                yield Stroke(corners[[i, j]], "part", 1.2, "5 4", 0.4 if back in (i, j) else 0.95)
 
 
 def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
     """Yield balls and stations on their posts, the ways from stations to the tool, and along what is read."""
-    foot, size = float(_plate(room)[0, 2]), room.size
+    foot, size = float(room.table[0, 2]), room.size
     balls = setup.artefact.points if setup.artefact else np.zeros((0, 3))
     stations, (tip,) = np.array(setup.standing).reshape(-1, 3), room.machine.frames(room.pose[None]).tcp
     near = np.linalg.norm(stations - tip, axis=1) <= _NEAR * size
     for at in (*balls, *stations[near]):
-        yield Stroke(room.on_table([[*at[:2], foot], at]), "stone", 3.5)
+        yield Stroke(room.placed([[*at[:2], foot], at]), "stone", 3.5)
     if setup.artefact is not None:
         radius = 0.5 * (setup.artefact.diameter or 0.05 * size)
-        for ball, place in zip(setup.artefact.balls, room.on_table(balls), strict=True):
+        for ball, place in zip(setup.artefact.balls, room.placed(balls), strict=True):
             yield RoundMark(place, radius, "gold", 5.0)
             yield Caption(place + 1.2 * radius * _Z, ball.name)
     for at, stands in zip(stations, near.tolist(), strict=True):
         way = at - tip if stands else _WAY * size * (at - tip) / np.linalg.norm(at - tip)
-        yield Stroke(room.on_table([tip, tip + way]), "beam", 2.2)
+        yield Stroke(room.placed([tip, tip + way]), "beam", 2.2)
         if stands:
-            yield RoundMark(room.on_table(at)[0], 0.03 * size, "gold", 5.0)
+            yield RoundMark(room.placed(at)[0], 0.03 * size, "gold", 5.0)
     if setup.directed:
         yield Arrow(room.tip + _WAY * size * np.outer([-0.7, 1.0], room.along(setup.direction)), "+", "beam")
     yield RoundMark(room.tip, 0.018 * size, "beam", 4.0)
@@ -225,9 +200,8 @@ def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
 
 def _readings(room: DrawnMachine, places: Sequence[Place], colour: str, radius: float) -> Iterator[Part]:
     """Yield a dot where each reading is taken.  radius : pixels"""
-    for place in places:
-        (at,) = room.on_table(room.machine.frames(np.array([place.pose])).tcp)
-        yield RoundMark(at, 0.0, colour, radius)
+    poses = np.array([place.pose for place in places]).reshape(-1, len(room.pose))
+    yield from (RoundMark(at, 0.0, colour, radius) for at in room.placed(room.machine.frames(poses).tcp))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -292,20 +266,9 @@ def _seen_well(machine: Machine, place: Place) -> tuple[float, float]:
 
 def machine_schematic(machine: Machine, *, lengths: bool = True) -> Schematic:
     """Return a machine at home.  lengths : whether its axes say how far they travel, in mm"""
-    axes = machine.axes
-    room = DrawnMachine(machine, _at_home(machine))
-    named = {room.named(k): _travel(room.named(k), axis) for k, axis in enumerate(axes) if lengths and not axis.rotary}
-    parts = [
-        replace(part, name=named.get(part.name, part.name)) if isinstance(part, Arrow) else part
-        for part in _machine(room, range(len(axes)))
-    ]
+    room = DrawnMachine(machine)
+    parts = [*_machine(room, range(len(machine.axes)), lengths=lengths)]
     return Schematic(parts, machine.name, _reach_note(room) if lengths else "")
-
-
-def _travel(name: str, axis: Axis) -> str:
-    """Return an axis with how far it travels, mm; where its display shows diameters, that too."""
-    text = f"{name} {1e3 * axis.length:.0f}"
-    return f"{text} (⌀ {2e3 * axis.length:.0f})" if axis.diameters else text
 
 
 def _reach_note(room: DrawnMachine) -> str:
@@ -316,7 +279,7 @@ def _reach_note(room: DrawnMachine) -> str:
 def setup_picture(shown: Schematic, width: float) -> str:
     """Return the text of an SVG file with one set-up, without its title, for a width in pixels."""
     height = round((0.66 if width > 500 else 0.95) * width)
-    return picture_file(Drawing(width, height, shown.svg(width, height, titled=False)), shown.title)
+    return Drawing(width, height, shown.svg(width, height, titled=False)).on_screen(shown.title)
 
 
 def read_schematics(campaign: CampaignDescription, places: Sequence[Place]) -> list[Schematic]:
@@ -334,4 +297,4 @@ def plan_picture(title: str, campaign: CampaignDescription, places: Sequence[Pla
     body = text(_SIDE, _LINE, title, "title")
     for n, each in enumerate(shown):
         body += each.svg(across, high, across * (n % columns), top + high * (n // columns))
-    return picture_file(Drawing(_WIDE, top + high * -(-len(shown) // columns), body), title)
+    return Drawing(_WIDE, top + high * -(-len(shown) // columns), body).on_screen(title)

@@ -48,20 +48,27 @@ def _plane(estimation: Estimation, plane: Term) -> PlaneMap:
     ]  # in its direction
     own, whole = (_rows_of_plane(errors, terms, poses) for terms in ([plane], beside))
     whole -= whole.mean(axis=0)  # where the zero lies is no shape
-    sign = float(errors.axes[plane.axis].sign)
-    rest, rests = plane.rest**2, sum(term.rest**2 for term in beside)
-    mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
+    sign, unit = float(errors.axes[plane.axis].sign), "urad" if plane.angular else "um"
+
+    def shown(values: Array) -> list[list[float]]:
+        return [to_unit(row, unit).tolist() for row in values.reshape(_POSITIONS, _POSITIONS)]
+
+    def spread(rows: Array, terms: Sequence[Term]) -> Array:
+        variance = np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=1)
+        return np.sqrt(variance + sum(term.rest**2 for term in terms))
+
+    mean = belief.mean[: errors.size]
     first, second = axes
     return PlaneMap(
         axes=[first.name, second.name],
         words=words(plane.name),
         position=[to_unit(at[0], first.unit).tolist(), to_unit(at[1], second.unit).tolist()],
-        mean=_map(sign * (own @ mean), unit),
-        std=_map(_std(own, belief.factor[: errors.size], rest), unit),
+        mean=shown(sign * (own @ mean)),
+        std=shown(spread(own, [plane])),
         position_unit=[first.unit, second.unit],
         value_unit=unit,
-        whole_mean=_map(whole @ mean, unit),
-        whole_std=_map(_std(whole, belief.factor[: errors.size], rests), unit),
+        whole_mean=shown(whole @ mean),
+        whole_std=shown(spread(whole, beside)),
         sign=int(sign),
     )
 
@@ -72,16 +79,6 @@ def _rows_of_plane(errors: Machine, terms: Sequence[Term], poses: Array) -> Arra
     for term in terms:
         rows[:, term.columns] = errors.axes[term.axis].sign * term.rows(*term.at(poses))
     return rows
-
-
-def _std(rows: Array, factor: Array, rest: float) -> Array:
-    std: Array = np.sqrt(np.sum((rows @ factor) ** 2, axis=1) + rest)
-    return std
-
-
-def _map(values: Array, unit: str) -> list[list[float]]:
-    shown: list[list[float]] = to_unit(values.reshape(_POSITIONS, _POSITIONS), unit).tolist()
-    return shown
 
 
 _COUNTS = {1: (11,), 2: (7, 7), 3: (5, 5, 3)}

@@ -10,13 +10,13 @@ from typing import Any, TypeVar, cast
 import numpy as np
 
 from axiscal import __version__
-from axiscal.answers.answer import AnswerDocument, Outcome
-from axiscal.answers.row_words import said_row
 from axiscal.document.durable import write_whole
 from axiscal.language.spoken import LANGUAGES, WORDS, joined, listed, put, said, speaking
+from axiscal.present.answer import AnswerDocument, Outcome
 from axiscal.present.curves import constant_figures, curve_figures
 from axiscal.present.rendering import pdf
 from axiscal.present.result import AgreementFigures, ConstantFigures, HistoryRow, Result, ResultWords, SetupUse
+from axiscal.present.row_words import said_row
 from axiscal.present.whose_language import named_language
 from axiscal.units import said_quantity, to_unit
 from axiscal_core import refusals

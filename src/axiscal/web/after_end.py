@@ -38,15 +38,14 @@ def tables_packed(desk: Desk, control: str) -> bytes:
 
 def volume_picture(desk: Desk, width: float) -> str:
     """Return the text of an SVG file: the error of the volume, found, and left with the tables.  width : pixels"""
-    from axiscal.present.drawing.svg_picture import picture_file  # no question waits for them
-    from axiscal.present.found_and_left import found_and_left_drawing
+    from axiscal.present.found_and_left import found_and_left_drawing  # no question waits for them
     from axiscal.present.volume_error import volume_error
 
     known, tables = desk.campaign.estimate(ended=True), desk.state.tables
     control = next((each for each in tables if each != "csv"), "csv")
     volume = volume_error(known, control, registry.offered_control(known, control) if tables else None)
     drawing = found_and_left_drawing(volume, desk.campaign.description.machine, width)
-    return picture_file(drawing, said("The error of the volume"))
+    return drawing.on_screen(said("The error of the volume"))
 
 
 def judge(desk: Desk, asked: CheckedRequest) -> CheckJudged:

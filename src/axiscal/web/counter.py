@@ -15,13 +15,12 @@ from contextlib import contextmanager, suppress
 from contextvars import copy_context
 from pathlib import Path
 from threading import Lock, get_ident
-from time import monotonic
 from typing import Any, TypeVar
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said
-from axiscal.language.stages import Listener, Stage, listening, stage_text
+from axiscal.language.stages import Listener, listening
 from axiscal.web import shapes
 from axiscal.web.desk import Desk
 from axiscal_core.threads import one_thread
@@ -68,7 +67,7 @@ class Counter:
         self._drawn_up = Future[Any]()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._ending, self._news = False, asyncio.Event()
-        self._stages = list[Stage]()
+        self._stages = list[str]()
         self._desk: Desk | None = None
         if record is not None:
             self._submitted(lambda: self._open(record)).result()
@@ -88,7 +87,7 @@ class Counter:
     @property
     def stage(self) -> str:
         """What is being computed, in words, "" for nothing."""
-        return stage_text(self._stages[-1], monotonic() - self._stages[-1].since) if self._stages else ""
+        return said(self._stages[-1]) if self._stages else ""
 
     async def begin(self, found: Callable[[], Path], *, breaks: bool) -> str:
         """Open the record that a function finds or makes, and return a sentence of it.

@@ -9,17 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from axiscal.answers.answer import Outcome, PlannedAnswer
-from axiscal.answers.answer_of_campaign import results_beside, standing_answer
 from axiscal.campaign.agreement_words import change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.campaign.sources import virtual_in
 from axiscal.estimation.promise.agreement import Explained
 from axiscal.exceptions import AxiscalError, OvertakenError, RecordError
-from axiscal.language.spoken import said, spoken_now
+from axiscal.language.spoken import said
+from axiscal.present.answer import Outcome, PlannedAnswer
+from axiscal.present.answer_of_campaign import results_beside, standing_answer
 from axiscal.present.guide import progress, slips
-from axiscal.present.guide.question import Question, asked_text, measured, stands
+from axiscal.present.guide.question import Question, asked_text, typed
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
@@ -97,11 +97,11 @@ class Desk:
         """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
         asked = self.campaign.open_question()
         question = self.state.question or Question.from_campaign(self.campaign, asked)
-        typed = measured(text, self.campaign.description.setup(question.setup), stands(self.campaign))
+        values = typed(self.campaign, text)
         if cause is None:
-            slips.refuse_surprising(self.campaign, question, typed)
+            slips.refuse_surprising(self.campaign, question, values)
         before = progress.doubted(self.campaign)
-        kept, told = slips.keep_as(self.campaign, question, typed, cause)
+        kept, told = slips.keep_as(self.campaign, question, values, cause)
         self._before = before
         self._show()
         return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
@@ -174,14 +174,13 @@ class Desk:
     def finish(self) -> str:
         """End the campaign and write its results into the folder beside the record."""
         from axiscal.present.delivery import deliver  # pictures and tables, which no question waits for
-        from axiscal.present.result_of_campaign import Extras
         from axiscal.present.result_set import RECORD
 
         self.campaign.log.refuse_other(self.results / RECORD)
         known = self.campaign.estimate(ended=True)
         self.campaign.finish()
         try:
-            result = deliver(self.campaign, known, self.results, Extras(spoken=spoken_now()))
+            result = deliver(self.campaign, known, self.results)
             self._answer, self._answers = result.answer, self._stands
         finally:
             self._show()

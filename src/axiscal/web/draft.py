@@ -15,8 +15,6 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from axiscal.answers.answer_of_campaign import results_beside
-from axiscal.answers.row_words import said_row
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.listing import standings
 from axiscal.campaign.sources import virtual_note
@@ -27,14 +25,16 @@ from axiscal.description.target import RowName, rows_of
 from axiscal.document.durable import write_whole
 from axiscal.estimation.case import Case
 from axiscal.exceptions import DescriptionError, InputError, PlanError, RecordError
-from axiscal.language.spoken import WORDS, said, spoken_now
+from axiscal.language.spoken import WORDS, said
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Place
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.helping import rows_shown
 from axiscal.planning.next_readings import next_places
+from axiscal.present.answer_of_campaign import results_beside
 from axiscal.present.plan_answer import coming_answer, minutes_curve
 from axiscal.present.plan_words import open_questions, planned_figures
+from axiscal.present.row_words import said_row
 from axiscal.present.schematic import machine_schematic, setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.door import record_errors
@@ -133,15 +133,13 @@ def _evaluate(record: Path, described: CampaignDescription, draft: shapes.DraftS
     """Make a record of the readings that were dropped, with its results beside it; raises InputError."""
     from axiscal.present.delivery import deliver, read_in  # pictures and tables, which no draft else waits for
     from axiscal.present.findings import of_readings
-    from axiscal.present.result_of_campaign import Extras
 
     found = read_in(described, record.with_name(draft.file), along=draft.along)
     with Campaign.create(record, found.description) as campaign:
         campaign.adopt(found.readings, found.told)
         campaign.finish("all readings evaluated")
         warnings = of_readings(found.readings, described.setups, described.machine.axes)
-        extras = Extras(warnings=warnings, spoken=spoken_now())
-        deliver(campaign, campaign.estimate(ended=True), results_beside(record), extras)
+        deliver(campaign, campaign.estimate(ended=True), results_beside(record), warnings=warnings)
 
 
 def record_of(here: Path, name: str) -> Path:

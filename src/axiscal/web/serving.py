@@ -17,9 +17,9 @@ import uvicorn
 from fastapi import Body, FastAPI, Response
 from fastapi.responses import FileResponse
 
-from axiscal.answers.answer import AnswerDocument
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.exceptions import InputError, OvertakenError
+from axiscal.present.answer import AnswerDocument
+from axiscal.present.answer_of_campaign import cost_sentence, cost_words
 from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
 from axiscal.present.sentences import spelt

@@ -7,12 +7,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, AnswerWords, BoughtAccuracy, Outcome, PlannedAnswer
-from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
 from axiscal.campaign.possible import LONGEST_TEXT
+from axiscal.present.answer import AnswerDocument, AnswerWords, BoughtAccuracy, Outcome, PlannedAnswer
+from axiscal.present.answer_words import answer_text
 from axiscal.present.guide.progress import Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Cause, Jog

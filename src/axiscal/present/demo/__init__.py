@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.answers.answer import TablesChecked
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Milestone, reaches
 from axiscal.campaign.sources.source import SimulatedSource
@@ -20,10 +19,10 @@ from axiscal.estimation.case import Case
 from axiscal.evaluation.check import Check
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator, TruthCurve, VirtualMachine
+from axiscal.present.answer import TablesChecked
 from axiscal.present.check_answer import CheckAnswer
 from axiscal.present.delivery import deliver
 from axiscal.present.result import Result
-from axiscal.present.result_of_campaign import Extras
 from axiscal_core.machine import Machine
 
 SEED = 2005
@@ -53,8 +52,7 @@ def run_demo(case: Case, out: Path, watch: Callable[[Milestone], None]) -> Resul
     with Campaign.create(out / "campaign.axiscal", case.description) as campaign:
         campaign.run(SimulatedSource(truth, SEED), watch)
         estimation = campaign.estimate(ended=True)
-        extras = Extras(checked=checked(campaign, truth))
-        return deliver(campaign, estimation, out, extras)
+        return deliver(campaign, estimation, out, checked=checked(campaign, truth))
 
 
 def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:

@@ -1,24 +1,22 @@
-"""A scene of lines, arrows and words in metres, drawn as SVG from the front, the right and above."""
+"""Scenes of lines, arrows and words in metres, drawn as SVG from the front, the right and above.
+
+Words know how wide they are, and stand so that none lies over another.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from html import escape
+from importlib import resources
+from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.present.drawing.strokes import (
-    FONT,
-    Bounds,
-    Label,
-    Point,
-    corners_way,
-    placed,
-    short_number,
-    text_width,
-    window,
-)
 
 _TURN, _LIFT = np.radians(33.0), np.radians(27.0)
 """How far who looks stands to the right of the front, and above the floor, rad; a matter of taste."""
@@ -32,56 +30,182 @@ _HEAD, _HALF_HEAD = 11.0, 4.5
 """Pixels of the head of an arrow; a matter of taste."""
 _MARGIN = 14.0
 """Pixels around what is drawn, for the names of arrows."""
+FONT = 14.0
+"""Pixels of all words in a picture of a machine."""
+_WIDE, _NARROW, _USUAL, _BOLD = 0.92, 0.34, 0.6, 1.1
+"""Widths of letters as shares of their height, on the wide side for the fonts that screens have; of bold ones of plain.
+"""
+_HALF_LINE, _DEEP = 0.62, 0.28
+"""Shares of the height of letters: half of what a line covers, and what goes below the line they stand on."""
+_APART = 2.0
+"""Pixels between two labels."""
+_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Signs that no XML document may hold (XML 1.0, 2.2)."""
+_VARIABLE = re.compile(r'(?<==")var\(--([a-z-]+)\)(?=")')
+"""As the value of an attribute; quotes in words are escaped, so that none of them is one."""
+_GROUND = '<rect width="100%" height="100%" fill="var(--paper)"/>'
+_ON_SCREEN = "system-ui,-apple-system,'Segoe UI',Roboto,'Noto Sans','Liberation Sans','DejaVu Sans',sans-serif"
+_ON_PAPER = "Libertinus Serif"
+"""One of the letters that the typesetter brings along."""
+
+
+class Drawing(NamedTuple):
+    """A picture.  width, height : pixels; body : SVG elements"""
+
+    width: float
+    height: float
+    body: str
+
+    def on_paper(self) -> str:
+        """Return the text of an SVG file in the colours of paper."""
+        body = _VARIABLE.sub(lambda found: _colours()["light"][found[1]], self.body)
+        return f'<svg xmlns="http://www.w3.org/2000/svg" font-family="{_ON_PAPER}" {self._size}>{body}</svg>'
+
+    def on_screen(self, label: str) -> str:
+        """Return the text of an SVG file, in the colours of a light or a dark screen.  label : for who hears it"""
+        light, dark = (
+            "".join(f"--{name}:{value};" for name, value in values.items() if f"var(--{name})" in self.body + _GROUND)
+            for values in _colours().values()
+        )
+        style = f":root{{{light}font-family:{_ON_SCREEN};max-width:100%;height:auto}}"
+        style += f"@media(prefers-color-scheme:dark){{:root{{{dark}}}}}"
+        name = text_safe(label)
+        return (
+            f'<svg xmlns="http://www.w3.org/2000/svg" {self._size} role="img" aria-label="{name}"><title>{name}</title>'
+            f"<style>{style}</style>{_GROUND}{self.body}</svg>\n"
+        )
+
+    @property
+    def _size(self) -> str:
+        width, height = f"{self.width:g}", f"{self.height:g}"
+        return f'viewBox="0 0 {width} {height}" width="{width}" height="{height}"'
+
+
+@cache
+def _colours() -> Mapping[str, Mapping[str, str]]:
+    """Return the colours by name, "light" as on paper, then "dark"."""
+    return tomllib.loads(resources.files(__package__).joinpath("colours.toml").read_text(encoding="utf-8"))
+
+
+def text_safe(words: str) -> str:
+    """Return text for the inside of an element or an attribute; what XML cannot hold becomes a question mark."""
+    return escape(_NO_XML.sub("?", words), quote=True)
+
+
+def short_number(value: float) -> str:
+    """Return a number of pixels to a tenth."""
+    return f"{round(value, 1) + 0.0:.1f}".removesuffix(".0")
+
+
+def text_width(words: str, size: float = FONT) -> float:
+    """Return about how wide a text is, pixels."""
+    widths = (
+        _WIDE if each in "mwMWOQGD@%×" else _NARROW if each in "iljftI.,;:'|!()[] ·′" else _USUAL for each in words
+    )
+    return size * sum(widths)
+
+
+def wrapped(words: str, width: float, kind: str = "") -> list[str]:
+    """Return a text as lines that fit into a width, pixels.  kind : of its letters, as of `text`"""
+    lines, width = [""], width / (_BOLD if kind == "title" else 1.0)
+    for word in words.split(" "):
+        longer = f"{lines[-1]} {word}".strip()
+        lines = [*lines[:-1], longer] if text_width(longer) <= width or not lines[-1] else [*lines, word]
+    return lines
+
+
+def text(x: float, y: float, shown: str, kind: str = "", anchor: str = "start", size: float = FONT) -> str:
+    """Return a line of text with a rim in the colour of the ground.
+
+    y : of the line that it stands on; kind : "soft", "axis", "title" or "" for plain; anchor : start, middle or end
+    """
+    place = f'x="{short_number(x)}" y="{short_number(y)}"' + ("" if anchor == "start" else f' text-anchor="{anchor}"')
+    ink = f'font-size="{size:g}" fill="var(--{"soft" if kind == "soft" else "ink"})"'
+    weight = ' font-weight="600"' if kind in ("axis", "title") else ""
+    rim = ' stroke="var(--paper)" stroke-width="4" stroke-linejoin="round" paint-order="stroke"'
+    return f"<text {place} {ink}{weight}{rim}>{text_safe(shown)}</text>"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Part:
-    """What is drawn.  points : (n, 3) m, or (3,) of what has one place"""
+class Stroke:
+    """A line.  points : (n, 3) m; width : pixels; filled : colour of what it encloses, "" for none"""
 
     points: Array
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Stroke(_Part):
-    """A line.  width : pixels; filled : colour of what it encloses, "" for none"""
-
     colour: str
     width: float = 1.5
     dash: str = ""
     opacity: float = 1.0
     filled: str = ""
 
+    def svg(self, at: Array, scale: float) -> str:
+        """Return it as SVG.  at : where its points stand, (n, 2) pixels; scale : pixels for a metre"""
+        dash = f' stroke-dasharray="{self.dash}"' if self.dash else ""
+        faint = f' stroke-opacity="{self.opacity:g}"' if self.opacity != 1 else ""
+        inside = f'"var(--{self.filled})" fill-opacity=".35"' if self.filled else '"none"'
+        return (
+            f'<path d="{_way(at)}" fill={inside} stroke="var(--{self.colour})" stroke-width="{self.width:g}"{dash}'
+            f'{faint} stroke-linejoin="round" stroke-linecap="round"/>'
+        )
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class RoundMark(_Part):
+class RoundMark:
     """A ball.  points : its centre, (3,) m; radius : m; least : radius in pixels below which it does not shrink"""
 
+    points: Array
     radius: float
     colour: str
     least: float = 2.6
 
+    def svg(self, at: Array, scale: float) -> str:
+        """Return it as SVG, as `Stroke.svg`."""
+        x, y, radius = map(short_number, (*at[0], self.reach(scale)))
+        return f'<circle cx="{x}" cy="{y}" r="{radius}" fill="var(--{self.colour})" {_RIM}/>'
+
+    def reach(self, scale: float) -> float:
+        """Return its radius, pixels."""
+        return max(self.radius * scale, self.least)
+
+
+_RIM = 'stroke="var(--paper)" stroke-width="1"'
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Arrow(_Part):
-    """A way with a head at its end and a name there.  points : straight where there are two"""
+class Arrow:
+    """A way with a head at its end and a name there.  points : (n, 3) m, straight where there are two"""
 
-    name: str
+    points: Array
+    words: str
     colour: str = "ink"
 
+    def svg(self, at: Array, scale: float) -> str:
+        """Return it as SVG without its name, as `Stroke.svg`."""
+        tip, along = at[-1], _last_way(at)
+        across, neck = np.array([-along[1], along[0]]), tip - _HEAD * along
+        shaft = np.vstack([at[:-1][np.hypot(*(at[:-1] - tip).T) > _HEAD], neck])
+        head = _way([tip, neck + _HALF_HEAD * across, neck - _HALF_HEAD * across]) + "z"
+        colour = f'"var(--{self.colour})"'
+        return (
+            f'<path d="{_way(shaft)}" fill="none" stroke={colour} stroke-width="2.4"/><path d="{head}" fill={colour}/>'
+        )
+
+    def reach(self, scale: float) -> float:
+        """Return half of the width of its head, pixels."""
+        return _HALF_HEAD
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Caption(_Part):
+class Caption:
     """Words beside a place, (3,) m."""
 
+    points: Array
     words: str
 
 
 Part = Stroke | RoundMark | Arrow | Caption
-Mark = Stroke | RoundMark | Arrow
 
 
-@dataclass(frozen=True, slots=True)
-class Viewport:
+class Viewport(NamedTuple):
     """Frame of a scene, pixels."""
 
     left: float
@@ -95,31 +219,14 @@ def flat(points: Array) -> Array:
     return np.stack([points @ RIGHT, -(points @ UP)], axis=1)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Fit:
-    """How a scene lies in its frame: pixel = scale · seen + shift."""
-
-    scale: float
-    shift: Array
-
-    @classmethod
-    def into(cls, points: Array, frame: Viewport) -> Fit:
-        """Return the largest way to fit points, (n, 3) m, into a frame."""
-        seen = flat(points)
-        low, high = seen.min(axis=0), seen.max(axis=0)
-        size, room = np.maximum(high - low, 1e-12), np.array([frame.width, frame.height]) - 2 * _MARGIN
-        scale = float((room / size).min())
-        middle = np.array([frame.left + frame.width / 2, frame.top + frame.height / 2])
-        return cls(scale, middle - scale * (low + high) / 2)
-
-    def pixels(self, points: Array) -> Array:
-        """Return where points (n, 3) or (3,) m stand, (n, 2)."""
-        return flat(np.atleast_2d(points)) * self.scale + self.shift
-
-
-def points_of(parts: Sequence[Part]) -> Array:
-    """Return all points of parts, (n, 3) m."""
-    return np.vstack([part.points for part in parts])
+def fitted(points: Array, frame: Viewport) -> tuple[float, Array]:
+    """Return scale and shift (2,) by which points, (n, 3) m, are as large as a frame allows: scale · seen + shift."""
+    seen = flat(points)
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    size, room = np.maximum(high - low, 1e-12), np.array([frame.width, frame.height]) - 2 * _MARGIN
+    scale = float((room / size).min())
+    middle = np.array([frame.left + frame.width / 2, frame.top + frame.height / 2])
+    return scale, middle - scale * (low + high) / 2
 
 
 def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -> str:
@@ -127,61 +234,58 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
 
     within : points that fill the frame, (n, 3) m, in place of those of the parts; several scenes get one scale by it
     """
-    fitted = Fit.into(points_of(parts) if within is None else within, frame)
-    marks = [part for part in parts if not isinstance(part, Caption)]
-    labels = [_label(part, fitted) for part in parts if isinstance(part, (Arrow, Caption))]
-    over = [_around(part, fitted) for part in marks if isinstance(part, (Arrow, RoundMark))]
-    shown = placed(labels, (frame.left, frame.top, frame.left + frame.width, frame.top + frame.height), over)
-    cut = window(frame.left, frame.top, frame.width, frame.height, "".join(_mark(each, fitted) for each in marks))
-    return cut + "".join(label.svg() for label in shown)
+    scale, shift = fitted(np.vstack([part.points for part in parts]) if within is None else within, frame)
+    placed = [(part, flat(np.atleast_2d(part.points)) * scale + shift) for part in parts]
+    inside = "".join(part.svg(at, scale) for part, at in placed if not isinstance(part, Caption))
+    x, y, wide, high = map(short_number, frame)
+    cut = f'<svg x="{x}" y="{y}" width="{wide}" height="{high}" viewBox="{x} {y} {wide} {high}">{inside}</svg>'
+    return cut + "".join(_names(placed, scale, frame))
 
 
-def _mark(mark: Mark, fitted: Fit) -> str:
-    colour, at = f"var(--{mark.colour})", fitted.pixels(mark.points)
-    if isinstance(mark, RoundMark):
-        radius = max(mark.radius * fitted.scale, mark.least)
-        return (
-            f'<circle cx="{short_number(at[0, 0])}" cy="{short_number(at[0, 1])}" r="{short_number(radius)}" '
-            f'fill="{colour}" stroke="var(--paper)" stroke-width="1"/>'
-        )
-    if isinstance(mark, Arrow):
-        return _arrow(at, colour)
-    dash = f' stroke-dasharray="{mark.dash}"' if mark.dash else ""
-    faint = f' stroke-opacity="{mark.opacity:g}"' if mark.opacity != 1 else ""
-    inside = f'"var(--{mark.filled})" fill-opacity=".35"' if mark.filled else '"none"'
-    return (
-        f'<path d="{corners_way(at)}" fill={inside} stroke="{colour}" stroke-width="{mark.width:g}"{dash}{faint} '
-        'stroke-linejoin="round" stroke-linecap="round"/>'
-    )
+def _names(placed: Iterable[tuple[Part, Array]], scale: float, frame: Viewport) -> Iterator[str]:
+    """Yield the names of arrows and the captions inside of a frame, none over another, over a ball or over a head.
+
+    placed : parts, and where their points stand, pixels
+    """
+    placed, corner = [*placed], np.array(frame[:2])
+    marks = [(at[-2:], part.reach(scale)) for part, at in placed if isinstance(part, (Arrow, RoundMark))]
+    taken = [np.concatenate([at.min(axis=0) - reach, at.max(axis=0) + reach]) for at, reach in marks]
+    for part, at in placed:
+        if isinstance(part, (Arrow, Caption)):
+            kind, size = ("axis", FONT + 2) if isinstance(part, Arrow) else ("soft", FONT)
+            half = np.array([text_width(part.words, size) / 2, _HALF_LINE * size])
+            tried = at[-1] + _around(half[0], size)
+            if isinstance(part, Arrow):  # first of all ahead of it
+                along = _last_way(at)
+                reach = 6.0 + np.abs(along) @ [half[0], FONT / 2]
+                tried = np.vstack([at[-1] + reach * along, tried])
+            tried = np.minimum(np.maximum(tried, corner + half), corner + frame[2:] - half)
+            boxes, others = np.hstack([tried - half, tried + half])[:, None], np.array(taken).reshape(-1, 4)
+            over = np.minimum(boxes, others)[..., 2:] - np.maximum(boxes, others)[..., :2] + _APART
+            best = int(np.argmin(np.maximum(over, 0.0).prod(axis=2).sum(axis=1)))  # the first that covers nothing
+            taken.append(boxes[best, 0])
+            x, y = tried[best]
+            yield text(x, y + size * (0.5 - _DEEP / 2), part.words, kind, "middle", size)
 
 
-def _arrow(at: Array, colour: str) -> str:
-    tip, along = at[-1], at[-1] - at[-2]
-    along = along / max(float(np.hypot(*along)), 1e-9)
-    across, neck = np.array([-along[1], along[0]]), tip - _HEAD * along
-    shaft = np.vstack([at[:-1][np.hypot(*(at[:-1] - tip).T) > _HEAD], neck])
-    head = corners_way(np.array([tip, neck + _HALF_HEAD * across, neck - _HALF_HEAD * across])) + "z"
-    line = f'<path d="{corners_way(shaft)}" fill="none" stroke="{colour}" stroke-width="2.4"/>'
-    return f'{line}<path d="{head}" fill="{colour}"/>'
+def _around(half: float, size: float) -> Array:
+    """Return where the middle of words may stand beside what they name, the best first: above, and ever farther.
+
+    half : of their width, pixels; the result (n, 2)
+    """
+    turns = np.radians([-90.0, -135.0, -45.0, -180.0, 0.0, -225.0, 45.0, -270.0])
+    rings = np.arange(1, 13)[:, None]
+    across, down = np.cos(turns) * (half + 5.0 * rings), np.sin(turns) * size * (0.6 + 0.5 * rings)
+    return np.stack([across.ravel(), down.ravel()], axis=1)
 
 
-def _around(part: Arrow | RoundMark, fitted: Fit) -> Bounds:
-    """Return the bounds of a ball, or of the last piece of an arrow, pixels."""
-    at = fitted.pixels(part.points)[-2:]
-    reach = _HALF_HEAD if isinstance(part, Arrow) else max(part.radius * fitted.scale, part.least)
-    (left, top), (right, bottom) = at.min(axis=0) - reach, at.max(axis=0) + reach
-    return float(left), float(top), float(right), float(bottom)
-
-
-def _label(part: Arrow | Caption, fitted: Fit) -> Label:
-    at = fitted.pixels(part.points)
-    if isinstance(part, Caption):
-        return Label(part.words, _point(at[0]), "soft")
+def _last_way(at: Array) -> Array:
+    """Return the direction in which an arrow ends, a unit vector, (2,)."""
     along = at[-1] - at[-2]
-    along = along / max(float(np.hypot(*along)), 1e-9)
-    reach = 6.0 + abs(along[0]) * text_width(part.name, FONT + 2) / 2 + abs(along[1]) * FONT / 2
-    return Label(part.name, _point(at[-1]), "axis", FONT + 2, first=_point(at[-1] + reach * along))
+    direction: Array = along / max(float(np.hypot(*along)), 1e-9)
+    return direction
 
 
-def _point(at: Array) -> Point:
-    return float(at[0]), float(at[1])
+def _way(corners: Iterable[Sequence[float] | Array]) -> str:
+    """Return the `d` of a line through all corners, each (x, y)."""
+    return "M" + "L".join(f"{short_number(x)} {short_number(y)}" for x, y in corners)

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Self
 
-from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.document.durable import write_whole
@@ -15,6 +14,7 @@ from axiscal.exceptions import InputError
 from axiscal.language.spoken import listed, said
 from axiscal.measurement.readers.csv_readings import filled_sheet
 from axiscal.measurement.reading import Reading, place_text, reading_units
+from axiscal.present.answer import AnswerDocument
 from axiscal.present.check_answer import CheckAnswer, check_plan, check_sentences
 from axiscal.present.guide.question import measured
 from axiscal.present.guide.slips import display_text

@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from typing import Literal, NamedTuple
 
-from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words, question
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.stated_type_b import lacks_temperature
@@ -22,6 +21,7 @@ from axiscal.estimation.promise.agreement import Mistake
 from axiscal.language.spoken import counted, decimals, listed, said
 from axiscal.measurement.reading import reading_text, reading_unit, reading_units, shown_coordinate, units_of
 from axiscal.planning.promise import foreseen, rejected
+from axiscal.present.answer import AnswerDocument
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import Recorded, Skipped, Warmed

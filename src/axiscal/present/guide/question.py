@@ -10,13 +10,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
-from axiscal.answers.answer import AnswerDocument
-from axiscal.answers.prediction import expectation
 from axiscal.campaign.campaign import Campaign
+from axiscal.estimation.prediction import expectation
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, said
 from axiscal.measurement.reading import (
@@ -31,6 +30,7 @@ from axiscal.measurement.reading import (
 from axiscal.measurement.setup import SQUARE, Setup
 from axiscal.measurement.touched import off_ball
 from axiscal.numerics import Array
+from axiscal.present.answer import AnswerDocument
 from axiscal.record.events import Asked
 from axiscal.units import parse_quantity, to_unit
 from axiscal_core.machine import Machine
@@ -40,19 +40,8 @@ _MORE = re.compile(r"\s*[+−-]?[0-9.,]")
 _SEVERAL = re.compile(r"\s*[;/]\s*|\s*,\s+|(?<=[^\W\d]),|\s+(?=[+−-]?[.,]?[0-9])")
 
 
-class Stands(NamedTuple):
-    """pose : (q,) m or rad, where the machine stands as it was asked to"""
-
-    machine: Machine
-    pose: tuple[float, ...]
-
-
-def stands(campaign: Campaign) -> Stands | None:
-    """Return where the machine stands for the reading that is asked for, None where none is."""
-    asked = campaign.state.pending
-    return None if asked is None else Stands(campaign.description.machine, asked.place.pose)
-
-
+Stands = tuple[Machine, Sequence[float]]
+"""A machine and the pose (q,) at which it stands, m or rad."""
 _FOUND = later("found")  # before the places of X, Y, Z at which a ball was met
 ACTIONS = ("undo", "skip", "note", "leave", "stop", "pause", "help", "anew", "more")
 """What can be typed instead of a reading; `more` once a target is reached."""
@@ -66,10 +55,16 @@ def action(word: str) -> str | None:
     return known.get(word.lower()) if word else ""
 
 
+def typed(campaign: Campaign, text: str) -> Array:
+    """Return the reading that was typed for what is asked, as `measured`; raises RecordError where nothing is."""
+    place, described = campaign.open_question().place, campaign.description
+    return measured(text, described.setup(place.setup), (described.machine, place.pose))
+
+
 def measured(text: str, setup: Setup, stands: Stands | None = None) -> Array:
     """Return the reading that was typed, (k,) m or rad; raises ReadingError or UnitError.
 
-    stands : the machine and the pose (q,) that was asked for, by which `found X Y Z` is a reading
+    stands : as it was asked to, by which `found X Y Z` is a reading
     A number is in the unit of the set-up where none is said, a place that was found in mm.
     Decimals come after a point or a comma. Three values are parted by blanks, semicolons or commas with a blank.
     """
@@ -92,8 +87,9 @@ def found_at(text: str, setup: Setup, stands: Stands) -> Array | None:
     if word.lower() not in (_FOUND, said(_FOUND).lower()):
         return None
     refuse_other_values(setup, len("XYZ"))
+    machine, pose = stands
     met = [parse_quantity(_with_unit(part, "mm"), "length") for part in value_texts(places, setup)]
-    return np.array(off_ball(stands.machine, setup, np.array(stands.pose), met))
+    return np.array(off_ball(machine, setup, np.array(pose), met))
 
 
 def _with_unit(text: str, unit: str) -> str:

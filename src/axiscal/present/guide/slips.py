@@ -7,7 +7,6 @@ from typing import Literal, Self
 
 import numpy as np
 
-from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import OVERRULED, TESTED
 from axiscal.campaign.sources import virtual_machine
@@ -18,8 +17,9 @@ from axiscal.measurement.reading import Reading, reading_unit, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
+from axiscal.present.answer import AnswerDocument
 from axiscal.present.guide.progress import set_anew
-from axiscal.present.guide.question import SURPRISING, Question, measured, stands
+from axiscal.present.guide.question import SURPRISING, Question, measured, typed
 from axiscal.present.sentences import spelt
 from axiscal.units import digits, to_unit
 
@@ -86,7 +86,7 @@ class Meant(AnswerDocument):
         if question is None or not text.strip():
             return cls()
         try:
-            values = measured(text, campaign.description.setup(question.setup), stands(campaign))
+            values = typed(campaign, text)
         except AxiscalError as failure:
             return cls(sentence=str(failure))
         shown = [float(to_unit(float(each), question.unit)) for each in values]
@@ -219,16 +219,11 @@ def _wrong(ratio: float) -> tuple[str, str, str] | None:
     """
     size = abs(ratio)
     unit = next((unit for unit, per in _PER_UM.items() if per / _ABOUT <= size <= per * _ABOUT), None)
-    if unit is not None:
-        named = said("thousandths of an inch") if unit == "thou" else unit
-        what = said("The display is in {unit}, not in µm", unit=named)
-        example = "0.012 mm" if unit == "mm" else "0.0005 in"
-        return f"in {unit}", what, said("Type the unit behind each number, as in {example}", example=example)
-    if size < _STILL:
-        remedy = said("Look whether it touches, which way it looks, and at which leg of a square")
-        return "still", said("The display does not follow the axis"), remedy
-    if not 1 / _ABOUT <= size <= _ABOUT:
-        what = "The display shows {times} times what the axis moved"
-        return "scale", said(what, times=digits(size)), said("Look at its range and unit")
-    remedy = said("Turn it round, or change its sign; set it to zero and type it anew")
-    return ("wrong sign", said("The display counts the other way"), remedy) if ratio < 0 else None
+    kind = (
+        "unit" if unit else "still" if size < _STILL else "scale" if not 1 / _ABOUT <= size <= _ABOUT else "wrong sign"
+    )
+    if kind == "wrong sign" and ratio > 0:
+        return None
+    words, named = WORDS["display"][kind], said("thousandths of an inch") if unit == "thou" else unit
+    values = {"unit": named, "times": digits(size), "example": "0.012 mm" if unit == "mm" else "0.0005 in"}
+    return f"in {unit}" if unit else kind, said(words["what"], **values), said(words["remedy"], **values)

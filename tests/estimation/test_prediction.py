@@ -8,9 +8,9 @@ from typing import cast
 import numpy as np
 import pytest
 
-from axiscal.answers.prediction import predict_poses, tcp_prediction
 from axiscal.errors.volume import deviation_of
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.prediction import predict_poses, tcp_prediction
 from axiscal.exceptions import ReadingError
 from axiscal.machine import machine_from_text
 from axiscal.measurement.readers.csv_readings import RawReading

@@ -17,18 +17,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from axiscal.answers.answer import (
-    Aim,
-    AnswerLine,
-    AnswerRow,
-    NextStep,
-    Outcome,
-    SignedNumber,
-    StepCode,
-    Verdict,
-)
-from axiscal.answers.bed_screws import screw_turns
-from axiscal.answers.row_words import row_name
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached
 from axiscal.campaign.evidence import overruled
@@ -44,6 +32,19 @@ from axiscal.language.spoken import listed, put, said
 from axiscal.measurement.reading import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics import Array
+from axiscal.present.answer import (
+    Aim,
+    AnswerLine,
+    AnswerRow,
+    NextStep,
+    Outcome,
+    SignedNumber,
+    StepCode,
+    TablesChecked,
+    Verdict,
+)
+from axiscal.present.bed_screws import screw_turns
+from axiscal.present.row_words import one_sided, row_name
 from axiscal.tables.offer import places
 from axiscal.tables.registry import controllers, exporter, offered_control
 from axiscal.tables.surface import Control, left_by, turned_by
@@ -160,11 +161,12 @@ def answer_of(
     *,
     written: bool = False,
     anyway: bool = False,
+    checked: TablesChecked | None = None,
 ) -> Outcome:
     """Return the answer.
 
     controls : what the tables of each control that is offered do; written : whether the results are, with these tables
-    anyway : rows are there although readings contradict each other
+    anyway : rows are there although readings contradict each other; checked : what a check of them found
     """
     found = answered(known, controls)
     rows, shown = [row for row, _ in found], [row for _, row in found]
@@ -195,6 +197,7 @@ def answer_of(
         minutes=to_unit(seconds, "min"),
         clocked=campaign.state.clocked is not None,
         withheld=withheld,
+        checked=checked,
         steps=list(_steps(campaign, known, verdict, best_control(shown, list(controls)), written)),
         offset=None if offset is None else to_unit(offset, "um"),
         half_read={axis.name: (to_unit(ends[0], axis.unit), to_unit(ends[1], axis.unit)) for axis, ends in parts},
@@ -290,7 +293,7 @@ def missing_readings(known: Estimation, aims: Aims, rows: Answered) -> tuple[int
     """Return about how many readings are missing, one at least, and their minutes; noughts where no number helps."""
     count = len(known.readings)
     left = [aim.missing for aim in aims.volume if aim.floor < aim.limit]
-    turned = {row.row.name for row, _ in rows if row.one_sided and aims.lines}  # one reading from the other side does
+    turned = {row.row for _, row in rows if one_sided(row) and aims.lines}  # one reading from the other side does
     lines = (aim.missing for aim in aims.lines if not aim.unread and aim.name not in turned)
     shares = [min(left, default=0.0), *lines]
     new = sum(not line.read for row, _ in rows if row.open for line in row.lines) if aims.lines else 0

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TypeVar
 
-from axiscal.answers.answer import (
+from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, said
+from axiscal.present.answer import (
     Aim,
     AnswerRow,
     AnswerWords,
@@ -18,7 +19,7 @@ from axiscal.answers.answer import (
     PlannedRow,
     TablesChecked,
 )
-from axiscal.answers.row_words import (
+from axiscal.present.row_words import (
     half_read_sentence,
     lacking,
     overruled_sentence,
@@ -29,7 +30,6 @@ from axiscal.answers.row_words import (
     signed_text,
     signs_sentence,
 )
-from axiscal.language.spoken import WORDS, counted, ending, joined, later, listed, put, said
 from axiscal.tables.registry import exporter
 from axiscal.units import digits
 from axiscal_core.theta import MANY
@@ -42,12 +42,7 @@ _LEFT = 2
 ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
 _ENDS: dict[str, str] = WORDS["verdicts"]
-VERDICTS = {
-    "promised": later("AS PROMISED"),
-    "worse": later("WORSE THAN PROMISED"),
-    "faulty": later("TABLES DO NOT WORK"),
-    "undecided": later("UNDECIDED"),
-}
+VERDICTS: dict[str, str] = WORDS["check"]["verdicts"]
 _UNTOLD = later(
     "No check was read: finer detail, or backlash that differs from place to place, would not show. "
     "{many} readings, or checks = 3, test that."

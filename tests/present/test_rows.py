@@ -9,8 +9,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.answers.answer import AnswerRow
-from axiscal.answers.answer_of_campaign import Aims, answered, missing_readings
 from axiscal.description.target import Want
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
@@ -22,6 +20,8 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from axiscal.present.answer import AnswerRow
+from axiscal.present.answer_of_campaign import Aims, answered, missing_readings
 from tests.generators.laser_axis import CASE, machine
 
 DRAWN = machine(5)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from axiscal.answers.answer import AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.description.target import Kind
 from axiscal.language.spoken import WORDS, counted, joined, listed, put, quoted, said
+from axiscal.present.answer import AnswerRow, PlannedRow, ScrewTurn, SignedNumber
 from axiscal.units import digits
 
 _KINDS: dict[Kind, str] = WORDS["rows"]
@@ -62,10 +62,11 @@ def signs_sentence(groups: Sequence[Sequence[AnswerRow]]) -> str:
 
 def lacking(row: AnswerRow) -> tuple[bool, bool, bool]:
     """Return what a row has not: places of one side alone, any place of its own, what readings could tell."""
-    return not _one_sided(row), not _read(row), _exhausted(row)
+    return not one_sided(row), not _read(row), _exhausted(row)
 
 
-def _one_sided(row: AnswerRow) -> bool:
+def one_sided(row: AnswerRow) -> bool:
+    """Return whether a row is a backlash that was read from one side alone, or from both at no one place."""
     return row.kind == "backlash" and not row.measured and _read(row) > 0 and not row.lines[0].places["both"]
 
 
@@ -79,7 +80,7 @@ def _read(row: AnswerRow) -> int:
 
 def reason(rows: Sequence[AnswerRow]) -> str:
     """Return why rows of one kind are not measured."""
-    if any(map(_one_sided, rows)):
+    if any(map(one_sided, rows)):
         apart = any(line.places["+"] and line.places["-"] for row in rows for line in row.lines)
         return said("no place read from both sides") if apart else said("one side read")
     worst = max(rows, key=lambda row: row.known_to)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from operator import not_
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SkipValidation, ValidationInfo
@@ -224,19 +225,13 @@ class Outcome(AnswerDocument):
     checked: TablesChecked | None = Field(None, description="null where nobody has checked the tables")
     offset: Figure | None = Field(None, description="um by which U grows each 100 mm beside the one line; else null")
     half_read: Mapping[str, tuple[Figure, Figure]] = Field(
-        default_factory=dict,
-        exclude_if=lambda axes: not axes,
-        description="ends of axes of which half or less was read; else left out",
+        default_factory=dict, exclude_if=not_, description="ends of axes of which half or less was read; else left out"
     )
-    screws: Sequence[ScrewTurn] = Field(
-        (), exclude_if=lambda screws: not screws, description="left out where none are stated"
-    )
+    screws: Sequence[ScrewTurn] = Field((), exclude_if=not_, description="left out where none are stated")
     overruled: Sequence[str] = Field(
-        (),
-        exclude_if=lambda names: not names,
-        description="set-ups that were read although their test failed; else left out",
+        (), exclude_if=not_, description="set-ups that were read although their test failed; else left out"
     )
-    asks: bool = Field(False, exclude_if=lambda asks: not asks, description="a zero may be new; else left out")
+    asks: bool = Field(False, exclude_if=not_, description="a zero may be new; else left out")
     rows: Sequence[AnswerRow] = Field((), exclude=True, description="`rows` of the result")
 
 

@@ -5,12 +5,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.answers.prediction import tcp_prediction
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import EACH, offset_each
+from axiscal.estimation.prediction import tcp_prediction
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal_core.usual import OFFSET

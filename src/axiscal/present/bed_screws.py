@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.answers.answer import ScrewTurn
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
-from axiscal.measurement.setup import Setup
-from axiscal.numerics import Array
+from axiscal.present.answer import ScrewTurn
 
 _SIDE = 12
 """Places along each side of the grid; of a plane any number would do."""
@@ -24,13 +22,16 @@ def screw_turns(known: Estimation) -> list[ScrewTurn]:
     """Return the turns of all screws but the first; none where no screws are stated, or no map of the bed was read."""
     screws, description = known.stated.description.screws, known.stated.description
     names = {reading.setup for reading in known.readings}
-    machine = description.machine
-    bed = [k for k, axis in enumerate(machine.axes) if axis.name in ("X", "Y")]
+    axes = {axis.name: k for k, axis in enumerate(description.machine.axes)}
+    bed = [axes[name] for name in "XY" if name in axes]
     reads = [each for each in description.setups if set(bed) <= set(each.moves) and abs(each.direction[2]) > _ALONG]
     setup = next((each for each in reads if each.name in names), None)
     if screws is None or setup is None or len(bed) != 2:
         return []
-    poses, plane = _grid(known, setup)
+    sides = [np.linspace(*setup.span(description.machine.axes[k], k), _SIDE) for k in bed]
+    grid = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
+    poses, plane = np.tile(np.array(setup.park), (len(grid), 1)), np.column_stack([np.ones(len(grid)), grid])
+    poses[:, bed] = grid
     errors, belief = known.case.errors, known.printed.belief
     heights = -errors.rows_at(poses, np.zeros_like(poses))[:, 2]
     at = np.array([[1.0, x, y] for x, y in screws.places.values()])
@@ -39,14 +40,3 @@ def screw_turns(known: Estimation) -> list[ScrewTurn]:
     turns, stds = turned @ belief.mean[: errors.size], np.linalg.norm(turned @ belief.factor[: errors.size], axis=1)
     each = zip(list(screws.places)[1:], turns.tolist(), stds.tolist(), strict=True)
     return [ScrewTurn(screw=name, turns=turn, U=BAND * std) for name, turn, std in each]
-
-
-def _grid(known: Estimation, setup: Setup) -> tuple[Array, Array]:
-    """Return poses (n, q) over the bed, and 1, x, y of each, (n, 3)."""
-    axes = known.case.description.machine.axes
-    x, y = (next(k for k, axis in enumerate(axes) if axis.name == name) for name in "XY")
-    sides = [np.linspace(*setup.span(axes[k], k), _SIDE) for k in (x, y)]
-    at = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
-    poses = np.tile(np.array(setup.park), (len(at), 1))
-    poses[:, [x, y]] = at
-    return poses, np.column_stack([np.ones(len(at)), at])

@@ -1,1 +1,0 @@
-"""What a job is told: its rows, with what was found and how well that is known, and the words for them."""
