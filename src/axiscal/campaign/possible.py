@@ -185,9 +185,9 @@ class Possible:
 
     def _refuse_place(self, at: Place | Reading) -> None:
         self._setup(at.setup)
-        if len(at.pose) != len(self._axes):
+        if other := {len(at.pose), len(at.approach)} - {len(self._axes)}:
             what = "the place has {count} coordinates, and the machine {axes} axes"
-            raise RecordError(what, _BACK, count=len(at.pose), axes=len(self._axes))
+            raise RecordError(what, _BACK, count=max(other), axes=len(self._axes))
         for value, axis in zip(at.pose, self._axes, strict=True):
             (low, high), slack = axis.travel, _SLACK * axis.length
             if not low - slack <= value <= high + slack:

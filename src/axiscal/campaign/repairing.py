@@ -27,7 +27,6 @@ from axiscal.record.events import (
     Event,
     EventOrderError,
     Finished,
-    Folding,
     Lost,
     Noted,
     Recorded,
@@ -35,6 +34,7 @@ from axiscal.record.events import (
     State,
     Stored,
     Undone,
+    fold,
 )
 from axiscal.record.lines import EMPTY, HEAD, DamageError, EventText, KeptLine, counts, entry, whole_lines
 from axiscal.record.payload import PayloadError, decode, encode, stored
@@ -102,20 +102,18 @@ def repaired(
         return Repaired(record.state(), len(trunk), missing, tuple(left))
 
 
-def _told(
-    trunk: Mapping[int, KeptLine], path: Path, left: list[str]
-) -> tuple[list[EventText], Folding, Possible | None]:
+def _told(trunk: Mapping[int, KeptLine], path: Path, left: list[str]) -> tuple[list[EventText], State, Possible | None]:
     """Return the events of all numbers, those that are lost or cannot be as `Lost`; adds why to `left`."""
     undone, first = dict[int, str](), next(iter(trunk.values())).row.at if trunk else ""
     while True:
-        rows, story, possible, why, whole = list[EventText](), Folding(), None, dict(undone), True
+        rows, story, possible, why, whole = list[EventText](), State(), None, dict(undone), True
         for number in range(1, max(trunk, default=0) + 1):
             if number in trunk and number not in why:
                 row = trunk[number].row
                 try:
                     each = stored(number, row)
                     _refuse_unfit(each.event, row, rows, whole, possible)
-                    story.add(each)
+                    story = fold([each], story)
                     rows.append(row)
                     possible = _possible(each.event) if number == 1 else possible
                     continue
@@ -132,7 +130,7 @@ def _told(
             lost, whole = Lost(why.get(number, "not whole")), False
             rows.append(EventText(rows[-1].at if rows else first, *encode(lost)))
             if story.created is not None:
-                story.add(Stored(number, rows[-1].at, lost))
+                story = fold([Stored(number, rows[-1].at, lost)], story)
         else:
             left += [f"event {number} ({trunk[number].row.kind}): {each}" for number, each in sorted(why.items())]
             return rows, story, possible
@@ -158,7 +156,7 @@ def _possible(created: Event) -> Possible | None:
 
 
 def _taken_in(
-    found: _Union, story: Folding, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
+    found: _Union, story: State, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
 ) -> list[EventText]:
     """Return the readings of branches that a person wants, to come last; adds the others to `left`."""
     taken = list[EventText]()

@@ -8,19 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from axiscal.machine import machine_from_text
 from axiscal.machine.kinematics import bed_in_workpiece
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, Size
 from axiscal_core.machine import Machine
 
-ABSURD = 1e9
-"""m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
-Size = Annotated[float, Field(gt=-ABSURD, lt=ABSURD)]
 _LARGEST_FACTOR = 1e4
 """Ten times what units differ by that are taken for each other."""
 
