@@ -6,7 +6,7 @@ and is named; two lines of one number are a branch, and a person says whether it
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -270,41 +270,29 @@ def _united(contents: Iterable[bytes], campaign: str, path: Path) -> _Union:
         listed = ", ".join(f"{name[:8]} ({count})" for name, count in lines.items())
         remedy = "Name the one that you mean, such as --campaign {name}"
         raise RecordError("Lines of several campaigns stand here: {listed}", remedy, path, listed=listed, name="1a2b")
-    mine = {digest: line for digest, line in found.items() if line.campaign == fitting[0]}
-    trunk, branches, taken = dict[int, KeptLine](), list[Sequence[KeptLine]](), set[int]()
-    for run in _runs(mine):
-        before = run[0].number - 1  # which is lost, where it is not there
-        stands = before in trunk and trunk[before] is mine.get(run[0].before)
-        free = next((n for n, line in enumerate(run) if line.number in taken), len(run))
-        kept = run[:free] if stands or before not in taken else []
-        trunk |= {line.number: line for line in kept}
-        taken |= {before, *(line.number for line in kept)} if kept else set()
-        branches += [run[len(kept) :]] if len(kept) < len(run) else []
+    trunk, branches = _trunk([line for line in found.values() if line.campaign == fitting[0]])
     last = max(trunk)
     while trunk[last].last > max(last, least) and last > 1:  # an entry that nobody finished
         del trunk[last]
         last = max(trunk)
     others = {each: count for each, count in lines.items() if each != fitting[0]}
-    return _Union(dict(sorted(trunk.items())), branches, others, least)
+    return _Union(trunk, branches, others, least)
 
 
-def _runs(lines: Mapping[str, KeptLine]) -> list[list[KeptLine]]:
-    """Return lines that follow one another, longest first; where two follow one, the longer way goes on."""
-    after, starts = defaultdict[str, list[KeptLine]](list), list[KeptLine]()
-    for line in lines.values():
-        before = lines.get(line.before)
-        (starts if before is None or not line.follows(before) else after[line.before]).append(line)
-    entries = Counter((line.writer, line.first, line.last) for line in lines.values())
-    depth = dict[str, int]()  # in lines of entries that somebody finished
-    for line in sorted(lines.values(), key=lambda each: each.number, reverse=True):
+def _trunk(lines: Sequence[KeptLine]) -> tuple[dict[int, KeptLine], list[list[KeptLine]]]:
+    """Return lines by number, where two have one that of the longer way; and the others, branch by branch."""
+    entries = Counter((line.writer, line.first, line.last) for line in lines)
+    ways, behind = dict[str, int](), dict[str, int]()  # in lines of entries that somebody finished, by hash
+    for line in sorted(lines, key=lambda each: each.number, reverse=True):
         whole = entries[line.writer, line.first, line.last] > line.last - line.first
-        depth[line.hash] = whole + max((depth.get(each.hash, 0) for each in after[line.hash]), default=0)
-    found = list[list[KeptLine]]()
-    while starts:
-        run = [starts.pop()]
-        while following := after[run[-1].hash]:
-            longest = max(following, key=lambda each: depth[each.hash])
-            starts += [each for each in following if each is not longest]
-            run.append(longest)
-        found.append(run)
-    return sorted(found, key=lambda run: depth[run[0].hash], reverse=True)
+        ways[line.hash] = whole + behind.get(line.hash, 0)
+        behind[line.before] = max(behind.get(line.before, 0), ways[line.hash])
+    trunk, branches = dict[int, KeptLine](), dict[str, list[KeptLine]]()  # branches by the hash of their last line
+    for line in sorted(lines, key=lambda each: (each.number, -ways[each.hash])):
+        before = trunk.get(line.number - 1)  # which is lost, where it is not there
+        if line.number not in trunk and (before is None or line.follows(before)):
+            trunk[line.number] = line
+        else:
+            branches[line.hash] = branches.pop(line.before, [])
+            branches[line.hash].append(line)
+    return trunk, [*branches.values()]
