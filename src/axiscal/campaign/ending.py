@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 from axiscal.campaign.sources import Skip
@@ -13,7 +12,7 @@ from axiscal.estimation.accuracy.expanded import WantedAccuracy, asked, known_to
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.known_rows import known_rows
-from axiscal.exceptions import RecordError, SourceError
+from axiscal.exceptions import SourceError
 from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW
@@ -57,13 +56,6 @@ class Ended(NamedTuple):
 
 _Standing = tuple[WantedAccuracy, float]
 """The wanted accuracy of the volume, and the accuracy so far, m."""
-
-
-def count_reached(target: Target, count: int) -> str | None:
-    """Return in words that so many readings are all that were wanted; None where they are not."""
-    if target.readings is None or count < target.readings:
-        return None
-    return f"{count} reading{'' if count == 1 else 's'} taken"
 
 
 def standing(target: Target, known: Estimation) -> str | None:
@@ -169,14 +161,6 @@ def refuse_endless(in_a_row: int, answer: Skip) -> None:
     if in_a_row >= PATIENCE:
         what = "the source has skipped {in_a_row} readings in a row; the last one because: {reason}"
         raise SourceError(what, "Mend it, then go on with --resume", in_a_row=in_a_row, reason=answer.reason)
-
-
-def refuse_finished(finished: str | None, record: Path) -> None:
-    """Raise RecordError where a campaign has ended.  finished : why"""
-    if finished is not None:
-        remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
-        what = "The campaign is finished: {finished}"
-        raise RecordError(what, remedy, record, finished=because_text(finished))
 
 
 def result_of(known: Estimation) -> KeptResult:

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from axiscal.campaign.possible import Possible
+from axiscal.description.campaign import description_of
 from axiscal.document.consent import asking
-from axiscal.estimation.inheritance import created_description
 from axiscal.exceptions import CodeError, InputError, NewerError, RecordError
 from axiscal.language.spoken import counted, said
 from axiscal.record.accepted import Accepted
@@ -151,7 +151,7 @@ def _refuse_unfit(
 def _possible(created: Event) -> Possible | None:
     """Return what can be on the machine of a campaign; None where only code of somebody's could tell."""
     with suppress(CodeError), asking(None):
-        return Possible(created_description(created)) if isinstance(created, Created) else None
+        return Possible(description_of(created)) if isinstance(created, Created) else None
     return None
 
 

@@ -33,7 +33,7 @@ from axiscal.machine.motion import Driving
 from axiscal.measurement.setup import CARRIED, TRUED, Setup, Unknown
 from axiscal.record.accepted import Bumped
 from axiscal.record.carried import TYPE
-from axiscal.record.events import Mounted, Warmed
+from axiscal.record.events import Created, Mounted, Warmed
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
 from axiscal_core.machine import Machine
@@ -204,6 +204,13 @@ def campaign_from_texts(
     prior_text = "" if of_type else prior_text
     found = _described(document, machine, machine_source, False, prior_text, False, usual_doubts, whole_lengths, anew)
     return replace(found, prior_gone=of_type)
+
+
+def description_of(created: Created) -> CampaignDescription:
+    """Return the description that a campaign began with; raises DescriptionError."""
+    held = {name: getattr(created, name) for name in ("prior_text", "usual_doubts", "fine_knots", "whole_lengths")}
+    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
+    return campaign_from_texts(*texts, **held)
 
 
 def with_offset(described: CampaignDescription, setup: str, beside: tuple[float, float]) -> CampaignDescription:

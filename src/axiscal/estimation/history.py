@@ -73,6 +73,8 @@ class History:
     @cached_property
     def normal(self) -> Sequence[Reading]:
         """The readings with normal ones in the place of those that are far from normal; themselves if none is."""
+        if not any(setup.coarse for setup in self.case.observation.setups):
+            return self.readings
         return sited(self.case.observation, self.readings, self.case.inherited, self.left_out)
 
     @cached_property
