@@ -184,24 +184,21 @@ def refuse_implausible(known: Estimation) -> None:
 
 ENDINGS = (ALL_REACHED, BUDGET, CONTRADICT, OUT_OF_REACH, *WORDS["endings"])
 """Those that are whole sentences."""
-_SAID_TAKEN = r"([0-9]+) readings? taken"
-_SAID_ELSE = {
-    r"(?P<name>rms|worst|U) target reached": later("{name} target reached"),
-    r"(?P<rows>.+) cannot be reached with these set-ups": later("{rows} cannot be reached with these set-ups"),
-    r"(?P<name>rms|worst|U) target cannot be reached: endless readings would leave (?P<floor>[0-9.e+-]+) um, "
-    r"these leave (?P<left>[0-9.e+-]+) um": later(
-        "{name} target cannot be reached: endless readings would leave {floor:.3g} um, these leave {left:.3g} um"
-    ),
-}
+_TAKEN = "{count} reading taken", "{count} readings taken"
+_KEPT = (
+    later("{name} target reached"),
+    later("{rows} cannot be reached with these set-ups"),
+    later("{name} target cannot be reached: endless readings would leave {floor:.3g} um, these leave {left:.3g} um"),
+)
 """Those with names and sizes, as they are kept."""
 
 
 def because_text(because: str) -> str:
     """Return the reason in the language that is spoken; one that is not known here stays English."""
-    if (taken := re.fullmatch(_SAID_TAKEN, because)) is not None:
-        return counted("{count} reading taken", "{count} readings taken", int(taken[1]))
-    for pattern, words in _SAID_ELSE.items():
-        if (found := re.fullmatch(pattern, because)) is not None:
-            parts = found.groupdict().items()
-            return said(words, **{key: float(part) if key in ("floor", "left") else part for key, part in parts})
-    return said(because) if because in ENDINGS else because
+    if because in ENDINGS:
+        return said(because)
+    for words in (*_TAKEN, *_KEPT):
+        if (found := re.fullmatch(re.sub(r"{(\w+)[^}]*}", r"(?P<\1>.+)", words), because)) is not None:
+            parts = {key: float(part) if key in ("floor", "left") else part for key, part in found.groupdict().items()}
+            return said(words, **parts) if words in _KEPT else counted(*_TAKEN, int(parts["count"]))
+    return because
