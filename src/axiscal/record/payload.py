@@ -32,8 +32,7 @@ def encode(event: events.Event, **by: str) -> tuple[str, str]:
 
     by : person, computer and step, as far as they are to be kept
     """
-    said, apart = _told(event) | by, (",", ":")
-    text = json.dumps(said, allow_nan=False, default=_told, ensure_ascii=False, separators=apart, sort_keys=True)
+    text = as_text(_told(event) | by)
     try:
         text.encode()
     except UnicodeEncodeError as error:  # bytes of an argument may become halves of characters, which no file can hold
@@ -99,6 +98,10 @@ def _told(each: Any) -> dict[str, Any]:
     return found
 
 
+as_text = json.JSONEncoder(
+    ensure_ascii=False, allow_nan=False, sort_keys=True, separators=(",", ":"), default=_told
+).encode
+"""Events and what stands beside them as JSON: one text for what is the same."""
 _KINDS: dict[str, Any] = {kind.__name__.lower(): kind for kind in get_args(events.Event)}
 
 
