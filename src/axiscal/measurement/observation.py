@@ -70,7 +70,7 @@ _AT_ONCE = 8000
 """Poses whose deviations are found together: of memory, not of the result."""
 
 
-def _deviations(model: Machine, machines: Array, poses: Array, approaches: Array) -> Iterator[Deviation]:
+def deviations_of(model: Machine, machines: Array, poses: Array, approaches: Array) -> Iterator[Deviation]:
     """Yield how the tools of many machines deviate by the exact chain.  machines : (n, size) of coefficients"""
     at_once = max(_AT_ONCE // max(len(poses), 1), 1)
     rows = [term.rows(*term.at(poses)) for term in model.terms]
@@ -292,7 +292,7 @@ class Observation:
         at, names = mounted.places(poses, approaches), [unknown.name for unknown in mounted.unknowns]
         standing, machines = feet_of(mounted, poses), points[:, : self.errors.size]
         weights = np.array([foot.weight for foot in standing])
-        done = (_deviations(self.errors, machines, foot.poses, approaches) for foot in standing)
+        done = (deviations_of(self.errors, machines, foot.poses, approaches) for foot in standing)
         for point, *actual in zip(points, *done, strict=True):
             moved, turned = (np.tensordot(weights, each, axes=1) for each in zip(*actual, strict=True))
             there = at._replace(moved=moved, turned=turned)
