@@ -269,24 +269,20 @@ class Record(contextlib.AbstractContextManager["Record"]):
         known = [each for each in counts(block) if each is not None]
         if not known:
             raise DamageError("neither of the two counts of its events can be read")
-        waiting, start, before = list[KeptLine](), self._end, self._newest()
+        waiting, start = list[KeptLine](), self._end
         for line, end in whole_lines(behind):
-            if waiting and not (line.last == waiting[0].last and line.follows(before)):
-                waiting, before = [], self._newest()  # an entry that nobody has finished
-            if not line.follows(before):
+            if waiting and not (line.last == waiting[0].last and line.follows(waiting[-1])):
+                waiting = []  # an entry that nobody has finished
+            if not line.follows((waiting or self.lines or [None])[-1]):
                 self._refuse_unknown(line)
                 continue
             waiting.append(line)
-            before = line
             if line.number == line.last:
                 self.lines += waiting
                 waiting, self._end = [], start + end
         self._take()
         if len(self.lines) < max(1, *known):
             raise DamageError(f"it ends at event {len(self.lines)} and should end at event {max(1, *known)}")
-
-    def _newest(self) -> KeptLine | None:
-        return self.lines[-1] if self.lines else None
 
     def _read(self) -> tuple[bytes, bytes]:
         """Return the head, and what stands behind the last line that was read."""
