@@ -106,7 +106,7 @@ def test_a_line_without_end_is_refused(answering: Callable[[str], Source], line:
 def test_a_command_that_dies_is_quoted(answering: Callable[[str], Source], capfd: pytest.CaptureFixture[str]) -> None:
     source = answering('sys.stderr.write("no laser on port 3\\n"); sys.exit(4)')
     for _ in range(2):
-        with pytest.raises(SourceError, match=r"ended with status 4.*see what it said above.*--resume"):
+        with pytest.raises(SourceError, match=r"ended with status 4.*: no laser on port 3\. .*--resume"):
             source.read(REQUEST)
     assert "no laser on port 3" in capfd.readouterr().err
 

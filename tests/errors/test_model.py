@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.volume import deviation_of, deviations_of
+from axiscal.errors.volume import deviation_of
 from axiscal.machine import load_machine, machine_from_text
+from axiscal.measurement.observation import deviations_of
 from axiscal.numerics import Array
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.campaign import Campaign, plan_basis
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
@@ -14,7 +14,6 @@ from axiscal.estimation.judged import Doubt
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.next_readings import next_places, twice_rejected
-from axiscal.planning.promise import plan_basis
 from axiscal.record.events import Asked, Planned
 from tests.generators.texts import campaign_text, setup_text
 

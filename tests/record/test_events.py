@@ -16,15 +16,16 @@ from axiscal.record.events import (
     Event,
     EventOrderError,
     Finished,
-    Folding,
     KeptResult,
     Mounted,
     Noted,
     Planned,
     Recorded,
     Skipped,
+    State,
     Stored,
     Undone,
+    fold,
 )
 from axiscal.record.payload import PayloadError, decode, encode
 
@@ -133,10 +134,10 @@ BEGUN: list[Event] = [Planned(SPOTS), Asked(1, SPOTS[0]), TAKEN, Asked(2, SPOTS[
 @example([*BEGUN, TAKEN, Accepted("sign", ("laser",), 0, -1.0), Finished("done"), TAKEN, Undone(0), Undone(0)])
 @given(st.lists(happening, max_size=30))
 def test_a_story_is_folded_as_it_is_told_without_what_was_taken_back(drawn: list[Event]) -> None:
-    """What cannot follow is refused, and then nothing has happened."""
-    story, folding, number = Story(), Folding(), 1
+    """What cannot follow is refused."""
+    story, state, number = Story(), State(), 1
     for each in [CREATED, *drawn]:
-        state, event = folding.state(), each
+        event = each
         if isinstance(event, Asked | Planned) and state.pending is not None:
             continue  # whoever has asked plans and asks nothing until that is answered
         if isinstance(event, Asked) and state.plan:
@@ -148,11 +149,10 @@ def test_a_story_is_folded_as_it_is_told_without_what_was_taken_back(drawn: list
             expected = told(longer)
         except ValueError:
             with pytest.raises(EventOrderError):
-                folding.add(Stored(number, "", event))
-            assert folding.state() == state
+                fold([Stored(number, "", event)], state)
             continue
-        folding.add(Stored(number, "", event))
-        story, number, state = longer, number + 1, folding.state()
+        state = fold([Stored(number, "", event)], state)
+        story, number = longer, number + 1
         assert {name: getattr(state, name) for name in expected} == expected
         assert [step.number for step in state.undo] == [n for n, one in story if isinstance(one, DONE)]
 
@@ -180,13 +180,10 @@ def test_deep_nesting_is_refused() -> None:
 
 
 def test_a_set_up_that_is_left_takes_its_readings_out_of_the_plan_and_taken_back_leaves_none_to_go_on_from() -> None:
-    folding, left = Folding(), Skipped("the beam is lost", rest=True)
-    for number, each in enumerate((CREATED, *BEGUN, left), 1):
-        folding.add(Stored(number, "", each))
-    state = folding.state()
+    left = Skipped("the beam is lost", rest=True)
+    state = fold(Stored(number, "", each) for number, each in enumerate((CREATED, *BEGUN, left), 1))
     assert (state.plan, state.skipped[0].whole, state.renew) == ((SPOTS[2],), True, True)
-    folding.add(Stored(7, "", Undone(6)))
-    assert folding.state().plan == ()
+    assert fold([Stored(7, "", Undone(6))], state).plan == ()
 
 
 def test_a_skip_is_written_as_before_there_was_leaving() -> None:

@@ -5,6 +5,8 @@ Its state is folded from the record at every step; the belief follows the readin
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -19,10 +21,9 @@ from axiscal.campaign.ending import (
     FUTILE,
     Ended,
     Milestone,
-    count_reached,
+    because_text,
     out_of_reach,
     refuse_endless,
-    refuse_finished,
     refuse_implausible,
     result_of,
     standing,
@@ -39,7 +40,7 @@ from axiscal.estimation.judged import Doubt
 from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
 from axiscal.measurement.reading import Place, Reading, seconds_since
 from axiscal.numerics.remembered import Memo
-from axiscal.planning.promise import plan_basis
+from axiscal.planning.promise import EVERY
 from axiscal.record.accepted import Accepted, Bumped
 from axiscal.record.events import (
     Asked,
@@ -54,6 +55,7 @@ from axiscal.record.events import (
     State,
     Stored,
     Undone,
+    Warmed,
 )
 from axiscal.record.store import Record
 from axiscal_core.refusals import one
@@ -72,6 +74,41 @@ def _next_places(*known: Any) -> tuple[Place, ...]:
 
 _ANSWERS = 6
 """Kept of the same readings: case, times, estimates while others follow and at the end, and their end."""
+
+
+_FIRST, _GROWTH = 5, 1.34
+_AS_STATED = 1.2
+"""By this factor a reading's own std may differ from its set-up's noise before it tells more or less than planned."""
+
+
+def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt]) -> str:
+    """Return what a plan made now rests on beside where readings were taken, in words; empty for nothing.
+
+    Where a zero drifts it rests on the clock as well: markers are due by it.
+    doubts : readings that are not believed
+    """
+    noise = {setup.name: setup.noise for setup in case.description.setups}
+    said = [f"sizes of {count} readings"] if len(case.sizes) and (count := _learnt_from(len(readings))) else []
+    said += [f"{doubt.reading + 1} rejected" for doubt in doubts]
+    passed = int(max((reading.time or 0.0 for reading in readings), default=0.0) // EVERY)
+    if passed and any(setup.drift > 0 for setup in case.description.setups):
+        said.append(f"{passed} times {EVERY / 60:.0f} min")
+    stds = ((n, r.std / noise[r.setup]) for n, r in enumerate(readings, 1) if r.std is not None)
+    other = [n for n, times in stds if not 1 / _AS_STATED < times < _AS_STATED]
+    return ", ".join([*said, *(f"noise of {number}" for number in other)])
+
+
+def rejected(basis: str) -> frozenset[int]:
+    """Return the indices of the readings that are not believed.  basis : of `plan_basis`"""
+    return frozenset(int(number) - 1 for number in re.findall(r"(\d+) rejected", basis))
+
+
+def _learnt_from(count: int) -> int:
+    """Return the last number of readings, by a third more each time, after which sizes make a plan anew."""
+    due, following = 0, _FIRST
+    while following <= count:
+        due, following = following, math.ceil(following * _GROWTH)
+    return due
 
 
 class Campaign(AbstractContextManager["Campaign"]):
@@ -112,7 +149,8 @@ class Campaign(AbstractContextManager["Campaign"]):
 
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
-        return self._memo.answer("case", case_of, self.description)
+        described = self.description
+        return self._memo.answer("case", case_of if described.prior_text else Case, described)
 
     def estimate(self, ended: bool = False) -> Estimation:
         """Return what the readings make known, found once for the same readings.  ended : no others are to follow
@@ -129,7 +167,7 @@ class Campaign(AbstractContextManager["Campaign"]):
 
         beyond : ask although a target is reached
         """
-        refuse_finished(self.state.finished, self.path)
+        self._refuse_finished()
         if self.state.pending is not None:
             return self.state.pending
         because = None if beyond else self.reached()
@@ -173,7 +211,7 @@ class Campaign(AbstractContextManager["Campaign"]):
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
-        refuse_finished(self.state.finished, self.path)
+        self._refuse_finished()
         if self.state.pending is None:
             remedy = "Ask for one with `axiscal step next`, or say where a reading was taken with --setup and --at"
             raise RecordError("No reading has been asked for", remedy, self.path)
@@ -197,7 +235,7 @@ class Campaign(AbstractContextManager["Campaign"]):
         live : it was taken just now: the clock is kept with it
         Raises RecordError if nothing was asked, ReadingError for a number that is none.
         """
-        refuse_finished(self.state.finished, self.path)
+        self._refuse_finished()
         place = at or self.open_question().place
         if gone := next((each for each in self.state.mounted if each.name == place.setup), None):
             what = '"{setup}" has gone: its zero jumped'
@@ -219,7 +257,10 @@ class Campaign(AbstractContextManager["Campaign"]):
 
     def note(self, text: str) -> None:
         """Keep a sentence in the record, also after the end; or the temperature of a scale, which counts."""
-        self._append(note_told(self.description, self.state, text, self.path))
+        told = note_told(self.description, self.state, text)
+        if isinstance(told, Warmed):
+            self._refuse_finished()
+        self._append(told)
 
     def bump(self, controller: str, moved: float) -> None:
         """Keep by how much the bump in the tables of a control moved the tool today, m, also after the end."""
@@ -239,7 +280,7 @@ class Campaign(AbstractContextManager["Campaign"]):
         cause : as of `Accepted`; setup : whose readings, where several are named
         before : number of a reading before which a person knows of a jump. Raises RecordError where none can be.
         """
-        refuse_finished(self.state.finished, self.path)
+        self._refuse_finished()
         told = None if before is None else jump_told(self.state, setup, before, self.path)
         event = told or named(self.estimate(), cause, setup, self.path)
         self._append(event)
@@ -255,7 +296,7 @@ class Campaign(AbstractContextManager["Campaign"]):
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""
         target, readings = self.description.target, self.state.readings
-        said = count_reached(target, len(readings))
+        said = target.taken(len(readings))
         if said is None and target.accurate and readings and (ended or self.state.continued is None):
             said = self._memo.answer(("standing", ended, readings), standing, target, self._said(ended))
         return said or (BUDGET if self._over_budget() else None)
@@ -286,7 +327,7 @@ class Campaign(AbstractContextManager["Campaign"]):
         Nobody has said how often a set-up was mounted for them: it counts once, whatever the order of a file's rows.
         note : where they are from, "" for nothing to note; they then get numbers of this campaign
         """
-        refuse_finished(self.state.finished, self.path)
+        self._refuse_finished()
         setups = dict.fromkeys(reading.setup for reading in readings)
         drawn = [place for place in self.state.coming if place.check]
         taken = [replace(r, check=r.check or r.place in drawn) for each in setups for r in readings if r.setup == each]
@@ -325,6 +366,12 @@ class Campaign(AbstractContextManager["Campaign"]):
         place, setup = asked.place, self.description.setup(asked.place.setup)
         seconds = self.seconds([place]) if setup.drift > 0 else 0.0
         return Request(asked.reading, setup, self.description.machine.axes, place.pose, place.approach, seconds)
+
+    def _refuse_finished(self) -> None:
+        if self.state.finished is not None:
+            remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
+            what = "The campaign is finished: {finished}"
+            raise RecordError(what, remedy, self.path, finished=because_text(self.state.finished))
 
     def close(self) -> None:
         """Close the record."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 from axiscal.campaign.sources import Skip
@@ -13,7 +12,7 @@ from axiscal.estimation.accuracy.expanded import WantedAccuracy, asked, known_to
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.known_rows import known_rows
-from axiscal.exceptions import RecordError, SourceError
+from axiscal.exceptions import SourceError
 from axiscal.language.spoken import WORDS, counted, later, said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.promise import FEW
@@ -57,13 +56,6 @@ class Ended(NamedTuple):
 
 _Standing = tuple[WantedAccuracy, float]
 """The wanted accuracy of the volume, and the accuracy so far, m."""
-
-
-def count_reached(target: Target, count: int) -> str | None:
-    """Return in words that so many readings are all that were wanted; None where they are not."""
-    if target.readings is None or count < target.readings:
-        return None
-    return f"{count} reading{'' if count == 1 else 's'} taken"
 
 
 def standing(target: Target, known: Estimation) -> str | None:
@@ -171,14 +163,6 @@ def refuse_endless(in_a_row: int, answer: Skip) -> None:
         raise SourceError(what, "Mend it, then go on with --resume", in_a_row=in_a_row, reason=answer.reason)
 
 
-def refuse_finished(finished: str | None, record: Path) -> None:
-    """Raise RecordError where a campaign has ended.  finished : why"""
-    if finished is not None:
-        remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
-        what = "The campaign is finished: {finished}"
-        raise RecordError(what, remedy, record, finished=because_text(finished))
-
-
 def result_of(known: Estimation) -> KeptResult:
     """Return what the readings of a campaign that has ended come to, in the four digits that a record keeps."""
     if not known.readings:
@@ -200,24 +184,21 @@ def refuse_implausible(known: Estimation) -> None:
 
 ENDINGS = (ALL_REACHED, BUDGET, CONTRADICT, OUT_OF_REACH, *WORDS["endings"])
 """Those that are whole sentences."""
-_SAID_TAKEN = r"([0-9]+) readings? taken"
-_SAID_ELSE = {
-    r"(?P<name>rms|worst|U) target reached": later("{name} target reached"),
-    r"(?P<rows>.+) cannot be reached with these set-ups": later("{rows} cannot be reached with these set-ups"),
-    r"(?P<name>rms|worst|U) target cannot be reached: endless readings would leave (?P<floor>[0-9.e+-]+) um, "
-    r"these leave (?P<left>[0-9.e+-]+) um": later(
-        "{name} target cannot be reached: endless readings would leave {floor:.3g} um, these leave {left:.3g} um"
-    ),
-}
+_TAKEN = "{count} reading taken", "{count} readings taken"
+_KEPT = (
+    later("{name} target reached"),
+    later("{rows} cannot be reached with these set-ups"),
+    later("{name} target cannot be reached: endless readings would leave {floor:.3g} um, these leave {left:.3g} um"),
+)
 """Those with names and sizes, as they are kept."""
 
 
 def because_text(because: str) -> str:
     """Return the reason in the language that is spoken; one that is not known here stays English."""
-    if (taken := re.fullmatch(_SAID_TAKEN, because)) is not None:
-        return counted("{count} reading taken", "{count} readings taken", int(taken[1]))
-    for pattern, words in _SAID_ELSE.items():
-        if (found := re.fullmatch(pattern, because)) is not None:
-            parts = found.groupdict().items()
-            return said(words, **{key: float(part) if key in ("floor", "left") else part for key, part in parts})
-    return said(because) if because in ENDINGS else because
+    if because in ENDINGS:
+        return said(because)
+    for words in (*_TAKEN, *_KEPT):
+        if (found := re.fullmatch(re.sub(r"{(\w+)[^}]*}", r"(?P<\1>.+)", words), because)) is not None:
+            parts = {key: float(part) if key in ("floor", "left") else part for key, part in found.groupdict().items()}
+            return said(words, **parts) if words in _KEPT else counted(*_TAKEN, int(parts["count"]))
+    return because

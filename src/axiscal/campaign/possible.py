@@ -9,12 +9,10 @@ from importlib.metadata import version
 from pathlib import Path
 
 from axiscal.campaign.agreement_words import jump_before
-from axiscal.campaign.ending import refuse_finished
-from axiscal.description.campaign import CampaignDescription, with_mounted
+from axiscal.description.campaign import CampaignDescription, description_of, with_mounted
 from axiscal.description.fields import WARM
 from axiscal.description.stated_type_b import takes_temperature
 from axiscal.estimation.case import Case
-from axiscal.estimation.inheritance import created_description
 from axiscal.estimation.known_rows import refuse_unmade
 from axiscal.exceptions import InputError, ReadingError, RecordError, UnitError
 from axiscal.language.spoken import said
@@ -48,7 +46,7 @@ def described(record: Record) -> CampaignDescription:
     state = record.state()
     if state.created is None:
         raise RecordError("The record is empty", "Start a campaign with `axiscal step start`", record.path)
-    description = created_description(state.created)
+    description = description_of(state.created)
     possible = Possible(description)
     for stored in record.events():
         try:
@@ -99,10 +97,10 @@ def jump_told(state: State, setup: str | None, number: int, path: Path) -> Accep
     return jump_before(setup, number)
 
 
-def note_told(description: CampaignDescription, state: State, text: str, path: Path) -> Noted | Warmed:
+def note_told(description: CampaignDescription, state: State, text: str) -> Noted | Warmed:
     """Return a note, or where the text is a temperature such as "21.4 degC", that of the scale that is read.
 
-    Raises DescriptionError for one that no scale has, ReadingError where it changes nothing, RecordError at the end.
+    Raises DescriptionError for one that no scale has, ReadingError where it changes nothing.
     """
     text = kept_text(text, "note", "Write what is to be kept in the record")
     plain = text.replace(",", ".")
@@ -110,7 +108,6 @@ def note_told(description: CampaignDescription, state: State, text: str, path: P
         parse_quantity(plain, "temperature")
     except UnitError:
         return Noted(text)
-    refuse_finished(state.finished, path)
     name, kelvin = _standing(state), within(plain, "temperature", *WARM)
     if not any(takes_temperature(each) for each in description.setups if each.name == name):
         what = '"{setup}" compares no length of the machine with one at 20 degC: its temperature changes nothing'
@@ -184,9 +181,9 @@ class Possible:
 
     def _refuse_place(self, at: Place) -> None:
         self._setup(at.setup)
-        if len(at.pose) != len(self._axes):
+        if other := {len(at.pose), len(at.approach)} - {len(self._axes)}:
             what = "the place has {count} coordinates, and the machine {axes} axes"
-            raise RecordError(what, _BACK, count=len(at.pose), axes=len(self._axes))
+            raise RecordError(what, _BACK, count=max(other), axes=len(self._axes))
         for value, axis in zip(at.pose, self._axes, strict=True):
             (low, high), slack = axis.travel, _SLACK * axis.length
             if not low - slack <= value <= high + slack:

@@ -6,7 +6,7 @@ and is named; two lines of one number are a branch, and a person says whether it
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from axiscal.campaign.possible import Possible
+from axiscal.description.campaign import description_of
 from axiscal.document.consent import asking
-from axiscal.estimation.inheritance import created_description
 from axiscal.exceptions import CodeError, InputError, NewerError, RecordError
 from axiscal.language.spoken import counted, said
 from axiscal.record.accepted import Accepted
@@ -27,7 +27,6 @@ from axiscal.record.events import (
     Event,
     EventOrderError,
     Finished,
-    Folding,
     Lost,
     Noted,
     Recorded,
@@ -35,6 +34,7 @@ from axiscal.record.events import (
     State,
     Stored,
     Undone,
+    fold,
 )
 from axiscal.record.lines import EMPTY, HEAD, DamageError, EventText, KeptLine, counts, entry, whole_lines
 from axiscal.record.payload import PayloadError, decode, encode, stored
@@ -102,20 +102,18 @@ def repaired(
         return Repaired(record.state(), len(trunk), missing, tuple(left))
 
 
-def _told(
-    trunk: Mapping[int, KeptLine], path: Path, left: list[str]
-) -> tuple[list[EventText], Folding, Possible | None]:
+def _told(trunk: Mapping[int, KeptLine], path: Path, left: list[str]) -> tuple[list[EventText], State, Possible | None]:
     """Return the events of all numbers, those that are lost or cannot be as `Lost`; adds why to `left`."""
     undone, first = dict[int, str](), next(iter(trunk.values())).row.at if trunk else ""
     while True:
-        rows, story, possible, why, whole = list[EventText](), Folding(), None, dict(undone), True
+        rows, story, possible, why, whole = list[EventText](), State(), None, dict(undone), True
         for number in range(1, max(trunk, default=0) + 1):
             if number in trunk and number not in why:
                 row = trunk[number].row
                 try:
                     each = stored(number, row)
                     _refuse_unfit(each.event, row, rows, whole, possible)
-                    story.add(each)
+                    story = fold([each], story)
                     rows.append(row)
                     possible = _possible(each.event) if number == 1 else possible
                     continue
@@ -132,7 +130,7 @@ def _told(
             lost, whole = Lost(why.get(number, "not whole")), False
             rows.append(EventText(rows[-1].at if rows else first, *encode(lost)))
             if story.created is not None:
-                story.add(Stored(number, rows[-1].at, lost))
+                story = fold([Stored(number, rows[-1].at, lost)], story)
         else:
             left += [f"event {number} ({trunk[number].row.kind}): {each}" for number, each in sorted(why.items())]
             return rows, story, possible
@@ -153,12 +151,12 @@ def _refuse_unfit(
 def _possible(created: Event) -> Possible | None:
     """Return what can be on the machine of a campaign; None where only code of somebody's could tell."""
     with suppress(CodeError), asking(None):
-        return Possible(created_description(created)) if isinstance(created, Created) else None
+        return Possible(description_of(created)) if isinstance(created, Created) else None
     return None
 
 
 def _taken_in(
-    found: _Union, story: Folding, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
+    found: _Union, story: State, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
 ) -> list[EventText]:
     """Return the readings of branches that a person wants, to come last; adds the others to `left`."""
     taken = list[EventText]()
@@ -272,41 +270,29 @@ def _united(contents: Iterable[bytes], campaign: str, path: Path) -> _Union:
         listed = ", ".join(f"{name[:8]} ({count})" for name, count in lines.items())
         remedy = "Name the one that you mean, such as --campaign {name}"
         raise RecordError("Lines of several campaigns stand here: {listed}", remedy, path, listed=listed, name="1a2b")
-    mine = {digest: line for digest, line in found.items() if line.campaign == fitting[0]}
-    trunk, branches, taken = dict[int, KeptLine](), list[Sequence[KeptLine]](), set[int]()
-    for run in _runs(mine):
-        before = run[0].number - 1  # which is lost, where it is not there
-        stands = before in trunk and trunk[before] is mine.get(run[0].before)
-        free = next((n for n, line in enumerate(run) if line.number in taken), len(run))
-        kept = run[:free] if stands or before not in taken else []
-        trunk |= {line.number: line for line in kept}
-        taken |= {before, *(line.number for line in kept)} if kept else set()
-        branches += [run[len(kept) :]] if len(kept) < len(run) else []
+    trunk, branches = _trunk([line for line in found.values() if line.campaign == fitting[0]])
     last = max(trunk)
     while trunk[last].last > max(last, least) and last > 1:  # an entry that nobody finished
         del trunk[last]
         last = max(trunk)
     others = {each: count for each, count in lines.items() if each != fitting[0]}
-    return _Union(dict(sorted(trunk.items())), branches, others, least)
+    return _Union(trunk, branches, others, least)
 
 
-def _runs(lines: Mapping[str, KeptLine]) -> list[list[KeptLine]]:
-    """Return lines that follow one another, longest first; where two follow one, the longer way goes on."""
-    after, starts = defaultdict[str, list[KeptLine]](list), list[KeptLine]()
-    for line in lines.values():
-        before = lines.get(line.before)
-        (starts if before is None or not line.follows(before) else after[line.before]).append(line)
-    entries = Counter((line.writer, line.first, line.last) for line in lines.values())
-    depth = dict[str, int]()  # in lines of entries that somebody finished
-    for line in sorted(lines.values(), key=lambda each: each.number, reverse=True):
+def _trunk(lines: Sequence[KeptLine]) -> tuple[dict[int, KeptLine], list[list[KeptLine]]]:
+    """Return lines by number, where two have one that of the longer way; and the others, branch by branch."""
+    entries = Counter((line.writer, line.first, line.last) for line in lines)
+    ways, behind = dict[str, int](), dict[str, int]()  # in lines of entries that somebody finished, by hash
+    for line in sorted(lines, key=lambda each: each.number, reverse=True):
         whole = entries[line.writer, line.first, line.last] > line.last - line.first
-        depth[line.hash] = whole + max((depth.get(each.hash, 0) for each in after[line.hash]), default=0)
-    found = list[list[KeptLine]]()
-    while starts:
-        run = [starts.pop()]
-        while following := after[run[-1].hash]:
-            longest = max(following, key=lambda each: depth[each.hash])
-            starts += [each for each in following if each is not longest]
-            run.append(longest)
-        found.append(run)
-    return sorted(found, key=lambda run: depth[run[0].hash], reverse=True)
+        ways[line.hash] = whole + behind.get(line.hash, 0)
+        behind[line.before] = max(behind.get(line.before, 0), ways[line.hash])
+    trunk, branches = dict[int, KeptLine](), dict[str, list[KeptLine]]()  # branches by the hash of their last line
+    for line in sorted(lines, key=lambda each: (each.number, -ways[each.hash])):
+        before = trunk.get(line.number - 1)  # which is lost, where it is not there
+        if line.number not in trunk and (before is None or line.follows(before)):
+            trunk[line.number] = line
+        else:
+            branches[line.hash] = branches.pop(line.before, [])
+            branches[line.hash].append(line)
+    return trunk, [*branches.values()]

@@ -34,7 +34,7 @@ from axiscal.machine.motion import Driving
 from axiscal.measurement.setup import CARRIED, TRUED, Setup, Unknown
 from axiscal.record.accepted import Bumped
 from axiscal.record.carried import TYPE
-from axiscal.record.events import Mounted, Warmed
+from axiscal.record.events import Created, Mounted, Warmed
 from axiscal.units import format_quantity
 from axiscal_core.instrument import TOOL
 from axiscal_core.machine import Machine
@@ -214,6 +214,13 @@ def campaign_from_texts(
     of_type = TYPE in prior_text[:200]
     found = _described(document, machine, machine_source, "" if of_type else prior_text, era, anew)
     return replace(found, prior_gone=of_type)
+
+
+def description_of(created: Created) -> CampaignDescription:
+    """Return the description that a campaign began with; raises DescriptionError."""
+    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
+    era = Era(*(getattr(created, name) for name in Era._fields))
+    return campaign_from_texts(*texts, prior_text=created.prior_text, era=era)
 
 
 def with_offset(described: CampaignDescription, setup: str, beside: tuple[float, float]) -> CampaignDescription:

@@ -177,6 +177,12 @@ class Target:
         """Return whether the target wants an accuracy, of the volume or of a row."""
         return bool(self.lines) or not self.rms is self.worst is self.expanded is None
 
+    def taken(self, count: int) -> str | None:
+        """Return in words that so many readings are all that were wanted; None where they are not."""
+        if self.readings is None or count < self.readings:
+            return None
+        return f"{count} reading{'' if count == 1 else 's'} taken"
+
     @property
     def empty(self) -> bool:
         """Whether nothing would ever stop the campaign."""

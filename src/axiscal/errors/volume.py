@@ -10,14 +10,13 @@ Deviations of the machine as it is, not to first order, follow from the exact ch
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.machine.kinematics import Deviation, actual_deviation, composed, small_motions
+from axiscal.machine.kinematics import Deviation, actual_deviation, small_motions
 from axiscal.numerics import Array, even_subset
 from axiscal.numerics.remembered import remembered
 from axiscal_core import rigid
@@ -25,8 +24,8 @@ from axiscal_core.criterion import root_of_gram
 from axiscal_core.machine import Machine
 from axiscal_core.points import even_points
 
-_POSES, _BLOCK = 8000, 1000
-"""At once, of deviations and of rows: of memory, not of the result."""
+_BLOCK = 1000
+"""Rows at once: of memory, not of the result."""
 _INNER_POINTS = 400
 """Poses of a volume at which it is looked at."""
 _NO_MOTION = 1e-12
@@ -36,21 +35,6 @@ _NO_MOTION = 1e-12
 def deviation_of(model: Machine, coefficients: Array, poses: Array, approaches: Array) -> Deviation:
     """Return how the tool deviates by the exact chain.  coefficients : (size,); poses, approaches : (m, q)."""
     return actual_deviation(model, poses, small_motions(model, coefficients, poses, approaches))
-
-
-def deviations_of(model: Machine, machines: Array, poses: Array, approaches: Array) -> Iterator[Deviation]:
-    """Yield the same of many machines at the same poses.  machines : (n, size) of coefficients; poses : (m, q)"""
-    at_once = max(_POSES // max(len(poses), 1), 1)
-    rows = [term.rows(*term.at(poses)) for term in model.terms]
-    for start in range(0, len(machines), at_once):
-        some = machines[start : start + at_once]
-        values = [own @ some[:, term.columns].T for own, term in zip(rows, model.terms, strict=True)]
-        shape = len(model.terms), len(poses), len(some)
-        moved = np.array(values).reshape(shape).swapaxes(1, 2).reshape(shape[0], -1)
-        small = composed(model, moved, np.tile(approaches, (len(some), 1)))
-        done = actual_deviation(model, np.tile(poses, (len(some), 1)), small)
-        straight, turned = (part.reshape(len(some), len(poses), 3) for part in done)
-        yield from (Deviation(*each) for each in zip(straight, turned, strict=True))
 
 
 Box = tuple[tuple[float, float], ...]

@@ -73,6 +73,8 @@ class History:
     @cached_property
     def normal(self) -> Sequence[Reading]:
         """The readings with normal ones in the place of those that are far from normal; themselves if none is."""
+        if not any(setup.coarse for setup in self.case.observation.setups):
+            return self.readings
         return sited(self.problem, self.rows, self.case.observation.setups, self.readings, self.left_out)
 
     @cached_property

@@ -10,7 +10,7 @@ import json
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription, Era, campaign_from_texts, with_mounted
+from axiscal.description.campaign import CampaignDescription, description_of, with_mounted
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -33,18 +33,6 @@ def case_of(description: CampaignDescription) -> Case:
     return Case(description, drifted(found, stated.errors.covariance(), description.kept))
 
 
-def created_description(created: Created) -> CampaignDescription:
-    """Return the description that a campaign began with; raises DescriptionError."""
-    return campaign_from_texts(
-        created.campaign_text,
-        created.campaign_source,
-        created.machine_text,
-        created.machine_source,
-        prior_text=created.prior_text,
-        era=Era(created.usual_doubts, created.fine_knots, created.whole_lengths),
-    )
-
-
 def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
     """Return description and readings of the campaign in a heritage text; raises RecordError if it is none."""
     try:
@@ -58,7 +46,7 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
         raise RecordError("the last campaign cannot be read: {reason}", remedy, reason=error) from None
     assert isinstance(created, Created)
     readings = tuple(event.reading for event in events if isinstance(event, Recorded))
-    description = created_description(created)
+    description = description_of(created)
     mounted = [each for each in anew if isinstance(each, Mounted)]
     return with_mounted(description, mounted, [each for each in warm if isinstance(each, Warmed)]), readings
 

@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.errors.volume import deviations_of
+from axiscal.machine.kinematics import Deviation, actual_deviation, composed
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.travel import belongs, feet_of
@@ -53,6 +53,25 @@ def owned(setups: Sequence[Setup]) -> tuple[tuple[Unknown, ...], tuple[NDArray[n
             found.setdefault(key, (len(found), unknown))
         columns.append(np.array([found[key][0] for key in keys], dtype=np.intp))
     return tuple(unknown for _, unknown in found.values()), tuple(columns)
+
+
+_AT_ONCE = 8000
+"""Poses whose deviations are found together: of memory, not of the result."""
+
+
+def deviations_of(model: Machine, machines: Array, poses: Array, approaches: Array) -> Iterator[Deviation]:
+    """Yield how the tools of many machines deviate by the exact chain.  machines : (n, size) of coefficients"""
+    at_once = max(_AT_ONCE // max(len(poses), 1), 1)
+    rows = [term.rows(*term.at(poses)) for term in model.terms]
+    for start in range(0, len(machines), at_once):
+        some = machines[start : start + at_once]
+        values = [own @ some[:, term.columns].T for own, term in zip(rows, model.terms, strict=True)]
+        shape = len(model.terms), len(poses), len(some)
+        moved = np.array(values).reshape(shape).swapaxes(1, 2).reshape(shape[0], -1)
+        small = composed(model, moved, np.tile(approaches, (len(some), 1)))
+        done = actual_deviation(model, np.tile(poses, (len(some), 1)), small)
+        straight, turned = (part.reshape(len(some), len(poses), 3) for part in done)
+        yield from (Deviation(*each) for each in zip(straight, turned, strict=True))
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,10 +9,11 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import listed, put, said
@@ -20,6 +21,14 @@ from axiscal.measurement.setup import MOST, Reads, Setup
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
+
+KEPT_AS = {"pose": "position", "number": "reading"}
+"""What a record calls fields of a place and of a reading."""
+_ABSURD = 1e9
+"""m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
+Size = Annotated[float, Field(gt=-_ABSURD, lt=_ABSURD)]
+_Pose = Annotated[tuple[float, ...], Field(alias=KEPT_AS["pose"])]
+_Sides = tuple[Annotated[int, Field(ge=-1, le=1)], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +41,8 @@ class Place:
     """
 
     setup: str
-    pose: tuple[float, ...]
-    approach: tuple[int, ...] = ()
+    pose: _Pose
+    approach: _Sides = ()
     check: bool = field(default=False, compare=False, kw_only=True)
 
 
@@ -126,13 +135,13 @@ class Reading(Place):
     number : under which a campaign knows it for life, from 1; None outside of a campaign
     """
 
-    value: float = 0.0
-    std: float | None = None
+    value: Size = 0.0
+    std: Annotated[Size, Field(gt=0)] | None = None
     line: int | None = None
     accepted: bool = False
-    others: tuple[float, ...] = ()
+    others: tuple[Size, ...] = ()
     time: float | None = None
-    number: int | None = None
+    number: Annotated[int | None, Field(alias=KEPT_AS["number"])] = None
 
     @property
     def place(self) -> Place:

@@ -18,7 +18,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import count_reached
 from axiscal.campaign.evidence import overruled
 from axiscal.estimation.accuracy.expanded import asked, known_to
 from axiscal.estimation.accuracy.yardstick import Yardstick
@@ -255,7 +254,7 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
         if ended:
             yield NextStep(code="undo")
         explained = known.agreement.explained if verdict == "contradict" else ()
-        full = count_reached(campaign.description.target, len(campaign.state.readings)) is not None
+        full = campaign.description.target.taken(len(campaign.state.readings)) is not None
         reading: StepCode = "next" if full else "measure"
         yield NextStep(code="accept", mistake=explained[0].mistake) if explained else NextStep(code=reading)
     elif written:

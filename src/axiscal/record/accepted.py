@@ -8,19 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from axiscal.machine import machine_from_text
 from axiscal.machine.kinematics import bed_in_workpiece
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, Size
 from axiscal_core.machine import Machine
 
-ABSURD = 1e9
-"""m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
-Size = Annotated[float, Field(gt=-ABSURD, lt=ABSURD)]
 _LARGEST_FACTOR = 1e4
 """Ten times what units differ by that are taken for each other."""
 
@@ -98,9 +93,10 @@ _THREE = 3
 """Values of a touch, along x, y and z: a frame turns all of them together."""
 _Changed = dict[int, Reading | int | None]
 """By index; the index of the reading whose values it gets, None for one that is left out."""
+_Readings, _Mine = Sequence[Reading], Sequence[Sequence[int]]
 
 
-def _jump(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+def _jump(readings: _Readings, mine: _Mine, accepted: Accepted) -> _Changed:
     number, later = accepted.reading, (i for i in mine[0] if readings[i].numbered(i) > accepted.reading)
     first = next((i for i in mine[0] if readings[i].number == number), next(later, len(readings)))
     if first == mine[0][0]:
@@ -108,53 +104,49 @@ def _jump(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: 
     return {i: replace(readings[i], setup=accepted.name) for i in mine[0] if i < first}
 
 
-def _backlash(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
-    behind = [i for i in mine[0] if readings[i].number == accepted.reading]
+def _backlash(readings: _Readings, mine: _Mine, accepted: Accepted) -> _Changed:
+    behind = {i: replace(readings[i], accepted=True) for i in mine[0] if readings[i].number == accepted.reading}
     if not behind:
         raise ValueError(f"there is no reading {accepted.reading} behind a turn")
-    return {i: replace(readings[i], accepted=True) for i in behind}
+    return {**behind}
 
 
-def _times(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
-    return {i: _multiplied(readings[i], accepted.factor) for i in _between(readings, mine[0], accepted)}
-
-
-def _between(readings: Sequence[Reading], mine: Sequence[int], accepted: Accepted) -> list[int]:
+def _between(readings: _Readings, mine: Sequence[int], accepted: Accepted) -> list[int]:
     """Return which readings of a set-up are wrong, by index."""
     last = accepted.last or max(readings[i].numbered(i) for i in mine)
     return [i for i in mine if accepted.reading <= readings[i].numbered(i) <= last]
 
 
-def _sides(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
-    wrong = _between(readings, mine[0], accepted)
-    return {i: replace(readings[i], approach=tuple(-side for side in readings[i].approach)) for i in wrong}
+def _each(right: Callable[[Reading, Accepted], Reading]) -> Callable[[_Readings, _Mine, Accepted], _Changed]:
+    """Return a mistake that each wrong reading has by itself."""
+    return lambda readings, mine, event: {i: right(readings[i], event) for i in _between(readings, mine[0], event)}
 
 
-def _mirrored(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+def _mirrored(readings: _Readings, mine: _Mine, accepted: Accepted) -> _Changed:
     wrong = _between(readings, mine[0], accepted)
     passes = [[*each] for _, each in groupby(wrong, key=lambda i: readings[i].approach)]
     return {i: j for each in passes for i, j in zip(each, each[::-1], strict=True)}
 
 
-def _multiplied(reading: Reading, factor: float) -> Reading:
-    std = None if reading.std is None else reading.std * abs(factor)
-    value, *others = (factor * each for each in reading.values)
+def _multiplied(reading: Reading, accepted: Accepted) -> Reading:
+    value, *others = (accepted.factor * each for each in reading.values)
+    std = None if reading.std is None else reading.std * abs(accepted.factor)
     return replace(reading, value=value, others=tuple(others), std=std)
 
 
-def _swapped(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+def _swapped(readings: _Readings, mine: _Mine, accepted: Accepted) -> _Changed:
     one, other = mine
     if len(one) != len(other):
         raise ValueError(f"{len(one)} values of one set-up cannot be swapped with {len(other)} of another")
     return dict([*zip(one, other, strict=True), *zip(other, one, strict=True)])
 
 
-def _shifted(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+def _shifted(readings: _Readings, mine: _Mine, accepted: Accepted) -> _Changed:
     step, last = int(accepted.factor), len(mine[0])
     return {i: mine[0][k - step] if 0 <= k - step < last else None for k, i in enumerate(mine[0])}
 
 
-def _stuck(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+def _stuck(readings: _Readings, mine: _Mine, accepted: Accepted) -> _Changed:
     pairs = ((readings[before], readings[i], i) for each in mine for before, i in pairwise(each))
     return {i: None for one, two, i in pairs if two.numbered(i) >= accepted.reading and two.values == one.values}
 
@@ -165,16 +157,16 @@ def _with_value_of(reading: Reading, other: Reading) -> Reading:
     return replace(reading, value=other.value, others=other.others, std=other.std)
 
 
-MISTAKES: Mapping[str, Callable[[Sequence[Reading], Sequence[Sequence[int]], Accepted], _Changed]] = {
+MISTAKES: Mapping[str, Callable[[_Readings, _Mine, Accepted], _Changed]] = {
     "jump": _jump,
     "backlash": _backlash,
-    "sign": _times,
-    "unit": _times,
+    "sign": _each(_multiplied),
+    "unit": _each(_multiplied),
     "swapped": _swapped,
     "shifted": _shifted,
     "stuck": _stuck,
     "still": lambda _, mine, __: dict.fromkeys(mine[0]),
-    "sides": _sides,
+    "sides": _each(lambda reading, _: replace(reading, approach=tuple(-side for side in reading.approach))),
     "mirrored": _mirrored,
 }
 """Mistakes that need nothing but the readings."""

@@ -5,13 +5,11 @@ from __future__ import annotations
 import json
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from axiscal.document.gone import instead_of
 from axiscal.exceptions import RecordError
 from axiscal.record.accepted import Bumped
-from axiscal.record.events import Recorded
-from axiscal.record.payload import encode
+from axiscal.record.payload import as_text
 from axiscal.record.store import Record
 
 TYPE = "axiscal-type/1"
@@ -30,11 +28,9 @@ def carried_text(path: Path) -> str:
     created = state.created
     if created is None or not state.readings:
         raise RecordError("The record has no readings", "Name a campaign that has been measured", path)
-    bumps, readings = (*carried_bumps(created.prior_text), *state.bumps), [*map(Recorded, state.readings)]
-    kept = ("readings", readings), ("mounted", state.mounted), ("warmed", state.warmed), ("bumped", bumps)
-    document: dict[str, Any] = {name: [json.loads(encode(each)[1]) for each in of] for name, of in kept if of}
-    document["created"] = json.loads(encode(created)[1])
-    return json.dumps(document, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+    bumps = *carried_bumps(created.prior_text), *state.bumps
+    kept = {"readings": state.readings, "mounted": state.mounted, "warmed": state.warmed, "bumped": bumps}
+    return as_text({name: of for name, of in kept.items() if of} | {"created": created})
 
 
 def carried_bumps(text: str) -> tuple[Bumped, ...]:

@@ -5,10 +5,9 @@ Events are facts and never change; the state is always folded from them anew. Un
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from copy import copy
-from dataclasses import dataclass, field, fields
-from typing import Any, Self
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import Accepted, Bumped, put_right
@@ -150,6 +149,7 @@ Done = Recorded | Skipped | Accepted | Warmed | Finished
 """What can be taken back."""
 _ASIDE = Noted, Bumped, Signed, Lost  # what may come after the end, and says nothing of what is known
 _SILENT = Planned, Asked, *_ASIDE
+_OFTEN = Recorded, Planned, Asked, Continued
 Event = Created | Planned | Asked | Continued | Done | Noted | Bumped | Mounted | Undone | Signed | Lost
 
 
@@ -190,20 +190,23 @@ class Note:
     warmed: Warmed | None = None
 
 
+class EventOrderError(ValueError):
+    """Events that cannot have happened in this order; the record has been written by something else."""
+
+
 @dataclass(frozen=True, slots=True)
 class State:
     """Where the campaign stands.
 
     readings : in the order they were taken, without those taken back; each has its number; accepted mistakes put right
-    written : the same as they were recorded
     skipped : what could not be measured; pending : what has been asked and not been answered
     finished : why the campaign ended, if it has; last : number of the last event
     plan : places that have been planned and not been asked for yet; plan_basis : what they were planned on
     renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
     continued : what a plan made now rests on, where no limit is reached by these readings; None where nobody has looked
-    undo : what can be taken back, the latest last
-    mounted : set-ups that were mounted anew for a branch, or whose zero jumped later
-    notes : what was noted; bumps : the latest last
+    notes : what was noted, the latest last
+    free : the number of the next reading: readings and skips have one each, and keep it while they stand
+    story : the events that stand, readings with their numbers
     name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
     """
 
@@ -215,26 +218,60 @@ class State:
     plan: tuple[Place, ...] = ()
     plan_basis: str = ""
     renew: bool = False
-    undo: tuple[Stored, ...] = ()
     notes: tuple[Note, ...] = ()
-    mounted: tuple[Mounted, ...] = ()
     last: int = 0
     name: str = ""
-    written: tuple[Reading, ...] = ()
-    bumps: tuple[Bumped, ...] = ()
     continued: str | None = None
+    free: int = 1
+    story: tuple[Stored, ...] = ()
+
+    def without(self, taken: Undone) -> State:
+        """Return the state that the story tells without what is taken back, and what was asked since."""
+        number = self.undo[-1].number if self.undo else 0
+        if not number or number != taken.event:
+            raise EventOrderError(f"event {taken.event} was taken back, but it was not the last one that can be")
+        step, later = self.undo[-1].event, (each for each in self.story if each.number != number)
+        anew = fold(each for each in later if each.number < number or not isinstance(each.event, Asked))
+        left = isinstance(step, Skipped) and step.rest  # a plan without the set-up is none to go on from
+        renew = self.renew or not isinstance(step, Warmed)  # places do not depend on it
+        return replace(anew, plan=() if left else anew.plan, renew=renew)
 
     @property
-    def free(self) -> int:
-        """The number of the next reading: readings and skips have one each, and keep it while they stand."""
-        taken = (*(reading.number or 0 for reading in self.written), *(gap.asked.reading for gap in self.skipped))
-        return max(taken, default=0) + 1
+    def undo(self) -> tuple[Stored, ...]:
+        """What can be taken back, the latest last."""
+        return tuple(each for each in self.story if isinstance(each.event, Done))
+
+    @property
+    def written(self) -> tuple[Reading, ...]:
+        """The readings as they were recorded."""
+        return tuple(each.event.reading for each in self.story if isinstance(each.event, Recorded))
+
+    @property
+    def mounted(self) -> tuple[Mounted, ...]:
+        """Set-ups that were mounted anew for a branch, or whose zero jumped later."""
+        told = (each.event for each in self.story if isinstance(each.event, Mounted | Accepted) and each.event.name)
+        return tuple(each if isinstance(each, Mounted) else Mounted(each.setups[0], each.name, "") for each in told)
+
+    @property
+    def bumps(self) -> tuple[Bumped, ...]:
+        """What the bumps in the tables of controls did, the latest last."""
+        return tuple(each.event for each in self.story if isinstance(each.event, Bumped))
+
+    @property
+    def accepted(self) -> tuple[Accepted, ...]:
+        """The mistakes that were accepted and not taken back."""
+        return tuple(each.event for each in self.story if isinstance(each.event, Accepted))
+
+    @property
+    def warmed(self) -> tuple[Warmed, ...]:
+        """The temperatures that were said and not taken back."""
+        return tuple(each.event for each in self.story if isinstance(each.event, Warmed))
 
     @property
     def result(self) -> KeptResult:
         """What a campaign that has ended came to."""
-        last = self.undo[-1].event if self.undo else None
-        return last.result if isinstance(last, Finished) else KeptResult()
+        ends = [each.event.result for each in self.story if isinstance(each.event, Finished)]
+        return ends[-1] if ends else KeptResult()
 
     @property
     def coming(self) -> tuple[Place, ...]:
@@ -246,143 +283,89 @@ class State:
         """The time from the beginning to the last reading by the clock, s; None where it was not kept."""
         return max((reading.time for reading in self.readings if reading.time is not None), default=None)
 
-    @property
-    def accepted(self) -> tuple[Accepted, ...]:
-        """The mistakes that were accepted and not taken back."""
-        return tuple(each.event for each in self.undo if isinstance(each.event, Accepted))
 
-    @property
-    def warmed(self) -> tuple[Warmed, ...]:
-        """The temperatures that were said and not taken back."""
-        return tuple(each.event for each in self.undo if isinstance(each.event, Warmed))
+_BEGUN = State()
 
 
-class EventOrderError(ValueError):
-    """Events that cannot have happened in this order; the record has been written by something else."""
+def fold(events: Iterable[Stored], state: State = _BEGUN) -> State:
+    """Return the state after `events`; raise EventOrderError where they cannot have happened.
 
-
-def fold(events: Iterable[Stored]) -> State:
-    """Return the state after `events`; raise EventOrderError if they contradict each other."""
-    folding = Folding()
-    for stored in events:
-        folding.add(stored)
-    return folding.state()
-
-
-@dataclass(eq=False, slots=True)
-class Folding:
-    """The state while events are added to it; fields as of `State`.
-
-    highest : number of a reading or a skip so far; story : the events that stand
-    `add` raises EventOrderError, and then nothing has happened
+    Linear in readings: they and the story are lists until another event looks at them.
     """
-
-    created: Created | None = None
-    readings: list[Reading] = field(default_factory=list)
-    written: list[Reading] = field(default_factory=list)
-    skipped: list[Gap] = field(default_factory=list)
-    pending: Asked | None = None
-    finished: str | None = None
-    plan: list[Place] = field(default_factory=list)
-    plan_basis: str = ""
-    renew: bool = False
-    continued: str | None = None
-    undo: list[Stored] = field(default_factory=list)
-    notes: list[Note] = field(default_factory=list)
-    mounted: list[Mounted] = field(default_factory=list)
-    bumps: list[Bumped] = field(default_factory=list)
-    story: list[Stored] = field(default_factory=list)
-    highest: int = 0
-    last: int = 0
-
-    def copied(self) -> Self:
-        """Return another that goes on from here."""
-        return type(self)(**{each.name: copy(getattr(self, each.name)) for each in fields(self)})
-
-    def state(self) -> State:
-        """Return the state so far."""
-        named = ((each.name, getattr(self, each.name)) for each in fields(State) if each.name != "name")
-        found: dict[str, Any] = {name: tuple(one) if isinstance(one, list) else one for name, one in named}
-        return State(**found)
-
-    def add(self, stored: Stored) -> None:
-        """Let one more event happen."""
-        event = stored.event
-        if isinstance(event, Created) is (self.created is not None):
+    readings, story = [*state.readings], [*state.story]
+    for stored in events:
+        event, changes = stored.event, _Changes()
+        if isinstance(event, Created) is (state.created is not None):
             raise EventOrderError("the creation of the campaign is its first event, and no other one")
-        if self.finished is not None and not isinstance(event, (Undone, *_ASIDE)):
+        if state.finished is not None and not isinstance(event, (Undone, *_ASIDE)):
             raise EventOrderError("it comes after the end of the campaign")
-        if isinstance(event, Created):
-            self.created = event
-        elif isinstance(event, Planned):
-            self.plan, self.plan_basis, self.renew = list(event.places), event.grounds, False
-        elif isinstance(event, Asked):
-            self.pending = event
-            if self.plan and self.plan[0] == event.place:
-                del self.plan[0]
-        elif isinstance(event, Undone):
-            self._take_back(event)
-        elif isinstance(event, (Noted, Warmed)):
-            after = self.readings[-1].number or len(self.readings) if self.readings else 0
-            self.notes.append(Note(event.text, stored.at, after, event if isinstance(event, Warmed) else None))
-        elif isinstance(event, Mounted):
-            self.mounted.append(event)
-        elif isinstance(event, Bumped):
-            self.bumps.append(event)
-        elif isinstance(event, Accepted):
-            self._accept(event)
-        elif isinstance(event, (Recorded, Skipped, Finished)):
-            self._take(event)
-        if not isinstance(event, _SILENT):
-            self.continued = event.grounds if isinstance(event, Continued) else None
-        if not isinstance(event, Undone):
-            self.story.append(stored)
-        if isinstance(event, Done):
-            self.undo.append(stored)
-        self.last = stored.number
-
-    def _take(self, event: Recorded | Skipped | Finished) -> None:
-        if isinstance(event, Recorded):
-            asked = self.pending.reading if self.pending else self.highest + 1
-            number = asked if event.reading.number is None else event.reading.number
-            self.highest = max(self.highest, number)
-            self.written.append(event.reading.under(number))
-            self.readings.append(self.written[-1])
-            self.renew |= self.pending is None or event.reading.place != self.pending.place
-        elif isinstance(event, Finished):
-            self.finished = event.because
-        elif self.pending is None:
-            raise EventOrderError("a reading was skipped that nobody had asked for")
+        if not isinstance(event, _OFTEN):
+            state = replace(state, readings=tuple(readings), story=tuple(story))
+        if isinstance(event, Undone):
+            state = state.without(event)
+            readings, story = [*state.readings], [*state.story]
+        elif isinstance(event, Recorded):
+            asked, number = state.pending, event.reading.number
+            if number is None:
+                number = asked.reading if asked else state.free
+            renew = state.renew or asked is None or event.reading.place != asked.place
+            changes = {"free": max(state.free, number + 1), "renew": renew, "pending": None}
+            readings.append(event.reading.under(number))
+            story.append(replace(stored, event=Recorded(readings[-1])))
         else:
-            gap = Gap(self.pending, event.reason, event.rest)
-            self.skipped.append(gap)
-            self.highest = max(self.highest, gap.asked.reading)
-            self.plan, self.renew = [place for place in self.plan if not gap.holds(place)], True
-        self.pending = None
+            changes = _CHANGES[type(event)](state, event, stored.at)
+            readings = [*changes["readings"]] if "readings" in changes else readings
+            story.append(stored)
+        if not isinstance(event, _SILENT):
+            changes["continued"] = event.grounds if isinstance(event, Continued) else None
+        state = replace(state, **changes, last=stored.number)
+    return replace(state, readings=tuple(readings), story=tuple(story))
 
-    def _accept(self, event: Accepted) -> None:
-        """Put readings right; what is asked stays asked."""
-        if event.mistake == "jump" and event.reading > self.highest + 1:
-            raise EventOrderError(f"reading {event.reading} is not the next one")
-        if event.name and event.name in {each.name for each in self.mounted}:
-            raise EventOrderError(f"there is a set-up {event.name!r} already")
-        try:
-            self.readings = put_right(self.readings, event, self.created.machine_text if self.created else "")
-        except ValueError as fault:
-            raise EventOrderError(str(fault)) from None
-        self.mounted += [Mounted(event.setups[0], event.name, "")] if event.name else []
-        self.renew = True
 
-    def _take_back(self, event: Undone) -> None:
-        """Tell the story anew without what is taken back, and what was asked since."""
-        if not self.undo or self.undo[-1].number != event.event:
-            raise EventOrderError(f"event {event.event} was taken back, but it was not the last one that can be")
-        step, renew, anew = self.undo[-1].event, self.renew, Folding()
-        for each in self.story:
-            if each.number < event.event or not (each.number == event.event or isinstance(each.event, Asked)):
-                anew.add(each)
-        for name in [each.name for each in fields(self)]:
-            setattr(self, name, getattr(anew, name))
-        if isinstance(step, Skipped) and step.rest:
-            self.plan = []  # a plan without the set-up is none to go on from
-        self.renew = renew or not isinstance(step, Warmed)  # places do not depend on it
+_Changes = dict[str, Any]
+"""Fields of a state that are others after an event."""
+
+
+def _skipped(state: State, event: Skipped, _: str) -> _Changes:
+    if state.pending is None:
+        raise EventOrderError("a reading was skipped that nobody had asked for")
+    gap = Gap(state.pending, event.reason, event.rest)
+    plan = tuple(place for place in state.plan if not gap.holds(place))
+    found = {"skipped": (*state.skipped, gap), "plan": plan, "renew": True}
+    return {**found, "free": max(state.free, gap.asked.reading + 1), "pending": None}
+
+
+def _accepted(state: State, event: Accepted, _: str) -> _Changes:
+    """Put readings right; what is asked stays asked."""
+    if event.mistake == "jump" and event.reading > state.free:
+        raise EventOrderError(f"reading {event.reading} is not the next one")
+    if event.name and event.name in {each.name for each in state.mounted}:
+        raise EventOrderError(f"there is a set-up {event.name!r} already")
+    try:
+        right = put_right(state.readings, event, state.created.machine_text if state.created else "")
+    except ValueError as fault:
+        raise EventOrderError(str(fault)) from None
+    return {"readings": tuple(right), "renew": True}
+
+
+def _noted(state: State, event: Noted | Warmed, at: str) -> _Changes:
+    after = state.readings[-1].number or len(state.readings) if state.readings else 0
+    return {"notes": (*state.notes, Note(event.text, at, after, event if isinstance(event, Warmed) else None))}
+
+
+def _nothing(state: State, event: Event, at: str) -> _Changes:
+    return {}
+
+
+_CHANGES: Mapping[type, Callable[[State, Any, str], _Changes]] = {
+    Created: lambda _, event, __: {"created": event},
+    Planned: lambda _, event, __: {"plan": event.places, "plan_basis": event.grounds, "renew": False},
+    Asked: lambda state, event, _: {"pending": event, "plan": state.plan[state.plan[:1] == (event.place,) :]},
+    Skipped: _skipped,
+    Accepted: _accepted,
+    Noted: _noted,
+    Warmed: _noted,
+    Finished: lambda _, event, __: {"finished": event.because, "pending": None},
+    **dict.fromkeys((Continued, Mounted, Bumped, Signed, Lost), _nothing),
+}
+"""What each event but a reading does to the state, by state, event and when it was written."""

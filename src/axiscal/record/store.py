@@ -23,7 +23,7 @@ from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said
 from axiscal.record.door import ALL, BINARY, opened, record_errors, refuse_other_form, repairing
 from axiscal.record.earlier import told_anew
-from axiscal.record.events import Created, Event, EventOrderError, Folding, State, Stored
+from axiscal.record.events import Created, Event, EventOrderError, State, Stored, fold
 from axiscal.record.lines import (
     EMPTY,
     HEAD,
@@ -56,7 +56,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
     def __init__(self, path: Path, *, write: bool = True) -> None:
         self.path, self._file, self._write = path, path.absolute(), write
         self.lines, self.name = list[KeptLine](), EMPTY
-        self._events, self._story = list[Stored](), Folding()
+        self._events, self._state = list[Stored](), State()
         self._end, self._earlier, self._writer = HEAD, -1, uuid.uuid4().hex[:16]
 
     @classmethod
@@ -124,10 +124,8 @@ class Record(contextlib.AbstractContextManager["Record"]):
 
     def _refuse_unfit(self, rows: Sequence[EventText]) -> None:
         """Raise RecordError for events that are to be written behind and cannot follow."""
-        after = self._story.copied()
         try:
-            for number, row in enumerate(rows, len(self.lines) + 1):
-                after.add(stored(number, row))
+            fold((stored(number, row) for number, row in enumerate(rows, len(self.lines) + 1)), self._state)
         except EventOrderError as error:
             what = "This cannot follow what the record holds: {error}"
             remedy = "Look at it with `axiscal step status`; nothing was written"
@@ -197,7 +195,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
     def state(self) -> State:
         """Return the state folded from all events."""
         self.last()
-        return replace(self._story.state(), name=self.name)
+        return replace(self._state, name=self.name)
 
     def copy_to(self, path: Path) -> None:
         """Write a copy, in the place of an earlier copy if there is one; raises as `refuse_other`."""
@@ -271,23 +269,20 @@ class Record(contextlib.AbstractContextManager["Record"]):
         known = [each for each in counts(block) if each is not None]
         if not known:
             raise DamageError("neither of the two counts of its events can be read")
-        waiting, start, before = list[KeptLine](), self._end, self._newest()
+        waiting, start = list[KeptLine](), self._end
         for line, end in whole_lines(behind):
-            if waiting and not (line.last == waiting[0].last and line.follows(before)):
-                waiting, before = [], self._newest()  # an entry that nobody has finished
-            if not line.follows(before):
+            if waiting and not (line.last == waiting[0].last and line.follows(waiting[-1])):
+                waiting = []  # an entry that nobody has finished
+            if not line.follows((waiting or self.lines or [None])[-1]):
                 self._refuse_unknown(line)
                 continue
             waiting.append(line)
-            before = line
             if line.number == line.last:
-                self._take(waiting)
+                self.lines += waiting
                 waiting, self._end = [], start + end
+        self._take()
         if len(self.lines) < max(1, *known):
             raise DamageError(f"it ends at event {len(self.lines)} and should end at event {max(1, *known)}")
-
-    def _newest(self) -> KeptLine | None:
-        return self.lines[-1] if self.lines else None
 
     def _read(self) -> tuple[bytes, bytes]:
         """Return the head, and what stands behind the last line that was read."""
@@ -319,15 +314,19 @@ class Record(contextlib.AbstractContextManager["Record"]):
         one, other = said_hand(there.row), said_hand(line.row)
         raise RecordError(what, remedy, self.path, number=line.number - 1, one=one, other=other)
 
-    def _take(self, lines: Sequence[KeptLine]) -> None:
-        for line in lines:
-            try:
-                self._events.append(stored(line.number, line.row))
-                self._story.add(self._events[-1])
-            except (PayloadError, EventOrderError) as error:
-                raise DamageError(f"event {line.number}: {error}") from error
-            self.name = chained(self.name, line.row)
-        self.lines += lines
+    def _take(self) -> None:
+        """Fold the events of lines that are new."""
+
+        def told() -> Iterator[Stored]:
+            for line in self.lines[len(self._events) :]:
+                yield (each := stored(line.number, line.row))
+                self._events.append(each)
+                self.name = chained(self.name, line.row)
+
+        try:
+            self._state = fold(told(), self._state)
+        except (PayloadError, EventOrderError) as error:
+            raise DamageError(f"event {len(self._events) + 1}: {error}") from error
 
 
 def said_hand(row: EventText) -> str:

@@ -10,8 +10,10 @@ import select
 import shlex
 import signal
 import subprocess
+import sys
 import time
-from collections import Counter
+from collections import Counter, deque
+from threading import Thread
 from typing import IO, Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
@@ -27,6 +29,8 @@ GRACE = 2.0
 """Seconds that a command has to end by itself when no more readings are wanted."""
 LONGEST = 100_000
 """Characters in one answer."""
+_LINES, _LONGEST_QUOTED = 5, 300
+"""Lines and characters of what a command said last that a refusal quotes."""
 _LOOK = 0.25
 """Seconds between two looks whether the command still runs; any time that a person does not notice would do."""
 WIDEST = 1e6
@@ -36,7 +40,7 @@ _REMEDY = later('Answer each line with one such as {"value": 1.7, "unit": "um"} 
 
 
 class ExecSource:
-    """A command, started once without a shell; its stderr is that of axiscal.
+    """A command, started once without a shell; what it says on its stderr is passed on, and the end of it kept.
 
     command : split as a shell would, but not run by one; timeout : s for each answer
     Raises SourceError if the command cannot be started.
@@ -44,7 +48,9 @@ class ExecSource:
 
     def __init__(self, command: str, timeout: float = TIMEOUT) -> None:
         self._command, self._timeout, self._heard = command, timeout, b""
-        self._process = _start(command)
+        self._process, self._said = _start(command), deque[str](maxlen=_LINES)
+        self._listening = Thread(target=self._listen, daemon=True)
+        self._listening.start()
 
     def read(self, request: Request) -> Answer | Skip:
         """Send the request and return the answer; raises SourceError if the command dies, stalls or talks nonsense."""
@@ -82,6 +88,7 @@ class ExecSource:
         self._process.wait()
         _signal(self._process, signal.SIGKILL)  # what it has left behind
         _pipe(self._process.stdout).close()
+        self._listening.join(GRACE)
 
     def _line(self, patience: float) -> str | None:
         """Return the next line with its end, "" where none will come any more, None where none came in so many s."""
@@ -104,10 +111,17 @@ class ExecSource:
     def _died(self) -> SourceError:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(GRACE)
-        status = self._process.returncode
-        what = "the command `{command}` ended with status {status} before it answered; see what it said above"
+        self._listening.join(GRACE)  # what it has started may keep its stderr open
+        status, last = self._process.returncode, shortened(" ".join(self._said), _LONGEST_QUOTED)
+        what = "the command `{command}` ended with status {status} before it answered: {last}"
         what = "the command `{command}` closed its output before it answered" if status is None else what
-        return self._failure(what, "Mend it, then go on with --resume", status=status)
+        return self._failure(what, "Mend it, then go on with --resume", status=status, last=last or said("no word"))
+
+    def _listen(self) -> None:
+        with _pipe(self._process.stderr) as stream:
+            for line in stream:
+                sys.stderr.write(line)
+                self._said.append(line.strip())
 
     def _failure(self, what: str, remedy: str, **values: object) -> SourceError:
         return SourceError(what, remedy, None, None, command=shortened(self._command), **values)
@@ -191,6 +205,7 @@ def _start(command: str) -> subprocess.Popen[str]:
             words,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
             text=True,
             encoding="utf-8",
             errors="replace",

@@ -12,7 +12,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Literal, NamedTuple
 
 from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words, question
-from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.campaign import Campaign, rejected
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
@@ -20,7 +20,7 @@ from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Mistake
 from axiscal.language.spoken import counted, decimals, listed, said
 from axiscal.measurement.reading import reading_text, reading_unit, reading_units, shown_coordinate, units_of
-from axiscal.planning.promise import foreseen, rejected
+from axiscal.planning.promise import foreseen
 from axiscal.present.answer import AnswerDocument
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
