@@ -92,18 +92,22 @@ def turned_by(machine: Machine, rotation: Field, control: Control, poses: Array,
     return turned + rotation(sent, approaches)
 
 
-def by_linear_axes(machine: Machine, fewest: int = 3) -> Callable[[Array, Array], Array]:
-    """Return what takes TCP deviations (m, 3) at poses (m, q) away by the linear axes alone, (m, q), m.
-
-    [u_x u_y u_z] Δ = -δp, as near as two axes come to it.  fewest : that the control takes
-    Raises TableError where there are not so many linear axes, or two along one direction.
-    """
+def spanning_axes(machine: Machine, fewest: int) -> list[int]:
+    """Return the linear axes; raises TableError where there are not so many, or two along one direction."""
     linear = [k for k, axis in enumerate(machine.axes) if not axis.rotary]
     if not fewest <= len({letter_direction(machine.axes[k].letter) for k in linear}) == len(linear):
         what = "the linear axes of the machine are {names}"
         remedy = "volumetric compensation needs {fewest} and more, each along x, y or z, and no two along one"
         names = ", ".join(machine.axes[k].name for k in linear)
         raise TableError(what, remedy, names=names, fewest=fewest)
+    return linear
+
+
+def by_linear_axes(machine: Machine, linear: list[int]) -> Callable[[Array, Array], Array]:
+    """Return what takes TCP deviations (m, 3) at poses (m, q) away by some linear axes alone, (m, q), m.
+
+    [u_x u_y u_z] Δ = -δp, as near as two axes come to it
+    """
 
     def added(poses: Array, deviation: Array) -> Array:
         rotations = machine.frames(poses).rotations

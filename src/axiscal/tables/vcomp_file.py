@@ -25,7 +25,7 @@ from axiscal.tables.conditional import taken_by_rotor
 from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import spread_poses
-from axiscal.tables.surface import Control, by_linear_axes
+from axiscal.tables.surface import Control, by_linear_axes, spanning_axes
 from axiscal.units import from_unit, to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
@@ -228,7 +228,7 @@ def whole_control(model: Machine, mean: Array) -> Control:
     Raises TableError when the machine has not two or three linear axes, each along a direction of its own.
     """
     axes = model.axes
-    taken, constant = by_linear_axes(model, fewest=2), _at_zero(model, mean)
+    taken, constant = by_linear_axes(model, spanning_axes(model, fewest=2)), _at_zero(model, mean)
 
     def once(poses: Array, approaches: Array) -> Array:
         values = _values(model, mean, poses, approaches)

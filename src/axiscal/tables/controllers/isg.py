@@ -22,7 +22,7 @@ from axiscal.numerics import Array
 from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, hats_along, points
-from axiscal.tables.surface import Control, Mesh, by_linear_axes
+from axiscal.tables.surface import Control, Mesh, by_linear_axes, spanning_axes
 from axiscal.units import format_quantity, from_unit, to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
@@ -162,7 +162,7 @@ def tip_control(model: Machine, found: Mapping[str, SampledError]) -> Control:
 
     Raises TableError when the machine has not three linear axes that span space.
     """
-    taken = by_linear_axes(model)
+    taken = by_linear_axes(model, spanning_axes(model, fewest=3))
     return lambda poses, approaches: taken(poses, _deviation(model, found, poses))
 
 
