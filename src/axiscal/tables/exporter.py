@@ -25,7 +25,7 @@ from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.tables.loaded import Loaded, OldFile, read_old, refuse_long_numbers, table_control
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
-from axiscal.tables.surface import Control, sum_of, with_height
+from axiscal.tables.surface import Control, sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal_core.machine import Machine
 
@@ -351,24 +351,3 @@ class TableFormat(Exporter):
         machine, tables = estimate.machine, self.tables(estimate, options)
         written = self.write(tables, machine, options)
         return self.draft(written, table_control(machine, tables), machine, options, tables)
-
-
-class MapFormat(Exporter):
-    """A control of X, Y and Z whose files hold the height over the plane, and what else a printer knows."""
-
-    takes = frozenset({"--mesh", "--zero"})
-
-    @abstractmethod
-    def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return what the files are to hold; raises TableError."""
-
-    @abstractmethod
-    def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
-        """Return the files."""
-
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
-        """Return the files; raises TableError."""
-        estimate = with_height(estimate)
-        machine, content = estimate.machine, self.content(estimate, options)
-        made = self.draft(self.write(content, machine, options), content.control(machine), machine, options)
-        return replace(made, about=estimate)
