@@ -16,7 +16,7 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import exporting, writer
 from axiscal.ports.printers.contents import PrinterFormat
-from axiscal.tables.exporter import Draft, ExportOptions
+from axiscal.tables.exporter import ExportOptions, Written
 from axiscal.tables.offer import Export, tried_out
 from axiscal.tables.registry import controllers, export, exporter
 from axiscal.tables.round_trip import drawn_and_known
@@ -86,7 +86,7 @@ def known(name: str, seed: int = 3) -> tuple[Estimate, VirtualMachine]:
 
 
 @cache
-def draft(controller: str, name: str = "small") -> tuple[Estimate, Draft]:
+def draft(controller: str, name: str = "small") -> tuple[Estimate, Written]:
     estimate, _ = known(name)
     return estimate, exporter(controller).make(estimate, OPTIONS.get(controller, ExportOptions()))
 
@@ -96,7 +96,7 @@ def offered(controller: str, name: str = "small") -> Export:
     return tried_out(controller, *draft(controller, name))
 
 
-def on_the_truth(estimate: Estimate, truth: VirtualMachine, made: Draft) -> Effect:
+def on_the_truth(estimate: Estimate, truth: VirtualMachine, made: Written) -> Effect:
     low, high = np.array(estimate.box).T
     poses: Array = low + (high - low) * np.random.default_rng(1).uniform(size=(500, len(low)))
     return effect_of_control(estimate.machine, truth.deviation, made.control, poses, estimate.box)

@@ -16,8 +16,8 @@ from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, put, said
 from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array, even_subset
-from axiscal.tables.exporter import Draft, paragraphs
-from axiscal.tables.sampling import untold
+from axiscal.tables.exporter import Written, paragraphs
+from axiscal.tables.sampling import axis_tables, cross_tables
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
 from axiscal.units import digits, format_quantity, to_unit
@@ -70,7 +70,7 @@ class Export:
         return after < before or (self.by_row and after == before)
 
 
-def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
+def tried_over_box(estimate: Estimate, draft: Written) -> Effect:
     """Return what files do over the box of axes; raises TableError when they would not do what they are meant to."""
     of_class("Written.notes", draft.notes, tuple)
     for axis, step in draft.steps.items():
@@ -95,12 +95,12 @@ def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
     return effect
 
 
-def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
+def tried_out(controller: str, estimate: Estimate, draft: Written) -> Export:
     """Return the files with what they do; raises TableError when they would not do it."""
     effect, estimate = tried_over_box(estimate, draft), draft.about or estimate
     poses, approaches = spread_poses(estimate)
     together = planes_left(estimate, draft.control, poses, approaches)
-    silent = joined([title(table) for table in untold(estimate)]) if draft.tables else ""
+    silent = joined([title(table) for table in _untold(estimate)]) if draft.tables else ""
     silent = silent and f"what a table would take less than 10 % away from ({silent})"
     if estimate.sample is not None:
         tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
@@ -118,12 +118,17 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     return Export(controller, *done, by_row)
 
 
+def _untold(estimate: Estimate) -> tuple[CompensationTable, ...]:
+    """Return the tables that there are not, since they would take away less than a tenth."""
+    return (*axis_tables(estimate, told=False), *cross_tables(estimate, told=False))
+
+
 def _nothing_held(estimate: Estimate) -> str:
     """Return what to do when a controller can hold nothing of what is known."""
     found = estimate.deviation(*spread_poses(estimate))
     if float(np.max(np.abs(found), initial=0.0)) <= _WORTH:
         return said("take readings first")
-    silent = [table for table in untold(estimate) if np.ptp(table.forward) > _PART * np.max(np.ptp(found, axis=0))]
+    silent = [table for table in _untold(estimate) if np.ptp(table.forward) > _PART * np.max(np.ptp(found, axis=0))]
     if silent:
         what = "take more readings: tables of {tables} would take away less than 10 %"
         return said(what, tables=joined([title(table) for table in silent]))
@@ -160,7 +165,7 @@ def effect_sentence(files: str, effect: Effect, known: LeftUnknown) -> str:
     )
 
 
-def _refuse_differences(estimate: Estimate, draft: Draft, poses: Array, approaches: Array) -> None:
+def _refuse_differences(estimate: Estimate, draft: Written, poses: Array, approaches: Array) -> None:
     apart = np.max(np.abs(draft.control(poses, approaches) - draft.wanted(poses, approaches)), axis=0)
     for axis, worst in zip(estimate.machine.axes, apart, strict=True):
         if not worst <= draft.steps.get(axis.name, 0.0) + 1e-12:

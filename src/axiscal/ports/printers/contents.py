@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.readers.text_file import TextFile
-from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs
+from axiscal.tables.exporter import Exporter, ExportOptions, Written, paragraphs
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.sampling import backlash
 from axiscal.tables.surface import Mesh, height_seen, mesh_of, skew_of, with_height
@@ -60,7 +60,7 @@ class PrinterFormat(Exporter):
         play = {axis: value for axis, value in backlash(estimate).items() if value > 0} if self.backlashes else {}
         return Loaded(lost_motion(estimate.machine, play), meshes, skew_of(estimate))
 
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+    def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the files; raises TableError."""
         estimate = with_height(estimate)
         machine, content = estimate.machine, self.content(estimate, options)

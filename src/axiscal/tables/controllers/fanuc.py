@@ -14,7 +14,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import later, said
 from axiscal.numerics import Array
-from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, paragraphs, sign_said
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
@@ -200,7 +200,7 @@ class Fanuc(TableFormat):
     unstated = "own"
     instead: ClassVar = {"--spacing": later("leave it out: parameters 3620 to 3624 say where the points are")}
 
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+    def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the file, with what to enter as backlash; raises TableError."""
         draft, rotary = super().make(estimate, options), {axis.name: axis.rotary for axis in estimate.machine.axes}
         units = {name: round(lost / DETECTION[rotary[name]]) for name, lost in backlash(estimate).items()}

@@ -19,7 +19,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.error_names import error_named, side_name
 from axiscal.numerics import Array
-from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs, sign_said
+from axiscal.tables.exporter import Exporter, ExportOptions, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, hats_along, points
 from axiscal.tables.surface import Control, Mesh, by_linear_axes, spanning_axes
@@ -67,7 +67,7 @@ class Isg(Exporter):
     unstated = "own"
     left_out = "reversals, and the orientation of the tool."
 
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+    def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the files; raises TableError."""
         machine, found = estimate.machine, curves(estimate, options)
         if other := next((name for name in found if not NAMES.fullmatch(name)), None):
