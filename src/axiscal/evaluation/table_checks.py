@@ -26,7 +26,6 @@ from axiscal.numerics import Array
 from axiscal.tables.loaded import table_control
 from axiscal.tables.offer import Export, title
 from axiscal.tables.surface import Control, sum_of
-from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity
 from axiscal_core.machine import Machine
 from axiscal_core.ties import ALIKE, first_best
@@ -93,7 +92,19 @@ class Share:
 
 def parts_of(estimate: Estimate, offered: Export) -> tuple[Part, ...]:
     """Return the parts of an export that move anything: its tables, and what else its files hold as one."""
-    parts = [part for table in offered.tables for part in _of_table(estimate, table)]
+    parts = list[Part]()
+    for table in offered.tables:
+        over, half = estimate.machine.index(table.over), (table.forward - table.reverse) / 2
+        reversal = replace(table, forward=half, reverse=-half), said("reversal of {table}", table=title(table))
+        ends = estimate.box[over]
+        at = np.linspace(*ends, 201)
+        for one, name in ((table.averaged(), title(table)), reversal):
+            if (most := float(np.max(np.abs(one.forward)))) > _NOTHING:
+                values = one.deviation(at, 1)
+                apart = np.round(np.abs(values - (values[0] + values[-1]) / 2), 12)  # of what is even all along
+                places = (float(at[first_best(sizes, ALIKE)]) for sizes in (apart, np.abs(values)))
+                control, both = table_control(estimate.machine, [one]), name != title(table)
+                parts.append(Part(name, control, over, (*ends, *places), both, most, one.rotary))
     tables = table_control(estimate.machine, offered.tables)
     rest = sum_of(offered.control, lambda at, sides: -tables(at, sides))
     low, high = np.array(estimate.box).T
@@ -157,34 +168,6 @@ def idle_axes(readout: Readout, box: Box) -> tuple[str, ...]:
         if high > low and (not len(mine) or np.ptp(mine) < _THROUGH * (high - low)):
             idle.append(axis.name)
     return tuple(idle)
-
-
-def _of_table(estimate: Estimate, table: CompensationTable) -> list[Part]:
-    machine, over = estimate.machine, estimate.machine.index(table.over)
-    name = title(table)
-    half = (table.forward - table.reverse) / 2
-    kinds = (
-        (name, table.averaged(), False),
-        (said("reversal of {table}", table=name), replace(table, forward=half, reverse=-half), True),
-    )
-    return [
-        Part(shown, table_control(machine, [one]), over, _targets(estimate, over, one), both, _most(one), one.rotary)
-        for shown, one, both in kinds
-        if _most(one) > _NOTHING
-    ]
-
-
-def _most(table: CompensationTable) -> float:
-    return float(np.max(np.abs(table.forward)))
-
-
-def _targets(estimate: Estimate, over: int, table: CompensationTable) -> tuple[float, ...]:
-    """Return the ends of what is looked up, and where most is corrected, counted from the ends' mean, in the volume."""
-    low, high = estimate.box[over]
-    at = np.linspace(low, high, 201)
-    values = table.deviation(at, 1)
-    apart = np.round(np.abs(values - (values[0] + values[-1]) / 2), 12)  # of what is even all along, rounding
-    return (low, high, float(at[first_best(apart, ALIKE)]), float(at[first_best(np.abs(values), ALIKE)]))
 
 
 def _showing(machine: Machine, setups: Sequence[Setup], part: Part, at: Places) -> Places:

@@ -18,8 +18,8 @@ from axiscal.measurement.bodies import lever
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.programs.scale import AxisScale
-from axiscal.programs.steps import Arrival, Move, Step
+from axiscal.programs.scale import AxisScale, ReadingTarget
+from axiscal.programs.steps import Move, Step
 from axiscal.units import from_unit
 from axiscal_core.machine import Machine
 
@@ -66,8 +66,8 @@ def refuse_kept_out(
     ways = chain(free_ways(machine, setup, balls, scales, run), [True])
     for step, clear in zip([*run, None], ways, strict=True):
         hit = hit or not clear
-        if hit and (step is None or isinstance(step, Arrival)):
-            way = said("the way to reading {number}", number=step.target.number) if step else ""
+        if hit and (step is None or isinstance(step, ReadingTarget)):
+            way = said("the way to reading {number}", number=step.number) if step else ""
             what = "{way} of the set-up {setup} leads into {artefact}: into a ball, a post, or what is to be kept out"
             remedy = (
                 "Say what goes clear before others move (--clearance), read the place from another side, move the "
@@ -82,11 +82,11 @@ def free_ways(
     machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
 ) -> Iterator[bool]:
     """Yield of each step whether its way is free; the tool may come to the balls of the readings around it."""
-    at, around = np.full(len(scales), np.nan), [balls[s.target.number] for s in run if isinstance(s, Arrival) and balls]
+    at, around = np.full(len(scales), np.nan), [balls[s.number] for s in run if isinstance(s, ReadingTarget) and balls]
     room = Room.among(machine, setup.artefact, {*around[:1]}, setup.contact != "retracted")
     for step in run:
         before = at.copy()
-        if isinstance(step, Arrival) and balls:
+        if isinstance(step, ReadingTarget) and balls:
             room = Room.among(machine, setup.artefact, {*around[:2]}, setup.contact != "retracted")
             around = around[1:]
         if isinstance(step, Move):

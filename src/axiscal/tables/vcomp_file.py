@@ -180,13 +180,11 @@ def _axis(model: Machine, mean: Array, index: int, joints: Sequence[int], unit: 
 
 def text_of(file: VcompFile, statement: str) -> str:
     """Return the file as text, with its checksum.  statement : of what it is not, for whoever looks into it"""
-    rendering = templates("axiscal.tables", row=_row).get_template("vcomp.jinja")
+    rendering = templates(
+        "axiscal.tables", row=lambda numbers: " ".join(f"{float(number) + 0.0:.12g}" for number in numbers)
+    ).get_template("vcomp.jinja")
     body = rendering.render(form=_FORM, file=file, statement=statement)
     return f"{body}end {fnv1a(body.encode()):08x}\n"
-
-
-def _row(numbers: Array | Sequence[float]) -> str:
-    return " ".join(f"{float(number) + 0.0:.12g}" for number in numbers)
 
 
 def _knots(axis: Axis, own: Sequence[Term]) -> Array:

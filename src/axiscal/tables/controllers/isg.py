@@ -73,7 +73,12 @@ class Isg(Exporter):
         if other := next((name for name in found if not NAMES.fullmatch(name)), None):
             remedy = "it has axes X Y Z A B C only"
             raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=other)
-        found = anchored(machine, found) | _nominal(machine)
+        places = {"P0{}": (0.0, 0.0, -machine.tool_length)}  # of the tool at zero, and of rotary axes
+        places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
+        found = anchored(machine, found)
+        for name, place in places.items():
+            for direction, value in zip("XYZ", place, strict=True):
+                found[name.format(direction)] = SampledError(np.zeros(1), np.array([value]))
         units = {axis.name: "arcsec" if axis.rotary else "um" for axis in machine.axes}
         lost = {name: format_quantity(step, units[name], 3) for name, step in backlash(estimate).items() if step}
         values = {"file": _FILE, "flip": options.flip, "chain": machine.chain, "lost": lost}
@@ -85,9 +90,8 @@ class Isg(Exporter):
         steps = {axis.name: 1e-8 for axis in machine.axes if not axis.rotary}
         files, first = {_FILE: write_csv(found, machine), _LIST: _list(machine, options)}, sign_said(options, _SIGN)
         holds = holds.format(both * any(curve.over for curve in found.values()))
-        return self.draft(
-            Written(files, steps, notes, holds, first=first), tip_control(machine, found), machine, options
-        )
+        written = Written(files, steps, notes, holds, first=first)
+        return self.draft(written, tip_control(machine, found), machine, options)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the kernel makes of files; raises TableError.
@@ -145,15 +149,13 @@ def anchored(model: Machine, found: Mapping[str, SampledError]) -> dict[str, Sam
     With rotary axes the place of the rotor matters and nothing is taken off. A constant goes into a displacement along
     its direction, the positioning of an axis first; where the machine has none it stays.
     """
-    result = dict(found)
-    at_zero = (
-        np.zeros(3) if any(axis.rotary for axis in model.axes) else _deviation(model, found, np.array([model.zero]))[0]
-    )
+    result, zero = dict(found), np.array([model.zero])
+    at_zero = _deviation(model, found, zero)[0] * (not any(axis.rotary for axis in model.axes))
     for direction, constant in enumerate(at_zero):
         own = [f for f in model.curves if f.kind == "motion" and f.component == direction and _name(model, f) in found]
         for function in sorted(own, key=lambda f: f.name != model.axes[f.axis].positioning_error)[:1]:
-            sign, curve = model.axes[function.axis].sign, found[_name(model, function)]
-            result[_name(model, function)] = replace(curve, values=curve.values - sign * constant)
+            sign, name = model.axes[function.axis].sign, _name(model, function)
+            result[name] = replace(found[name], values=found[name].values - sign * constant)
     return result
 
 
@@ -184,30 +186,14 @@ def _name(model: Machine, term: Term) -> str:
     return own if term.kind == "motion" else term.name
 
 
-def _nominal(machine: Machine) -> dict[str, SampledError]:
-    """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
-    places = {"P0{}": (0.0, 0.0, -machine.tool_length)}
-    places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
-    return {
-        name.format(direction): SampledError(np.zeros(1), np.array([value]))
-        for name, place in places.items()
-        for direction, value in zip("XYZ", place, strict=True)
-    }
-
-
 def _list(machine: Machine, options: ExportOptions) -> str:
     """Return the configuration of one compensation, as TF5280 has it."""
     workpiece = sum(axis.workpiece_side for axis in machine.axes)
     negate = "".join(axis.name for axis in machine.axes if not axis.rotary) if options.flip else ""
     lines = [f"{axis} {number}" for axis, number in options.numbered(machine).items()]
     lines += [f"chain {''.join(axis.name for axis in machine.axes)}", f"workpiece_axes {workpiece}"]
-    lines += [
-        *([f"negate {negate}"] if negate else []),
-        "interpolation GRID",
-        f"file[0] {_FILE}",
-        "file_format[0] ISG_CSV",
-    ]
-    return "\n".join(lines) + "\n"
+    lines += [f"negate {negate}"] if negate else []
+    return "\n".join([*lines, "interpolation GRID", f"file[0] {_FILE}", "file_format[0] ISG_CSV", ""])
 
 
 def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
@@ -246,20 +232,16 @@ def read_csv(text: str, machine: Machine) -> dict[str, SampledError]:
         if wrong := next((name for name in columns if not NAMES.fullmatch(name) or name in found), ""):
             remedy = "this is a defect of axiscal"
             raise TableError("the kernel would refuse the column {name!r}", remedy, name=wrong[:20])
-        found |= {name: _sampled(name, at, from_unit(each, _unit(name))) for name, each in columns.items()}
+        for name, each in columns.items():
+            found[name] = SampledError(next(iter(at.values()), np.zeros(1)), from_unit(each, _unit(name)))
+            if len(at) == 2:  # the later axis and another one
+                own = error_named(name).axis
+                (other,) = (axis for axis in at if axis != own)
+                (positions, inner), (across, outer) = (np.unique(at[k], return_inverse=True) for k in (own, other))
+                grid = np.full((len(across), len(positions)), np.nan)
+                grid[outer, inner] = found[name].values
+                found[name] = SampledError(positions, grid, other, across)
     return found
-
-
-def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
-    """Return a column over one axis, over two, or of a constant."""
-    if len(at) < 2:
-        return SampledError(next(iter(at.values()), np.zeros(1)), values)
-    own = error_named(name).axis
-    (other,) = (axis for axis in at if axis != own)
-    (positions, inner), (across, outer) = (np.unique(at[axis], return_inverse=True) for axis in (own, other))
-    grid = np.full((len(across), len(positions)), np.nan)
-    grid[outer, inner] = values
-    return SampledError(positions, grid, other, across)
 
 
 def _unit(name: str) -> str:
