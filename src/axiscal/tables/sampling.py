@@ -21,7 +21,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -212,30 +211,45 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     anchor = _anchor(estimate, axis, over, hats, curves, free)
     shown = curves @ estimate.mean - anchor @ estimate.mean
     values = hats.best(shown.T).T
-    left = estimate.factor if estimate.open is None else estimate.open
-    roots = estimate.factor, estimate.model.root(), left
-    known, before, read = (_Spread.from_rows(free, anchor, root, hats.points) for root in roots)
+    counts, at = np.any(free, axis=(0, 1)) | (anchor != 0), hats.points
+    rows, off = free[:, :, counts], anchor[counts]
+    rows_of = rows, rows - off, rows - rows.mean(axis=(0, 1)), _bent(rows, at)
+
+    def stds(root: Array) -> list[Array]:
+        """Return standard deviations of the values, the larger of both directions, (points,), by F with F Fᵀ.
+
+        Before a constant is taken off, after it, less the mean over the table, and less the best-fit line of each
+        direction, which may be how the part lies.
+        """
+        return [np.sqrt(np.max(np.sum((each @ root[counts]) ** 2, axis=-1), axis=0)) for each in rows_of]
+
+    wide, known, shape, _ = stds(estimate.factor)
+    wide_before, before, *_ = stds(estimate.model.root())
+    rest = float(sum(estimate.model.curves[index].rest for index in _followed(estimate, axis, over)))
     departure = max(hats.departure(curve, line) for curve, line in zip(shown, values, strict=True))
     values = values + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
-    rest = float(sum(estimate.model.curves[index].rest for index in _followed(estimate, axis, over)))
     # Where readings said nothing the deviation is as uncertain as before, and so is its difference to the zero point of
     # the table, up to the knowledge at that point: readings that leave the constant open may still know the curve.
-    silent: NDArray[np.bool_] = known.free >= _SILENT * before.free
-    silent &= known.anchored >= _DIFFERENCE * before.anchored
-    silent &= before.anchored > _OPEN * np.max(before.anchored)
-    by_row = (own.name, looked_up.name) in estimate.told  # of the answer; over the volume only where that counts
+    silent: NDArray[np.bool_] = (wide >= _SILENT * wide_before) & (known >= _DIFFERENCE * before)
+    silent &= before > _OPEN * np.max(before)
+    # They tell a table that takes away a tenth of √(values² + u²), as it stands, or its shape: of the answer; over the
+    # volume only where that counts.
+    shapes, told = (values, values - values.mean(), _bent(values[..., None], at)), False
+    for each, spread in zip(shapes, stds(estimate.factor if estimate.open is None else estimate.open)[1:], strict=True):
+        size, u = np.sqrt(np.mean(each**2)), np.hypot(np.sqrt(np.mean(spread**2)), rest)
+        told |= bool(u < _WORTH * np.hypot(size, u) and size > _NOTHING)
     return CompensationTable(
         own.name,
-        hats.points,
+        at,
         values[0],
         values[-1],
-        np.hypot(known.anchored, rest),
+        np.hypot(known, rest),
         looked_up.name,
         silent,
         departure,
-        float(np.hypot(np.sqrt(np.mean(known.shape**2)), rest)),
-        by_row or (estimate.whole and read.tell(values, hats.points, rest)),
+        float(np.hypot(np.sqrt(np.mean(shape**2)), rest)),
+        (own.name, looked_up.name) in estimate.told or (estimate.whole and told),
     )
 
 
@@ -244,42 +258,6 @@ def _bent(rows: Array, along: Array) -> Array:
     line = np.stack([np.ones(len(along)), along - along.mean()], axis=1)
     fitted: Array = line @ (np.linalg.pinv(line) @ rows)
     return rows - fitted
-
-
-class _Spread(NamedTuple):
-    """Standard deviations of a table's values, the larger of both directions, (points,).
-
-    free : before a constant is taken off; anchored : after it; shape : less the mean over the table
-    bent : less the best-fit line of each direction, which may be how the part lies
-    """
-
-    free: Array
-    anchored: Array
-    shape: Array
-    bent: Array
-
-    @classmethod
-    def from_rows(cls, rows: Array, anchor: Array, root: Array, along: Array) -> _Spread:
-        """Return those of rows (s, points, size), less an anchor (size,), by F with F Fᵀ the covariance.
-
-        along : (points,) where they stand
-        """
-        counts = np.any(rows, axis=(0, 1)) | (anchor != 0)
-        known = root[counts]
-        each = rows[:, :, counts] @ known
-        off, mean = anchor[counts] @ known, each.mean(axis=(0, 1))
-        less = each, each - off, each - mean, _bent(each, along)
-        return cls(*(np.sqrt(np.max(np.sum(one**2, axis=-1), axis=0)) for one in less))
-
-    def tell(self, values: Array, along: Array, rest: float) -> bool:
-        """Return whether values (s, points) take away a tenth of √(values² + u²), as they stand, or their shape.
-
-        rest : standard deviation of what no curve follows, of each of them
-        """
-        shapes = values, values - values.mean(), _bent(values[..., None], along)
-        sizes = np.array([np.sqrt(np.mean(each**2)) for each in shapes])
-        known = [np.hypot(np.sqrt(np.mean(each**2)), rest) for each in (self.anchored, self.shape, self.bent)]
-        return bool(np.any((known < _WORTH * np.hypot(sizes, known)) & (sizes > _NOTHING)))
 
 
 def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, values: Array) -> Array:
