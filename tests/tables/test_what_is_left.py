@@ -201,7 +201,7 @@ def test_an_instrument_that_knows_commands_sees_where_the_control_sent_the_axes(
     truth = Simulator(estimate.machine, ()).drawn(2)
     names, rng = [axis.name for axis in estimate.machine.axes], np.random.default_rng(1)
     further = np.array([{"C": 40e-6, "X": 3e-5}.get(name, 0.0) for name in names])
-    seen = CommandedMachine.corrected(truth, lambda poses, _: np.tile(further, (len(poses), 1)))
+    seen = CommandedMachine.behind(truth, lambda poses, _: np.tile(further, (len(poses), 1)))
     low, high = np.array([axis.travel for axis in estimate.machine.axes]).T
     poses, ways = rng.uniform(low, high, (7, len(low))), rng.choice([-1.0, 1.0], (7, len(low)))
     there, here = (estimate.machine.frames(each) for each in (poses + further, poses))

@@ -117,7 +117,8 @@ class _Reader:
 
     def line(self, number: int, text: str) -> PartLine:
         """Return a line; raises ReadingError."""
-        self._number, words = number, [*self._words(re.sub(r"\s+", "", _COMMENT.sub("", text)).upper().strip("%"))]
+        self._number = number
+        words = [*self._words(re.sub(r"\s+", "", _COMMENT.sub("", text)).upper().strip("%"))]
         numbers = {letter: float(value) for letter, value in words if letter not in "GM"}
         if twice := next((letter for letter in numbers if [k for k, _ in words].count(letter) > 1), ""):
             raise self._fail("{letter} stands twice in this line", "Keep one of them", letter=twice)

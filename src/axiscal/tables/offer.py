@@ -195,14 +195,14 @@ def foreword(estimate: Estimate, control: Control) -> tuple[str, ...]:
     """
     machine = estimate.machine
     places = np.stack([np.array(machine.zero), np.mean(np.array(estimate.box), axis=1)])
-    moved = [np.round(to_unit(each, "um"), 1) + 0.0 for each in shifts(machine, control, places)]
+    moved = to_unit(shifts(machine, control, places), "um").tolist()
     at_zero, in_the_middle = (
         " ".join(
             f"{axis.name} {format_quantity(float(at) + 0.0, axis.unit)}"
             for axis, at in zip(machine.axes, pose, strict=True)
         )
         + " by "
-        + ", ".join(f"{name} {float(value):+.1f}" for name, value in zip("xyz", each, strict=True))
+        + ", ".join(f"{name} {round(value, 1) + 0.0:+.1f}" for name, value in zip("xyz", each, strict=True))
         + " um"
         for pose, each in zip(places, moved, strict=True)
     )

@@ -28,9 +28,6 @@ from axiscal.units import format_quantity
 from axiscal_core.machine import Machine
 from axiscal_core.splines import gauss
 
-Sent = Callable[[Array, Array], Array]
-"""(commands (m, q), approaches (m, q)) -> where the axes are sent, (m, q), m or rad."""
-
 Field = Callable[[Array, Array], Array]
 """(poses (m, q), approaches (m, q)) -> TCP deviation (m, 3), m."""
 
@@ -151,23 +148,18 @@ def planes_left(estimate: Estimate, control: Control, poses: Array, approaches: 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CommandedMachine(VirtualMachine):
-    """The machine as an instrument sees it that knows the commands only.  sent : what its control makes of them."""
+    """The machine as an instrument sees it that knows the commands only.  control : what is added to them"""
 
-    sent: Sent = field(kw_only=True)
+    control: Control = field(kw_only=True)
 
     @classmethod
-    def behind(cls, truth: VirtualMachine, sent: Sent) -> CommandedMachine:
+    def behind(cls, truth: VirtualMachine, control: Control) -> CommandedMachine:
         """Return the machine of a truth behind a control."""
-        return cls(truth.model, truth.curves, truth.offsets, truth.drifts, sent=sent)
-
-    @classmethod
-    def corrected(cls, truth: VirtualMachine, control: Control) -> CommandedMachine:
-        """Return the machine behind a control that adds to commands."""
-        return cls.behind(truth, lambda poses, approaches: poses + control(poses, approaches))
+        return cls(truth.model, truth.curves, truth.offsets, truth.drifts, control=control)
 
     def does(self, poses: Array, approaches: Array) -> Deviation:
         """Return how the tool deviates from commands (m, q), turns to first order in what the control adds."""
-        sent, machine = self.sent(poses, approaches), self.model
+        sent, machine = poses + self.control(poses, approaches), self.model
         straight, turned = VirtualMachine.does(self, sent, approaches)
         nominal = machine.frames(poses)
         for k, axis in enumerate(machine.axes):

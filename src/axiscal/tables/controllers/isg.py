@@ -24,7 +24,6 @@ from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, hats_along, points
 from axiscal.tables.surface import Control, Mesh, by_linear_axes, spanning_axes
 from axiscal.units import format_quantity, from_unit, to_unit
-from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 from axiscal_core.terms import Term
 
@@ -198,28 +197,24 @@ def _list(machine: Machine, options: ExportOptions) -> str:
 
 def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
     """Return the ISG_CSV text: constants, errors over each axis, and each that depends on two axes at all pairs."""
-    constants = {name: curve.values for name, curve in found.items() if len(curve.positions) == 1}
-    blocks = [_block([], constants)] if constants else []
-    alone = {name: curve for name, curve in found.items() if not (name in constants or curve.over)}
-    for axis in machine.axes:
-        own = {name: curve for name, curve in alone.items() if error_named(name).axis == axis.name}
-        if own:
-            at = next(iter(own.values())).positions
-            blocks.append(_block([(axis, at)], {name: curve.values for name, curve in own.items()}))
-    for name, curve in ((name, curve) for name, curve in found.items() if curve.over):
-        across, at = np.meshgrid(curve.across, curve.positions, indexing="ij")
-        over = (machine.axis(curve.over), across), (machine.axis(error_named(name).axis), at)
-        blocks.append(_block(over, {name: curve.values}))
+    groups = dict[tuple[str, ...], dict[str, SampledError]]()
+    for name, curve in found.items():
+        own = error_named(name).axis if len(curve.positions) > 1 else ""
+        groups.setdefault((name, curve.over, own) if curve.over else (own,), {})[name] = curve
+    order = ["", *(axis.name for axis in machine.axes)]
+    blocks = []
+    for key, errors in sorted(
+        groups.items(), key=lambda group: order.index(group[0][-1]) if len(group[0]) == 1 else 99
+    ):
+        first, names = next(iter(errors.values())), [name for name in key[-2:] if name]
+        at = np.meshgrid(first.across, first.positions, indexing="ij") if first.over else [first.positions]
+        places = zip(names, at, strict=False)
+        columns = [[f"{place:.6f}" for place in to_unit(each.ravel(), machine.axis(k).unit)] for k, each in places]
+        for name, curve in errors.items():
+            columns.append([f"{value + 0.0:.9e}" for value in to_unit(curve.values.ravel(), _unit(name))])
+        lines = [[*names, *errors], *zip(*columns, strict=True)]
+        blocks.append("".join(" ".join(words) + "\n" for words in lines))
     return "// mm, deg and rad\n" + "#\n".join(blocks)
-
-
-def _block(at: Sequence[tuple[Axis, Array]], errors: Mapping[str, Array]) -> str:
-    """Return the header and the lines of errors, at positions of no axis, one, or two."""
-    shown = [[f"{place:.6f}" for place in to_unit(places.ravel(), axis.unit)] for axis, places in at]
-    for name, values in errors.items():
-        shown.append([f"{value + 0.0:.9e}" for value in to_unit(values.ravel(), _unit(name))])
-    header = [*(axis.name for axis, _ in at), *errors]
-    return "".join(" ".join(words) + "\n" for words in [header, *zip(*shown, strict=True)])
 
 
 def read_csv(text: str, machine: Machine) -> dict[str, SampledError]:
