@@ -7,7 +7,6 @@ there it meets by so much sooner what stands in its way. Pieces that are not fre
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import chain
 
 import numpy as np
 
@@ -62,20 +61,21 @@ def refuse_kept_out(
     balls : by the number of each reading, the one that it touches
     Ways on which it is not known where every axis is, before all of them have been sent somewhere, are not looked at.
     """
-    hit = False
-    ways = chain(free_ways(machine, setup, balls, scales, run), [True])
-    for step, clear in zip([*run, None], ways, strict=True):
-        hit = hit or not clear
-        if hit and (step is None or isinstance(step, ReadingTarget)):
-            way = said("the way to reading {number}", number=step.number) if step else ""
-            what = "{way} of the set-up {setup} leads into {artefact}: into a ball, a post, or what is to be kept out"
-            remedy = (
-                "Say what goes clear before others move (--clearance), read the place from another side, move the "
-                "artefact, or correct length, reach, radius and head in [tool]"
-            )
-            artefact = shown(setup.artefact.name if setup.artefact else "")
-            way = way or said("the way from the last reading")
-            raise ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
+    ways = free_ways(machine, setup, balls, scales, run)
+    blocked = next((place for place, clear in enumerate(ways) if not clear), None)
+    if blocked is None:
+        return
+    reached = next((step for step in run[blocked:] if isinstance(step, ReadingTarget)), None)
+    way = (
+        said("the way to reading {number}", number=reached.number) if reached else said("the way from the last reading")
+    )
+    what = "{way} of the set-up {setup} leads into {artefact}: into a ball, a post, or what is to be kept out"
+    remedy = (
+        "Say what goes clear before others move (--clearance), read the place from another side, move the artefact, or "
+        "correct length, reach, radius and head in [tool]"
+    )
+    artefact = shown(setup.artefact.name if setup.artefact else "")
+    raise ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
 
 
 def free_ways(

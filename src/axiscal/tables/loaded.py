@@ -69,25 +69,21 @@ def read_old(names: Iterable[str], folder: Path = Path()) -> tuple[OldFile, ...]
 
     folder : that relative names begin at.  Raises TableError, ReadingError.
     """
-    return tuple(file for name in names for file in _named(name, folder))
-
-
-def _named(name: str, folder: Path) -> Iterator[OldFile]:
-    path = folder / name
-    given = _NAMED.fullmatch(name)
-    if given and not path.exists():
-        yield OldFile(given[2], _text(folder / given[2]), given[1])
-    elif path.is_dir():
-        found = sorted(each for each in path.iterdir() if each.is_file() and not _OTHERS.fullmatch(each.name))
-        if not found:
-            raise TableError("there is no file in this folder", "name the old compensation", path)
-        yield from (OldFile(str(each), _text(each)) for each in found)
-    else:
-        text = _text(path)
-        if path.suffix.lower() == ".ini" and _SECTION.search(text):
-            yield from _joints(path)
-        else:  # of a SINUMERIK, too, whose tables are called .INI
-            yield OldFile(str(path), text)
+    found = list[OldFile]()
+    for name in names:
+        path, given = folder / name, _NAMED.fullmatch(name)
+        if given and not path.exists():
+            found.append(OldFile(given[2], _text(folder / given[2]), given[1]))
+        elif path.is_dir():
+            inside = sorted(each for each in path.iterdir() if each.is_file() and not _OTHERS.fullmatch(each.name))
+            if not inside:
+                raise TableError("there is no file in this folder", "name the old compensation", path)
+            found += [OldFile(str(each), _text(each)) for each in inside]
+        else:  # .INI may be of a SINUMERIK, too, whose tables are called so
+            text = _text(path)
+            of_joints = path.suffix.lower() == ".ini" and _SECTION.search(text)
+            found += _joints(path) if of_joints else [OldFile(str(path), text)]
+    return tuple(found)
 
 
 def _text(path: Path) -> str:
@@ -168,11 +164,9 @@ class Loaded:
 
         most : points that fit; even : the points of a table stay evenly spaced
         """
-        new, old = dict[tuple[str, str], CompensationTable](), dict[tuple[str, str], list[CompensationTable]]()
-        for table in tables:
-            new[table.axis, table.over] = table
-        for table in self.tables:
-            old.setdefault((table.axis, table.over), []).append(table)
+        old, new = dict[tuple[str, str], list[CompensationTable]](), {(one.axis, one.over): one for one in tables}
+        for one in self.tables:
+            old.setdefault((one.axis, one.over), []).append(one)
         return tuple(_summed(new.get(kind), old.get(kind, []), machine, most, even) for kind in {**new, **old})
 
 
