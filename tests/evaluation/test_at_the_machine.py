@@ -73,7 +73,7 @@ class Machine:
 
     def attached(self, host: str, _: object, in_force: InForce) -> Source:
         assert host == "mill.local"
-        compensated = CommandedMachine.corrected(self.truth, self.check.tables.control)
+        compensated = CommandedMachine.behind(self.truth, self.check.tables.control)
         inner, outer = SimulatedSource(compensated if in_force.active else self.truth, SEED), self
 
         class Here:

@@ -89,7 +89,7 @@ class LinuxcncMachine:
         self._session = Session([self._joint(axes[k], tables or {}) for k in self._driven], settings)
         self._make_ready(settings.hal)
         self._last: tuple[Array, Array, Array] | None = None
-        self.seen: VirtualMachine = CommandedMachine.behind(truth, self.sent)
+        self.seen: VirtualMachine = CommandedMachine.behind(truth, lambda poses, ways: self.sent(poses, ways) - poses)
 
     def sent(self, poses: Array, approaches: Array) -> Array:
         """Move to poses (m, q) and return where the motors were sent, (m, q), m or rad; both motors of a pair alike.

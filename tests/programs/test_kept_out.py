@@ -14,7 +14,7 @@ from axiscal.numerics import Array
 from axiscal.programs import dialect, programs
 from axiscal.programs.kept_out import free, refuse_kept_out
 from axiscal.programs.scale import AxisScale, ReadingTarget
-from axiscal.programs.steps import Arrival, Move
+from axiscal.programs.steps import Move
 from tests.generators.printed_machine import printed_machine
 from tests.generators.program_ways import Reader
 from tests.generators.said_places import Said
@@ -130,7 +130,7 @@ def test_a_way_into_a_box_is_refused_with_the_reading_it_leads_to() -> None:
     x, y, z = (machine.index(name) for name in "XYZ")
     start = {k: Decimal(0) for k in range(len(machine.axes))} | {x: Decimal(-200), z: Decimal(0)}
     through, around = Move({x: Decimal(200)}, 500, 1.0), Move({y: Decimal(200)}, 500, 1.0)
-    reached = Arrival(ReadingTarget(4, (), (), ()))
+    reached = ReadingTarget(4, (), (), ())
     begun = Move(start, 500, 1.0)
     refuse_kept_out(machine, setup, {4: 0}, scales, [begun, around, reached])
     with pytest.raises(ProgramError, match=r'the way to reading 4 of the set-up "s" leads into "ball"'):

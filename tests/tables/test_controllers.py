@@ -15,7 +15,8 @@ from axiscal.machine.description import load_machine, machine_from_text
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import exporting, writer
-from axiscal.tables.exporter import Draft, ExportOptions, MapFormat
+from axiscal.ports.printers.contents import PrinterFormat
+from axiscal.tables.exporter import ExportOptions, Written
 from axiscal.tables.offer import Export, tried_out
 from axiscal.tables.registry import controllers, export, exporter
 from axiscal.tables.round_trip import drawn_and_known
@@ -85,7 +86,7 @@ def known(name: str, seed: int = 3) -> tuple[Estimate, VirtualMachine]:
 
 
 @cache
-def draft(controller: str, name: str = "small") -> tuple[Estimate, Draft]:
+def draft(controller: str, name: str = "small") -> tuple[Estimate, Written]:
     estimate, _ = known(name)
     return estimate, exporter(controller).make(estimate, OPTIONS.get(controller, ExportOptions()))
 
@@ -95,7 +96,7 @@ def offered(controller: str, name: str = "small") -> Export:
     return tried_out(controller, *draft(controller, name))
 
 
-def on_the_truth(estimate: Estimate, truth: VirtualMachine, made: Draft) -> Effect:
+def on_the_truth(estimate: Estimate, truth: VirtualMachine, made: Written) -> Effect:
     low, high = np.array(estimate.box).T
     poses: Array = low + (high - low) * np.random.default_rng(1).uniform(size=(500, len(low)))
     return effect_of_control(estimate.machine, truth.deviation, made.control, poses, estimate.box)
@@ -174,7 +175,7 @@ def test_machine_zero_stays_where_it_is(controller: str) -> None:
     estimate, made = draft(controller)
     travels = np.array([axis.travel for axis in estimate.machine.axes])
     zero = np.clip(0.0, *travels.T)[None]
-    if isinstance(exporter(controller), MapFormat):
+    if isinstance(exporter(controller), PrinterFormat):
         zero[0, :2] = travels[:2].mean(axis=1)
         assert abs(made.control(zero, np.zeros_like(zero))[0, 2]) < 1e-6
         return

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from axiscal.ports.printers import contents
+from axiscal.ports.printers.contents import play_of
+from axiscal.ports.printers.marlin import Marlin
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.sampling import axis_tables, backlash
 from axiscal.tables.surface import skew_control, skew_of
@@ -24,7 +25,7 @@ def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_be
         expected[name] = float(np.mean(apart))
     found = backlash(SMALL)
     assert found == pytest.approx(expected, rel=2e-3)
-    assert contents.play_of(contents.content_of(SMALL, ExportOptions(), 5)) == pytest.approx(
+    assert play_of(Marlin().content(SMALL, ExportOptions(mesh=5))) == pytest.approx(
         {name: value for name, value in found.items() if value > 0}
     )
 

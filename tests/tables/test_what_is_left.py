@@ -17,7 +17,7 @@ from axiscal.estimation.machine_estimate import Estimate, LeftUnknown
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.volumetric_tables import reversal_times
+from axiscal.ports.linuxcnc.volumetric_tables import LinuxcncVolumetric
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded
@@ -128,7 +128,7 @@ def test_a_reversal_takes_a_fifth_of_the_acceleration_of_each_joint_within_5_ms_
         accelerations = [factor * axis.acceleration for axis in axes]
         scaled = tuple(replace(axis, acceleration=each) for axis, each in zip(axes, accelerations, strict=True))
         model = replace(estimate.machine, axes=scaled)
-        found = reversal_times(replace(estimate, model=model))
+        found = LinuxcncVolumetric().seconds(replace(estimate, model=model))
         worst = [max(np.sqrt(4 * j / (0.2 * a)) for j, a in zip(step, accelerations, strict=True)) for step in steps]
         assert found == pytest.approx(np.clip(worst, 0.005, 5.0).tolist(), rel=0.1)
         assert max(found) <= 5.0
@@ -201,7 +201,7 @@ def test_an_instrument_that_knows_commands_sees_where_the_control_sent_the_axes(
     truth = Simulator(estimate.machine, ()).drawn(2)
     names, rng = [axis.name for axis in estimate.machine.axes], np.random.default_rng(1)
     further = np.array([{"C": 40e-6, "X": 3e-5}.get(name, 0.0) for name in names])
-    seen = CommandedMachine.corrected(truth, lambda poses, _: np.tile(further, (len(poses), 1)))
+    seen = CommandedMachine.behind(truth, lambda poses, _: np.tile(further, (len(poses), 1)))
     low, high = np.array([axis.travel for axis in estimate.machine.axes]).T
     poses, ways = rng.uniform(low, high, (7, len(low))), rng.choice([-1.0, 1.0], (7, len(low)))
     there, here = (estimate.machine.frames(each) for each in (poses + further, poses))

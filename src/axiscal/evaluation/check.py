@@ -185,7 +185,7 @@ class Check:
 
     def read_on(self, truth: VirtualMachine, seed: int, places: Places) -> FoundAndLeft:
         """Return what a given virtual machine shows there."""
-        setups, machines = self.description.setups, (truth, CommandedMachine.corrected(truth, self.tables.control))
+        setups, machines = self.description.setups, (truth, CommandedMachine.behind(truth, self.tables.control))
         found, left = (
             machine.measured(setups, places.listed(setups), repeat(0.0), by_number(seed, first))
             for machine, first in zip(machines, _FIRST, strict=True)

@@ -25,8 +25,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.tables.loaded import table_control
 from axiscal.tables.offer import Export, title
-from axiscal.tables.surface import Control, sum_of
-from axiscal.tables.table import CompensationTable
+from axiscal.tables.surface import Control, sum_of, tour
 from axiscal.units import format_quantity
 from axiscal_core.machine import Machine
 from axiscal_core.ties import ALIKE, first_best
@@ -93,12 +92,23 @@ class Share:
 
 def parts_of(estimate: Estimate, offered: Export) -> tuple[Part, ...]:
     """Return the parts of an export that move anything: its tables, and what else its files hold as one."""
-    parts = [part for table in offered.tables for part in _of_table(estimate, table)]
+    parts = list[Part]()
+    for table in offered.tables:
+        over, half = estimate.machine.index(table.over), (table.forward - table.reverse) / 2
+        reversal = replace(table, forward=half, reverse=-half), said("reversal of {table}", table=title(table))
+        ends = estimate.box[over]
+        at = np.linspace(*ends, 201)
+        for one, name in ((table.averaged(), title(table)), reversal):
+            if (most := float(np.max(np.abs(one.forward)))) > _NOTHING:
+                values = one.deviation(at, 1)
+                apart = np.round(np.abs(values - (values[0] + values[-1]) / 2), 12)  # of what is even all along
+                places = (float(at[first_best(sizes, ALIKE)]) for sizes in (apart, np.abs(values)))
+                control, both = table_control(estimate.machine, [one]), name != title(table)
+                parts.append(Part(name, control, over, (*ends, *places), both, most, one.rotary))
     tables = table_control(estimate.machine, offered.tables)
     rest = sum_of(offered.control, lambda at, sides: -tables(at, sides))
     low, high = np.array(estimate.box).T
-    poses: Array = low + (high - low) * np.random.default_rng(0).uniform(size=(64, len(low)))
-    ways = np.where(np.arange(64)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(poses)
+    poses, ways = tour(low + (high - low) * np.random.default_rng(0).uniform(size=(64, len(low))), estimate.box)
     most = float(np.max(np.abs(rest(poses, ways))))
     whole = Part("the files as a whole" if not parts else "the other files", rest, None, (), False, most)
     return (*parts, *([whole] if most > _NOTHING else []))
@@ -112,9 +122,9 @@ def needed(estimate: Estimate, setups: Sequence[Setup], new: Places, parts: Sequ
     found = Places.none(len(estimate.machine.axes))
     for part in sorted(parts, key=lambda p: not p.both):
         options = [_showing(estimate.machine, setups, part, new.within(mine)) for _, mine in new.by_setup()]
-        scores = [_shown(estimate.machine, part, setups, places) for places in options]
-        if scores and max(scores) > 0:
-            found = Places.joined([found, without(options[first_best(np.array(scores), ALIKE)], found)])
+        scores = np.array([score for score, _ in options])
+        if np.any(scores > 0):
+            found = Places.joined([found, without(options[first_best(scores, ALIKE)][1], found)])
     return found
 
 
@@ -159,58 +169,28 @@ def idle_axes(readout: Readout, box: Box) -> tuple[str, ...]:
     return tuple(idle)
 
 
-def _of_table(estimate: Estimate, table: CompensationTable) -> list[Part]:
-    machine, over = estimate.machine, estimate.machine.index(table.over)
-    name = title(table)
-    half = (table.forward - table.reverse) / 2
-    kinds = (
-        (name, table.averaged(), False),
-        (said("reversal of {table}", table=name), replace(table, forward=half, reverse=-half), True),
-    )
-    return [
-        Part(shown, table_control(machine, [one]), over, _targets(estimate, over, one), both, _most(one), one.rotary)
-        for shown, one, both in kinds
-        if _most(one) > _NOTHING
-    ]
+def _showing(machine: Machine, setups: Sequence[Setup], part: Part, at: Places) -> tuple[float, Places]:
+    """Return those places of one set-up that show a part: nearest to its targets, or what it moves farthest.
 
-
-def _most(table: CompensationTable) -> float:
-    return float(np.max(np.abs(table.forward)))
-
-
-def _targets(estimate: Estimate, over: int, table: CompensationTable) -> tuple[float, ...]:
-    """Return the ends of what is looked up, and where most is corrected, counted from the ends' mean, in the volume."""
-    low, high = estimate.box[over]
-    at = np.linspace(low, high, 201)
-    values = table.deviation(at, 1)
-    apart = np.round(np.abs(values - (values[0] + values[-1]) / 2), 12)  # of what is even all along, rounding
-    return (low, high, float(at[first_best(apart, ALIKE)]), float(at[first_best(np.abs(values), ALIKE)]))
-
-
-def _showing(machine: Machine, setups: Sequence[Setup], part: Part, at: Places) -> Places:
-    """Return those places of one set-up that show a part: nearest to its targets, or what it moves farthest."""
-    setup = setups[int(at.setups[0])]
-    if part.over is None:
-        return at.within(_farthest(taken_away(Readout(machine, setups, at), part.control).reshape(len(at), -1)))
-    if part.over not in setup.moves:
-        return at.within(slice(0))
-    picked = dict[int, None]()
-    for way in setup.sides if part.both else (0,):
-        from_there = np.flatnonzero((at.approaches[:, part.over] == way) | (way == 0))
-        for target in part.targets if len(from_there) else ():
-            picked[int(from_there[np.argmin(np.abs(at.poses[from_there, part.over] - target))])] = None
-    return at.within(np.array([*picked], dtype=np.intp))
-
-
-def _farthest(effects: Array) -> NDArray[np.intp]:
-    """Return the indices of a few effects that are farthest from their mean, then from each other.  effects : (m, k)"""
-    picked = list[int]()
-    apart = np.linalg.norm(effects - effects.mean(axis=0), axis=1)
-    for _ in range(min(_FEW, len(effects))):
-        picked.append(int(np.argmax(apart)))
-        away = np.linalg.norm(effects - effects[picked[-1]], axis=1)
-        apart = away if len(picked) == 1 else np.minimum(apart, away)
-    return np.array(sorted(set(picked)), dtype=np.intp)
+    And by how much it makes their values differ, in standard deviations of one.
+    """
+    setup, picked = setups[int(at.setups[0])], dict[int, None]()
+    if part.over is None:  # the farthest from the mean, then from each other
+        effects = taken_away(Readout(machine, setups, at), part.control).reshape(len(at), -1)
+        apart = np.linalg.norm(effects - effects.mean(axis=0), axis=1)
+        for _ in range(min(_FEW, len(effects))):
+            away = np.linalg.norm(effects - effects[np.argmax(apart)], axis=1)
+            picked[int(np.argmax(apart))] = None
+            apart = away if len(picked) == 1 else np.minimum(apart, away)
+    elif part.over in setup.moves:
+        for way in setup.sides if part.both else (0,):
+            from_there = np.flatnonzero((at.approaches[:, part.over] == way) | (way == 0))
+            for target in part.targets if len(from_there) else ():
+                picked[int(from_there[np.argmin(np.abs(at.poses[from_there, part.over] - target))])] = None
+    chosen = at.within(np.array(sorted(picked) if part.over is None else [*picked], dtype=np.intp))
+    if len(chosen) < 2:
+        return 0.0, chosen
+    return float(np.ptp(taken_away(Readout(machine, setups, chosen), part.control))) / setup.noise, chosen
 
 
 def far_from(machine: Machine, places: Places, used: Places) -> NDArray[np.bool_]:
@@ -219,14 +199,6 @@ def far_from(machine: Machine, places: Places, used: Places) -> NDArray[np.bool_
     for setup, pose in zip(used.setups, used.poses, strict=True):
         far &= (places.setups != setup) | (np.max(np.abs(places.poses - pose) / lengths, axis=1) >= _FRESH)
     return far
-
-
-def _shown(machine: Machine, part: Part, setups: Sequence[Setup], places: Places) -> float:
-    """Return by how much a part makes the values of a set-up differ, in standard deviations of one."""
-    if len(places) < 2:
-        return 0.0
-    taken = taken_away(Readout(machine, setups, places), part.control)
-    return float(np.ptp(taken)) / setups[int(places.setups[0])].noise
 
 
 def _keys(places: Places) -> list[tuple[object, ...]]:

@@ -7,7 +7,6 @@ there it meets by so much sooner what stands in its way. Pieces that are not fre
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import chain
 
 import numpy as np
 
@@ -18,8 +17,8 @@ from axiscal.measurement.bodies import lever
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.programs.scale import AxisScale
-from axiscal.programs.steps import Arrival, Move, Step
+from axiscal.programs.scale import AxisScale, ReadingTarget
+from axiscal.programs.steps import Move, Step
 from axiscal.units import from_unit
 from axiscal_core.machine import Machine
 
@@ -62,31 +61,32 @@ def refuse_kept_out(
     balls : by the number of each reading, the one that it touches
     Ways on which it is not known where every axis is, before all of them have been sent somewhere, are not looked at.
     """
-    hit = False
-    ways = chain(free_ways(machine, setup, balls, scales, run), [True])
-    for step, clear in zip([*run, None], ways, strict=True):
-        hit = hit or not clear
-        if hit and (step is None or isinstance(step, Arrival)):
-            way = said("the way to reading {number}", number=step.target.number) if step else ""
-            what = "{way} of the set-up {setup} leads into {artefact}: into a ball, a post, or what is to be kept out"
-            remedy = (
-                "Say what goes clear before others move (--clearance), read the place from another side, move the "
-                "artefact, or correct length, reach, radius and head in [tool]"
-            )
-            artefact = shown(setup.artefact.name if setup.artefact else "")
-            way = way or said("the way from the last reading")
-            raise ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
+    ways = free_ways(machine, setup, balls, scales, run)
+    blocked = next((place for place, clear in enumerate(ways) if not clear), None)
+    if blocked is None:
+        return
+    reached = next((step for step in run[blocked:] if isinstance(step, ReadingTarget)), None)
+    way = (
+        said("the way to reading {number}", number=reached.number) if reached else said("the way from the last reading")
+    )
+    what = "{way} of the set-up {setup} leads into {artefact}: into a ball, a post, or what is to be kept out"
+    remedy = (
+        "Say what goes clear before others move (--clearance), read the place from another side, move the artefact, or "
+        "correct length, reach, radius and head in [tool]"
+    )
+    artefact = shown(setup.artefact.name if setup.artefact else "")
+    raise ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
 
 
 def free_ways(
     machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
 ) -> Iterator[bool]:
     """Yield of each step whether its way is free; the tool may come to the balls of the readings around it."""
-    at, around = np.full(len(scales), np.nan), [balls[s.target.number] for s in run if isinstance(s, Arrival) and balls]
+    at, around = np.full(len(scales), np.nan), [balls[s.number] for s in run if isinstance(s, ReadingTarget) and balls]
     room = Room.among(machine, setup.artefact, {*around[:1]}, setup.contact != "retracted")
     for step in run:
         before = at.copy()
-        if isinstance(step, Arrival) and balls:
+        if isinstance(step, ReadingTarget) and balls:
             room = Room.among(machine, setup.artefact, {*around[:2]}, setup.contact != "retracted")
             around = around[1:]
         if isinstance(step, Move):

@@ -28,7 +28,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.programs import steps
 from axiscal.programs.dialects import Dialect, dialect, filled
 from axiscal.programs.kept_out import refuse_kept_out
-from axiscal.programs.scale import target
+from axiscal.programs.scale import ReadingTarget, target
 from axiscal.units import to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
@@ -153,24 +153,18 @@ class _Writer:
     def _run(self) -> tuple[steps.Step, ...]:
         setup, scales = self._setup, self._axes.scales
         reading = setup.reading_time if setup.driving.dwell else None
+        poses = np.array([place.pose for place in self._places.values()])
+        stood = poses if self._back is None else drawn_back(self._machine, poses, self._back)  # where the probe begins
         targets = [
-            target(scales, setup.name, number, self._stood_at(place), place.approach)
-            for number, place in self._places.items()
+            target(scales, setup.name, number, pose, place.approach)
+            for (number, place), pose in zip(self._places.items(), stood.tolist(), strict=True)
         ]
         touch = (lambda at: self._axes.touching(setup, at, self._places[at.number])) if self.touches else None
         run = tuple(self._axes.run_through(targets, setup, reading, touch))
         if setup.artefact is not None:
-            tips = self._machine.frames(np.array([place.pose for place in self._places.values()])).tcp
-            balls = setup.artefact.nearest(tips, setup.balls).tolist() if setup.balls else []
+            balls = setup.artefact.nearest(self._machine.frames(poses).tcp, setup.balls).tolist() if setup.balls else []
             refuse_kept_out(self._machine, setup, dict(zip(self._places, balls, strict=False)), scales, run)
         return run
-
-    def _stood_at(self, place: Place) -> Sequence[float]:
-        """Return where the axes stand at a reading: off its ball, where the probe begins."""
-        if self._back is None:
-            return place.pose
-        pose: list[float] = drawn_back(self._machine, np.array([place.pose]), self._back)[0].tolist()
-        return pose
 
     @cached_property
     def readings(self) -> tuple[Listed, ...]:
@@ -179,14 +173,14 @@ class _Writer:
         for step in self._run:
             if isinstance(step, steps.Move | steps.Dwell | steps.Touched):
                 seconds += step.seconds
-            elif isinstance(step, steps.Arrival):
-                at = step.target.position
+            elif isinstance(step, ReadingTarget):
+                at = step.position
                 if self._back is not None:  # the pose that is read has the tool point at the ball
-                    pose = zip(scales, self._places[step.target.number].pose, strict=True)
+                    pose = zip(scales, self._places[step.number].pose, strict=True)
                     at = tuple(number for scale, value in pose if (number := scale.nearest(value)) is not None)
                 texts = tuple(scale.written(value) for scale, value in zip(scales, at, strict=True))
-                known = self._setup, self._machine.axes, texts, step.target.approach
-                found.append(Listed(step.target.number, seconds, *known))
+                known = self._setup, self._machine.axes, texts, step.approach
+                found.append(Listed(step.number, seconds, *known))
         return tuple(found)
 
     def _head(self) -> Iterator[str]:
@@ -215,7 +209,7 @@ class _Writer:
                 return [*([seen] if step.text else []), *self._dialect.stopped(len(axes))]
             case steps.Remark():
                 return [self._comment(step.text)]
-            case steps.Arrival():  # for the list of readings alone
+            case ReadingTarget():  # for the list of readings alone
                 return []
 
     def _comment(self, text: str) -> str:
@@ -281,7 +275,8 @@ def write_programs(
     Raises ProgramError before the first file is touched, OSError.
     """
     made = programs(machine, setups, places, dialect(controller), log)
-    files = {name: text for each in made for name, text in _own_files(each)}
+    own = [((each.file_name, each.text), (f"{each.name}.csv", each.listing)) for each in made]
+    files = {name: text for pair in own for name, text in pair}
     lists = LISTS.format(plan_code([program.listing for program in made]))
     _refuse_other_plan(Path(folder), lists, files)
     files |= {lists: "".join(f"{program.name}.csv\n" for program in made)} if log else {}
@@ -291,10 +286,6 @@ def write_programs(
     for name, text in files.items():
         write_whole(Path(folder) / name, text.encode())
     return [Path(folder) / name for name in files]
-
-
-def _own_files(program: Program) -> tuple[tuple[str, str], tuple[str, str]]:
-    return (program.file_name, program.text), (f"{program.name}.csv", program.listing)
 
 
 def _refuse_other_plan(folder: Path, own: str, files: Collection[str]) -> None:

@@ -120,26 +120,23 @@ def target(
     if not len(pose) == len(approach) == len(scales) or any(side not in (-1, 0, 1) for side in approach):
         remedy = "Plan it for this machine"
         raise ProgramError("{label} does not fit the machine's {count} axes", remedy, label=label, count=len(scales))
-    placed = [_placed(s, label, v, int(a)) for s, v, a in zip(scales, pose, approach, strict=True)]
+    placed = list[tuple[Decimal, Decimal]]()
+    for scale, value, side in zip(scales, pose, map(int, approach), strict=True):
+        name, place = scale.axis.name, scale.nearest(value)
+        if place is None:
+            what, at = "{label}: {axis} = {place} is outside the travel", format_quantity(value, scale.unit, 9)
+            remedy = "Plan within {travel}; a raster may lead beyond it"
+            raise TravelError(what, remedy, label=label, axis=name, place=at, travel=scale.travel)
+        if (sided := scale.sided(place, side)) is None:
+            what = (
+                "{label} is to be approached with {side} at {axis} = {number} {unit}, and the travel, which ends at "
+                "{end} {unit}, leaves less than the overrun of {overrun} to come from there"
+            )
+            remedy = "Plan it further inside or from the other side, or give the axis a smaller overrun"
+            sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
+            overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
+            told = {"side": f"{name}{sign}", "axis": name, "number": place, "unit": scale.unit, "end": end}
+            raise TravelError(what, remedy, None, None, label=label, overrun=overrun, **told)
+        placed.append(sided)
     position, turning = zip(*placed, strict=True)
     return ReadingTarget(number, position, turning, tuple(int(side) for side in approach))
-
-
-def _placed(scale: AxisScale, label: str, value: float, side: int) -> tuple[Decimal, Decimal]:
-    """Return position and turning point of one axis."""
-    name, number = scale.axis.name, scale.nearest(value)
-    if number is None:
-        what, place = "{label}: {axis} = {place} is outside the travel", format_quantity(value, scale.unit, 9)
-        remedy = "Plan within {travel}; a raster may lead beyond it"
-        raise TravelError(what, remedy, label=label, axis=name, place=place, travel=scale.travel)
-    if (sided := scale.sided(number, side)) is not None:
-        return sided
-    what = (
-        "{label} is to be approached with {side} at {axis} = {number} {unit}, and the travel, which ends at {end} "
-        "{unit}, leaves less than the overrun of {overrun} to come from there"
-    )
-    remedy = "Plan it further inside or from the other side, or give the axis a smaller overrun"
-    sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
-    overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
-    at = {"side": f"{name}{sign}", "axis": name, "number": number, "unit": scale.unit, "end": end}
-    raise TravelError(what, remedy, None, None, label=label, overrun=overrun, **at)

@@ -71,13 +71,6 @@ class Remark:
 
 
 @dataclass(frozen=True, slots=True)
-class Arrival:
-    """The axes have come to a reading."""
-
-    target: ReadingTarget
-
-
-@dataclass(frozen=True, slots=True)
 class Touched:
     """A sphere is met from beside it, fast and then slowly, the place is written into the log, and the tool goes back.
 
@@ -97,7 +90,8 @@ class Touched:
     seconds: float
 
 
-Step = Move | Dwell | Halt | Remark | Arrival | Touched
+Step = Move | Dwell | Halt | Remark | ReadingTarget | Touched
+"""A target stands where the axes have come to it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -154,10 +148,10 @@ class ProgramAxes:
             yield from self.way_to(target, standing, first=target is targets[0])
             standing = target.position
             yield Remark(f"READING {target.number}")
-            yield Arrival(target)
+            yield target
             yield from dwells(setup.settle)
             yield from read(target) if read is not None else [Halt()] if reading is None else dwells(reading)
-        yield from self.moves(standing, self.cleared(standing))
+        yield from self.along(standing, [self.cleared(standing)])
 
     def way_to(self, target: ReadingTarget, standing: Decimals, first: bool = False) -> Iterator[Move]:
         """Yield the way to a reading from where the axes stand, over where they are clear if others move.
@@ -193,28 +187,21 @@ class ProgramAxes:
         return (*place[:apart], above, *place[apart + 1 :])
 
     def along(self, standing: Decimals, stops: Sequence[Decimals]) -> Iterator[Move]:
-        """Yield the moves from one stop to the next."""
+        """Yield the moves from one stop to the next, group after group; none where nothing is to move."""
         for stop in stops:
-            yield from self.moves(standing, stop)
+            for group in self.groups:
+                begin, end = (dict[int, Decimal]((k, where[k]) for k in group) for where in (standing, stop))
+                for to in self._places(begin, end):
+                    ways, far = {k: to[k] - begin[k] for k in group if to[k] != begin[k]}, np.zeros(len(self.scales))
+                    for k, way in ways.items():
+                        far[k] = from_unit(float(way), self.scales[k].unit)
+                    seconds = float(travel_seconds(self.machine, np.zeros(len(far)), far))
+                    yield Move({k: to[k] for k in ways}, self._feed(ways, ways), seconds)
+                    begin = to
             standing = stop
-
-    def moves(self, start: Decimals, stop: Decimals) -> Iterator[Move]:
-        """Yield the moves from one place to another, group after group; none where nothing is to move."""
-        for group in self.groups:
-            begin, end = (dict[int, Decimal]((k, where[k]) for k in group) for where in (start, stop))
-            for to in self._places(begin, end):
-                ways = {k: to[k] - begin[k] for k in group if to[k] != begin[k]}
-                yield Move({k: to[k] for k in ways}, self._feed(ways, ways), self._seconds(ways))
-                begin = to
 
     def _with(self, axis: int) -> tuple[int, ...]:
         return next(group for group in self.groups if axis in group)
-
-    def _seconds(self, ways: Places) -> float:
-        far = np.zeros(len(self.scales))
-        for k, way in ways.items():
-            far[k] = from_unit(float(way), self.scales[k].unit)
-        return float(travel_seconds(self.machine, np.zeros(len(far)), far))
 
     def _feed(self, axes: Sequence[int] | Places, ways: Places | None = None) -> int:
         """Return the fastest feed (mm/min, deg/min) of a straight move at which no axis exceeds its speed.
@@ -265,7 +252,7 @@ class ProgramAxes:
             yield Touched(target.number, number, *where, fast, slow, travel, seconds)
             yield from self.along(beside, way[::-1])
             standing = way[0]
-        yield from self.moves(standing, target.position)
+        yield from self.along(standing, [target.position])
 
     def _reached(self, setup: Setup, pose: Array, target: ReadingTarget) -> Decimals:
         """Return a pose in the numbers of the program, the rotary axes as they stand; raises TravelError."""

@@ -17,15 +17,18 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import ClassVar
 
+import numpy as np
+
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document import shown
 from axiscal.document.ports import of_class, rendered
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
+from axiscal.numerics import Array
 from axiscal.tables.loaded import Loaded, OldFile, read_old, refuse_long_numbers, table_control
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
-from axiscal.tables.surface import Control, sum_of, with_height
+from axiscal.tables.surface import Control, sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal_core.machine import Machine
 
@@ -96,7 +99,7 @@ def unasked(description: CampaignDescription) -> str:
     return "" if description.compensation_active is not None else said(_BEGINNING)
 
 
-def on_top(estimate: Estimate, draft: Draft, old: Loaded, options: ExportOptions) -> Draft:
+def on_top(estimate: Estimate, draft: Written, old: Loaded, options: ExportOptions) -> Written:
     """Return a draft of old and new together, whose effect counts from what was active; raises TableError."""
     if options.active is False:
         what = "campaign.toml says that no compensation was active while measuring (compensation_active = false)"
@@ -111,7 +114,7 @@ def on_top(estimate: Estimate, draft: Draft, old: Loaded, options: ExportOptions
     return replace(draft, control=control, wanted=wanted, notes=(note, *draft.notes))
 
 
-def asked_about(controller: str, control: Exporter, draft: Draft, options: ExportOptions) -> Draft:
+def asked_about(controller: str, control: Exporter, draft: Written, options: ExportOptions) -> Written:
     """Return a draft with the question whether something was active, where nobody said.
 
     Raises TableError where something was and files would take its place.
@@ -211,7 +214,7 @@ class ExportOptions:
         An axis without a given number has the place behind those before it, in the order X Y Z A B C and so on.
         Raises TableError for a number that is there twice or below `first`, and for an axis that is not there.
         """
-        found, place = dict[str, tuple[int, ...]](), first
+        found, place, owner = dict[str, tuple[int, ...]](), first, dict[int, str]()
         for name, numbers in self.numbers.items():
             machine.index(name)
             if min(numbers) < first:
@@ -220,32 +223,31 @@ class ExportOptions:
         for name in sorted((a.name for a in machine.axes), key=lambda name: (_USUAL.index(name[0]), name)):
             found[name] = self.numbers.get(name, (place,))
             place += len(found[name])
-        for each in (self.numbers, found):
-            _refuse_twice(each)
+        known = ", ".join(f"{name}={number}" for name, numbers in found.items() for number in numbers)
+        for name, number in ((name, number) for name, numbers in found.items() for number in numbers):
+            if (other := owner.setdefault(number, name)) != name or found[name].count(number) > 1:
+                what = "{name} is given twice the same number {number} (numbers are {known})"
+                if other != name:
+                    what = "{other} and {name} have the same number {number} (numbers are {known})"
+                remedy = "Give each axis its own: --number X=3; an axis of two joints --number Y=1 --number Y=2"
+                raise TableError(what, remedy, name=name, other=other, number=number, known=known)
         return found
 
 
-def _refuse_twice(found: Mapping[str, tuple[int, ...]]) -> None:
-    """Raise TableError when two axes have the same number, or one has it twice."""
-    pairs, owner = [(name, number) for name, numbers in found.items() for number in numbers], dict[int, str]()
-    for name, number in pairs:
-        if number in owner:
-            what = "{name} is given twice the same number {number} (numbers are {known})"
-            if owner[number] != name:
-                what = "{other} and {name} have the same number {number} (numbers are {known})"
-            remedy = "Give each axis its own: --number X=3; an axis of two joints --number Y=1 --number Y=2"
-            known = ", ".join(f"{axis}={each}" for axis, each in pairs)
-            raise TableError(what, remedy, name=name, other=owner[number], number=number, known=known)
-        owner[number] = name
+def _nothing_added(poses: Array, approaches: Array) -> Array:
+    return np.zeros_like(poses)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Written:
     """Files with what to know of them.
 
     files : text by name; steps : what rounding may leave of each axis, m or rad; notes : how to load the files
     holds, left_out : instead of those of the control, where the files decide
     first : what whoever loads them reads before anything else
+    control : what the control does with them, as they are read back; wanted : what they are meant to do
+    tables : what the files hold, for the figures; tried : whether a real control of this kind has been seen to take
+    them; about : the estimate they were made of, where it is not the one that was given
     """
 
     files: Mapping[str, str]
@@ -254,19 +256,8 @@ class Written:
     holds: str = ""
     left_out: str = ""
     first: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Draft(Written):
-    """Files for a controller, before they are tried.
-
-    control : what the control does with them, as they are read back; wanted : what they are meant to do
-    tables : what the files hold, for the figures; tried : whether a real control of this kind has been seen to take
-    them; about : the estimate they were made of, where it is not the one that was given
-    """
-
-    control: Control
-    wanted: Control
+    control: Control = _nothing_added
+    wanted: Control = _nothing_added
     tables: tuple[CompensationTable, ...] = ()
     tried: bool = False
     about: Estimate | None = None
@@ -297,7 +288,7 @@ class Exporter(ABC):
     unstated: ClassVar[str] = ""
 
     @abstractmethod
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+    def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the files before they are tried; raises TableError."""
 
     @abstractmethod
@@ -311,16 +302,16 @@ class Exporter(ABC):
         machine: Machine,
         options: ExportOptions,
         tables: tuple[CompensationTable, ...] = (),
-    ) -> Draft:
+    ) -> Written:
         """Return files that were just written, read back, beside what they are meant to do."""
         name = type(self).__name__
         of_class(f"the result of {name}.write", written, Written)
-        own = {what: getattr(written, what) or getattr(self, what, None) for what in ("holds", "left_out")}
-        texts = [of_class(f"{name}.{what}", text, str) for what, text in own.items()]
-        said = written.notes, *texts, written.first
+        for what in ("holds", "left_out"):
+            own = getattr(written, what) or getattr(self, what, None)
+            written = replace(written, **{what: of_class(f"{name}.{what}", own, str)})
         loaded = self.load([OldFile(*file) for file in written.files.items()], machine, options)
-        held, tried = of_class(f"the result of {name}.load", loaded, Loaded).control(machine), self.tried
-        return Draft(written.files, written.steps, *said, control=held, wanted=wanted, tables=tables, tried=tried)
+        held = of_class(f"the result of {name}.load", loaded, Loaded).control(machine)
+        return replace(written, control=held, wanted=wanted, tables=tables, tried=self.tried)
 
 
 class TableFormat(Exporter):
@@ -346,29 +337,8 @@ class TableFormat(Exporter):
         over = cross_tables(estimate, options.spacing, self.points, self.grid[0]) if self.across else ()
         return (*own, *(over if self.both_ways else (table.averaged() for table in over)))
 
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+    def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the files with their tables; raises TableError."""
         machine, tables = estimate.machine, self.tables(estimate, options)
         written = self.write(tables, machine, options)
         return self.draft(written, table_control(machine, tables), machine, options, tables)
-
-
-class MapFormat(Exporter):
-    """A control of X, Y and Z whose files hold the height over the plane, and what else a printer knows."""
-
-    takes = frozenset({"--mesh", "--zero"})
-
-    @abstractmethod
-    def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return what the files are to hold; raises TableError."""
-
-    @abstractmethod
-    def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
-        """Return the files."""
-
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
-        """Return the files; raises TableError."""
-        estimate = with_height(estimate)
-        machine, content = estimate.machine, self.content(estimate, options)
-        made = self.draft(self.write(content, machine, options), content.control(machine), machine, options)
-        return replace(made, about=estimate)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.description.ini_file import IniFile, IniValue, read_ini
+from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import unit_in
 from axiscal.exceptions import InputError, TableError
 from axiscal.measurement.readers.text_file import read_text
@@ -69,25 +69,21 @@ def read_old(names: Iterable[str], folder: Path = Path()) -> tuple[OldFile, ...]
 
     folder : that relative names begin at.  Raises TableError, ReadingError.
     """
-    return tuple(file for name in names for file in _named(name, folder))
-
-
-def _named(name: str, folder: Path) -> Iterator[OldFile]:
-    path = folder / name
-    given = _NAMED.fullmatch(name)
-    if given and not path.exists():
-        yield OldFile(given[2], _text(folder / given[2]), given[1])
-    elif path.is_dir():
-        found = sorted(each for each in path.iterdir() if each.is_file() and not _OTHERS.fullmatch(each.name))
-        if not found:
-            raise TableError("there is no file in this folder", "name the old compensation", path)
-        yield from (OldFile(str(each), _text(each)) for each in found)
-    else:
-        text = _text(path)
-        if path.suffix.lower() == ".ini" and _SECTION.search(text):
-            yield from _joints(path)
-        else:  # of a SINUMERIK, too, whose tables are called .INI
-            yield OldFile(str(path), text)
+    found = list[OldFile]()
+    for name in names:
+        path, given = folder / name, _NAMED.fullmatch(name)
+        if given and not path.exists():
+            found.append(OldFile(given[2], _text(folder / given[2]), given[1]))
+        elif path.is_dir():
+            inside = sorted(each for each in path.iterdir() if each.is_file() and not _OTHERS.fullmatch(each.name))
+            if not inside:
+                raise TableError("there is no file in this folder", "name the old compensation", path)
+            found += [OldFile(str(each), _text(each)) for each in inside]
+        else:  # .INI may be of a SINUMERIK, too, whose tables are called so
+            text = _text(path)
+            of_joints = path.suffix.lower() == ".ini" and _SECTION.search(text)
+            found += _joints(path) if of_joints else [OldFile(str(path), text)]
+    return tuple(found)
 
 
 def _text(path: Path) -> str:
@@ -96,27 +92,22 @@ def _text(path: Path) -> str:
 
 def _joints(path: Path) -> Iterator[OldFile]:
     """Yield the tables and backlashes that an INI file of LinuxCNC makes active; a table goes before a backlash."""
-    ini = read_ini(path)
-    named = (_JOINT.fullmatch(section) for section, _ in ini.values)
-    found = [_joint(ini, number) for number in dict.fromkeys(int(name[1]) for name in named if name)]
-    if not any(found):
+    ini, active = read_ini(path), False
+    unit, named = unit_in(ini, "LINEAR_UNITS"), (_JOINT.fullmatch(section) for section, _ in ini.values)
+    for joint in dict.fromkeys(int(name[1]) for name in named if name):
+        keys = "COMP_FILE", "COMP_FILE_TYPE", "BACKLASH"
+        stated = [ini.first((f"JOINT_{joint}", f"AXIS_{joint}"), key) for key in keys]
+        file, kind, backlash = (value if value is not None and value.text else None for value in stated)
+        if file is not None:
+            at, file_type = ini.path.parent / file.text, 0 if kind is None else int(kind.number("COMP_FILE_TYPE"))
+            yield OldFile(str(at), _text(at), joint=joint, file_type=file_type, unit=unit)
+        elif backlash is not None and (step := backlash.number("BACKLASH")):
+            yield OldFile(f"{ini.path} [JOINT_{joint}]", "", joint=joint, backlash=step, unit=unit)
+        else:
+            continue
+        active = True
+    if not active:
         raise TableError("no joint of this INI file has a COMP_FILE or BACKLASH", "leave --on-top-of out", path)
-    yield from (file for file in found if file is not None)
-
-
-def _joint(ini: IniFile, joint: int) -> OldFile | None:
-    def stated(key: str) -> IniValue | None:
-        value = ini.first((f"JOINT_{joint}", f"AXIS_{joint}"), key)
-        return value if value is not None and value.text else None
-
-    if (name := stated("COMP_FILE")) is not None:
-        at, kind = ini.path.parent / name.text, stated("COMP_FILE_TYPE")
-        file_type = 0 if kind is None else int(kind.number("COMP_FILE_TYPE"))
-        return OldFile(str(at), _text(at), joint=joint, file_type=file_type, unit=unit_in(ini, "LINEAR_UNITS"))
-    backlash = stated("BACKLASH")
-    if backlash is None or not (step := backlash.number("BACKLASH")):
-        return None
-    return OldFile(f"{ini.path} [JOINT_{joint}]", "", joint=joint, backlash=step, unit=unit_in(ini, "LINEAR_UNITS"))
 
 
 _APART = 1e-9
@@ -173,11 +164,9 @@ class Loaded:
 
         most : points that fit; even : the points of a table stay evenly spaced
         """
-        new, old = dict[tuple[str, str], CompensationTable](), dict[tuple[str, str], list[CompensationTable]]()
-        for table in tables:
-            new[table.axis, table.over] = table
-        for table in self.tables:
-            old.setdefault((table.axis, table.over), []).append(table)
+        old, new = dict[tuple[str, str], list[CompensationTable]](), {(one.axis, one.over): one for one in tables}
+        for one in self.tables:
+            old.setdefault((one.axis, one.over), []).append(one)
         return tuple(_summed(new.get(kind), old.get(kind, []), machine, most, even) for kind in {**new, **old})
 
 
@@ -192,18 +181,13 @@ def _summed(
         table = CompensationTable(axis, at, np.zeros(len(at)), np.zeros(len(at)), over=over)
     if not old:
         return table
-    table = table.resampled(_positions(table, old, most, even=even or machine.axis(table.axis).cyclic))
+    points = [one.positions for one in old if len(one.positions) > 1]
+    at = np.unique(np.concatenate([table.positions, *points]))
+    at = at[np.r_[True, np.diff(at) > _APART]]
+    if len(at) > most or even or machine.axis(table.axis).cyclic:  # those of the finest that goes all the way
+        ends = table.positions[0] + _APART, table.positions[-1] - _APART
+        at = max([*(p for p in points if p[0] <= ends[0] and p[-1] >= ends[1]), table.positions], key=len)
+        at = at if len(at) <= most else table.positions
+    table = table.resampled(at)
     up, down = (np.sum([one.deviation(table.positions, side) for one in old], axis=0) for side in (1, -1))
     return replace(table, forward=table.forward + up, reverse=table.reverse + down)
-
-
-def _positions(table: CompensationTable, old: Sequence[CompensationTable], most: int, *, even: bool) -> Array:
-    """Return the points of the sum: those of all tables, of the finest where all are too many or have to stay even."""
-    points = [one.positions for one in old if len(one.positions) > 1]
-    union = np.unique(np.concatenate([table.positions, *points]))
-    union = union[np.r_[True, np.diff(union) > _APART]]
-    if len(union) <= most and not even:
-        return union
-    whole = [p for p in points if p[0] <= table.positions[0] + _APART and p[-1] >= table.positions[-1] - _APART]
-    finest = max([*whole, table.positions], key=len)
-    return finest if len(finest) <= most else table.positions

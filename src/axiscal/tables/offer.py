@@ -16,8 +16,8 @@ from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, put, said
 from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array, even_subset
-from axiscal.tables.exporter import Draft, paragraphs
-from axiscal.tables.sampling import untold
+from axiscal.tables.exporter import Written, paragraphs
+from axiscal.tables.sampling import axis_tables, cross_tables
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
 from axiscal.units import digits, format_quantity, to_unit
@@ -70,7 +70,7 @@ class Export:
         return after < before or (self.by_row and after == before)
 
 
-def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
+def tried_over_box(estimate: Estimate, draft: Written) -> Effect:
     """Return what files do over the box of axes; raises TableError when they would not do what they are meant to."""
     of_class("Written.notes", draft.notes, tuple)
     for axis, step in draft.steps.items():
@@ -83,11 +83,18 @@ def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
         raise TableError("there is no deviation that these files could hold", _nothing_held(estimate))
     estimate = draft.about or estimate
     poses, approaches = spread_poses(estimate)
-    _refuse_differences(estimate, draft, poses, approaches)
+    apart = np.max(np.abs(draft.control(poses, approaches) - draft.wanted(poses, approaches)), axis=0)
+    slack, far = _WORTH, 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box))
+    for axis, worst in zip(estimate.machine.axes, apart, strict=True):
+        step = draft.steps.get(axis.name, 0.0)
+        slack += step * (far + estimate.machine.tool_length if axis.rotary else 1.0)  # times its lever on the TCP
+        if not worst <= step + 1e-12:
+            shown_worst = format_quantity(float(worst), "arcsec" if axis.rotary else "um", 3)
+            what = "read back, the files move {axis} by {shown} more or less than they should"
+            raise TableError(what, _DEFECT, axis=axis.name, shown=shown_worst)
     tried = estimate.machine, estimate.deviation
     effect = effect_of_control(*tried, draft.control, poses, estimate.box, counted=estimate.counted)
     meant = rms(left_by(*tried, draft.wanted, poses, approaches), estimate.counted)
-    slack = _WORTH + sum(_reach(estimate, name) * step for name, step in draft.steps.items())
     if effect.after > min(meant, effect.before) + slack:
         before, after = (format_quantity(value, "um", 3) for value in effect)
         what = "these files would take the error from {before} to {after}"
@@ -95,12 +102,12 @@ def tried_over_box(estimate: Estimate, draft: Draft) -> Effect:
     return effect
 
 
-def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
+def tried_out(controller: str, estimate: Estimate, draft: Written) -> Export:
     """Return the files with what they do; raises TableError when they would not do it."""
     effect, estimate = tried_over_box(estimate, draft), draft.about or estimate
     poses, approaches = spread_poses(estimate)
     together = planes_left(estimate, draft.control, poses, approaches)
-    silent = joined([title(table) for table in untold(estimate)]) if draft.tables else ""
+    silent = joined([title(table) for table in _untold(estimate)]) if draft.tables else ""
     silent = silent and f"what a table would take less than 10 % away from ({silent})"
     if estimate.sample is not None:
         tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
@@ -118,12 +125,17 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     return Export(controller, *done, by_row)
 
 
+def _untold(estimate: Estimate) -> tuple[CompensationTable, ...]:
+    """Return the tables that there are not, since they would take away less than a tenth."""
+    return (*axis_tables(estimate, told=False), *cross_tables(estimate, told=False))
+
+
 def _nothing_held(estimate: Estimate) -> str:
     """Return what to do when a controller can hold nothing of what is known."""
     found = estimate.deviation(*spread_poses(estimate))
     if float(np.max(np.abs(found), initial=0.0)) <= _WORTH:
         return said("take readings first")
-    silent = [table for table in untold(estimate) if np.ptp(table.forward) > _PART * np.max(np.ptp(found, axis=0))]
+    silent = [table for table in _untold(estimate) if np.ptp(table.forward) > _PART * np.max(np.ptp(found, axis=0))]
     if silent:
         what = "take more readings: tables of {tables} would take away less than 10 %"
         return said(what, tables=joined([title(table) for table in silent]))
@@ -160,22 +172,6 @@ def effect_sentence(files: str, effect: Effect, known: LeftUnknown) -> str:
     )
 
 
-def _refuse_differences(estimate: Estimate, draft: Draft, poses: Array, approaches: Array) -> None:
-    apart = np.max(np.abs(draft.control(poses, approaches) - draft.wanted(poses, approaches)), axis=0)
-    for axis, worst in zip(estimate.machine.axes, apart, strict=True):
-        if not worst <= draft.steps.get(axis.name, 0.0) + 1e-12:
-            shown = format_quantity(float(worst), "arcsec" if axis.rotary else "um", 3)
-            what = "read back, the files move {axis} by {shown} more or less than they should"
-            raise TableError(what, _DEFECT, axis=axis.name, shown=shown)
-
-
-def _reach(estimate: Estimate, name: str) -> float:
-    """Return the lever, m/rad, by which a rotary axis moves the TCP at most; 1 for a linear axis."""
-    if not estimate.machine.axis(name).rotary:
-        return 1.0
-    return 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box)) + estimate.machine.tool_length
-
-
 def spread_poses(estimate: Estimate, count: int = POSES) -> tuple[Array, Array]:
     """Return poses (m, q), multiples of irrational steps over the volume, and approaches at which files are tried."""
     low, high = np.array(estimate.box).T
@@ -199,8 +195,17 @@ def foreword(estimate: Estimate, control: Control) -> tuple[str, ...]:
     """
     machine = estimate.machine
     places = np.stack([np.array(machine.zero), np.mean(np.array(estimate.box), axis=1)])
-    moved = to_unit(shifts(machine, control, places), "um")
-    at_zero, in_the_middle = (f"{_place(machine, p)} by {_shown(m)}" for p, m in zip(places, moved, strict=True))
+    moved = to_unit(shifts(machine, control, places), "um").tolist()
+    at_zero, in_the_middle = (
+        " ".join(
+            f"{axis.name} {format_quantity(float(at) + 0.0, axis.unit)}"
+            for axis, at in zip(machine.axes, pose, strict=True)
+        )
+        + " by "
+        + ", ".join(f"{name} {round(value, 1) + 0.0:+.1f}" for name, value in zip("xyz", each, strict=True))
+        + " um"
+        for pose, each in zip(places, moved, strict=True)
+    )
     values = {"machine": machine, "unsaid": joined(uncounted(machine))}
     return paragraphs("axiscal.tables", "foreword.jinja", at_zero=at_zero, in_the_middle=in_the_middle, **values)
 
@@ -210,13 +215,3 @@ def shifts(machine: Machine, control: Control, poses: Array) -> Array:
     ways = [np.full(poses.shape, side) for side in (1.0, -1.0)]
     sent = [machine.frames(poses + control(poses, way)).tcp for way in ways]
     return (sent[0] + sent[1]) / 2 - machine.frames(poses).tcp
-
-
-def _place(machine: Machine, pose: Array) -> str:
-    at = zip(machine.axes, pose, strict=True)
-    return " ".join(f"{axis.name} {format_quantity(float(value) + 0.0, axis.unit)}" for axis, value in at)
-
-
-def _shown(moved: Array) -> str:
-    parts = (f"{name} {round(float(value), 1) + 0.0:+.1f}" for name, value in zip("xyz", moved, strict=True))
-    return f"{', '.join(parts)} um"

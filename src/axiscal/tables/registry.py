@@ -16,7 +16,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, Faults, TableError
 from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
-from axiscal.tables.exporter import OFF, Draft, Exporter, ExportOptions, asked_about, informed, on_top
+from axiscal.tables.exporter import OFF, Exporter, ExportOptions, Written, asked_about, informed, on_top
 from axiscal.tables.loaded import Loaded, refuse_long_numbers
 from axiscal.tables.offer import Export, tried_out, tried_over_box
 from axiscal.tables.surface import Control
@@ -36,7 +36,7 @@ def export(estimate: Estimate, controller: str, options: ExportOptions) -> Expor
     return tried_out(name, estimate, _drafted(estimate, name, options))
 
 
-def _drafted(estimate: Estimate, name: str, options: ExportOptions) -> Draft:
+def _drafted(estimate: Estimate, name: str, options: ExportOptions) -> Written:
     """Return the files for a controller before they are tried; raises as `export`."""
     refuse_untaken(name, options.given)
     control = exporter(name)

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -21,10 +20,10 @@ import numpy as np
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import travel_text
-from axiscal.machine.kinematics import solved
 from axiscal.measurement.readers.text_file import TextFile
 from axiscal.numerics import Array
 from axiscal.programs.part_program import PartLine, PartMotion, Spot, Unit, read_program
+from axiscal.tables.surface import by_linear_axes
 from axiscal.units import format_quantity, to_unit
 
 _ROUNDS = 2
@@ -49,39 +48,35 @@ class Sent:
     def __init__(self, estimate: Estimate, origin: Spot) -> None:
         self._estimate, self._machine, self._origin = estimate, estimate.machine, np.array(origin)
         names = [axis.name for axis in self._machine.axes]
-        self.columns = {letter: names.index(axis) for letter, axis in enumerate("XYZ") if axis in names}
-        if not self.columns:
+        self._letters = [k for k, axis in enumerate("XYZ") if axis in names]
+        self._axes = [names.index("XYZ"[k]) for k in self._letters]
+        if not self._axes:
             what, remedy = 'the machine has no axis "{name}"', "Name the linear axes of the machine so"
             raise TableError(what, remedy, name="X, Y, Z")
+        self._taken = by_linear_axes(self._machine, self._axes)
         self._shift = np.zeros(3)
         self._shift = self.added(np.zeros((1, 3)), np.zeros((1, 3)))[0]
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) of places (m, 3) of the program; other axes stand at zero, and X, Y, Z if unknown."""
-        at = np.where(np.isnan(places), 0.0, places) + self._origin
-        return self._spread(at, np.tile(np.array(self._machine.zero), (len(places), 1)))
-
-    def _spread(self, values: Array, over: Array) -> Array:
-        over[:, [*self.columns.values()]] = values[:, [*self.columns]]
-        return over
+        poses = np.tile(np.array(self._machine.zero), (len(places), 1))
+        poses[:, self._axes] = (np.where(np.isnan(places), 0.0, places) + self._origin)[:, self._letters]
+        return poses
 
     def added(self, places: Array, sides: Array) -> Array:
         """Return what is added to places (m, 3) that are come to from sides (m, 3), +1, −1, 0, (m, 3) m."""
-        poses, sent = self.poses(places), [*self.columns.values()]
-        ways, added = self._spread(sides, np.zeros_like(poses)), np.zeros_like(poses)
-        rotations = self._machine.frames(poses).rotations
-        moves = np.stack([rotations[k] @ np.array(self._machine.axes[k].direction) for k in sent], axis=2)
+        poses, found = self.poses(places), np.zeros_like(places)
+        ways, added = np.zeros_like(poses), np.zeros_like(poses)
+        ways[:, self._axes] = sides[:, self._letters]
         for _ in range(_ROUNDS):
-            added[:, sent] = -solved(moves, self._estimate.deviation(poses + added, ways))
-        found = np.zeros_like(places)
-        found[:, [*self.columns]] = added[:, sent]
+            added = self._taken(poses, self._estimate.deviation(poses + added, ways))
+        found[:, self._letters] = added[:, self._axes]
         return found - self._shift
 
-    def refuse_outside(self, file: TextFile, line: PartLine) -> None:
+    def refuse_outside(self, file: TextFile, line: PartLine, motion: PartMotion) -> None:
         """Raise ReadingError where a motion leaves the travel."""
-        assert line.motion is not None
-        pose = self.poses(line.motion.places(np.linspace(0.0, 1.0, 5)))
-        for axis, at in ((self._machine.axes[k], pose[:, k]) for k in self.columns.values()):
+        pose = self.poses(motion.places(np.linspace(0.0, 1.0, 5)))
+        for axis, at in ((self._machine.axes[k], pose[:, k]) for k in self._axes):
             low, high = axis.travel
             if at.min() < low - _STILL or at.max() > high + _STILL:
                 far = format_quantity(float(at.min() if at.min() < low else at.max()), "mm", 7)
@@ -127,8 +122,7 @@ def _off_line(paths: Array) -> Array:
     return np.asarray(np.linalg.norm(across, axis=2).max(axis=1, initial=0.0))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Rewritten:
+class Rewritten(NamedTuple):
     """A program as it is sent.
 
     lines : its text; added : RMS of what is added over its feed motions, m: the deviation as estimated
@@ -147,31 +141,22 @@ def rewrite(file: TextFile, unit: Unit, estimate: Estimate, origin: Spot, chord:
     unit : of lengths before G20 or G21; origin : where the machine stands at the program's zero, m; chord : m
     Raises ReadingError at a line with a word that is not known, or that leaves the travel.
     """
-    program, sent = read_program(file, unit), Sent(estimate, origin)
-    for line in (line for line in program if line.motion is not None):
-        sent.refuse_outside(file, line)
-    motions = [line.motion for line in program if line.motion is not None]
+    program, sent, motions = read_program(file, unit), Sent(estimate, origin), list[PartMotion]()
+    for line in program:
+        if line.motion is not None:
+            sent.refuse_outside(file, line, line.motion)
+            motions.append(line.motion)
     pieces = cut(motions, sent, chord)
     ends = [motions[p.motion].places(np.array([p.first, p.last])) for p in pieces]
     starts, stops = np.array(ends).reshape(-1, 2, 3).swapaxes(0, 1)
     sides = _sides(stops + sent.added(stops, np.zeros_like(stops)), chord)
     into, added = starts + sent.added(starts, sides), sent.added(stops, sides)
-    onto, ways = stops + added, np.vstack([np.zeros(3), sides])
-    turned = np.any(ways[1:] * ways[:-1] < 0, axis=1)  # another side than that of the piece before
-    lines, writer, number = list[str](), _PartWriter(), 0
-    for line in program:
-        if line.motion is None:
-            lines += writer.passed_on(line)
-            continue
-        lines += [line.text] if line.text.strip() else []
-        while number < len(pieces) and motions[pieces[number].motion] is line.motion:
-            first = into[number] if turned[number] and not line.motion.rapid else None
-            lines += writer.moved(line, first, onto[number])
-            number += 1
-        lines += [line.after] if line.after else []
-    feeds = np.array([not motions[p.motion].rapid for p in pieces], dtype=bool)
-    size = float(np.sqrt(np.mean(np.sum(added[feeds] ** 2, axis=1)))) if feeds.any() else 0.0
-    return Rewritten(tuple(lines), size, int(feeds.sum()), sum(not motion.rapid for motion in motions))
+    rapid = np.array([motions[p.motion].rapid for p in pieces], dtype=bool)
+    turned = np.any(sides * np.vstack([np.zeros(3), sides])[:-1] < 0, axis=1)  # another side than the piece before
+    moves = [[*([into[k]] if turned[k] and not rapid[k] else []), stops[k] + added[k]] for k in range(len(pieces))]
+    size = float(np.sqrt(np.mean(np.sum(added[~rapid] ** 2, axis=1)))) if not rapid.all() else 0.0
+    lines = tuple(_written(program, [(motions[p.motion], each) for p, each in zip(pieces, moves, strict=True)]))
+    return Rewritten(lines, size, int((~rapid).sum()), sum(not motion.rapid for motion in motions))
 
 
 def _sides(places: Array, still: float) -> Array:
@@ -190,40 +175,29 @@ def _sides(places: Array, still: float) -> Array:
     return sides
 
 
-class _PartWriter:
-    """Writes lines, with the axes that go elsewhere than before."""
+def _written(program: Sequence[PartLine], moves: Sequence[tuple[PartMotion, list[Array]]]) -> Iterator[str]:
+    """Yield the lines, with the axes that go elsewhere than before; how places are counted before what does something.
 
-    def __init__(self) -> None:
-        self._last: dict[str, str] = {}
-        self._counted = iter(["G90"])  # how places are counted: once, before the first motion
-
-    def passed_on(self, line: PartLine) -> Iterator[str]:
-        """Yield a line that moves nothing, and before the first that does something how places are counted."""
-        bare = line.text.strip()
-        if bare and bare[0] not in "%(;":
-            yield from self._counted
-        if any(code in bare for code in ("G28", "G30", "G53", "G20", "G21")):
-            self._last.clear()
-        yield from filter(None, (line.text, line.after))
-
-    def moved(self, line: PartLine, first: Array | None, end: Array) -> Iterator[str]:
-        """Yield a piece of a motion: what takes up the reversal, then the way.
-
-        first : where it begins from another side, None where from the same
-        """
-        assert line.motion is not None
-        yield from self._counted
-        if first is not None and (words := self._words(line, first)):
-            yield f"G1 {words}"
-        if words := self._words(line, end):
-            yield f"G{0 if line.motion.rapid else 1} {words}"
-
-    def _words(self, line: PartLine, place: Array) -> str:
-        texts = {}
-        for letter, at in zip("XYZ", place.tolist(), strict=True):
-            decimals = _DECIMALS[line.unit]
-            if not math.isnan(at):
-                texts[letter] = f"{round(to_unit(at, line.unit), decimals) + 0.0:.{decimals}f}"
-        words = " ".join(letter + text for letter, text in texts.items() if self._last.get(letter) != text)
-        self._last |= texts
-        return words
+    moves : of each motion, in their order, its pieces: where it goes, after what takes up the reversal
+    """
+    last, counted, left = dict[str, str](), iter(["G90"]), iter([*moves, (None, [])])
+    motion, places = next(left)
+    for line in program:
+        if line.motion is not None or line.text.strip()[:1] not in ("", "%", "(", ";"):
+            yield from counted if line.motion is None else ()
+        if line.motion is None and any(code in line.text for code in ("G28", "G30", "G53", "G20", "G21")):
+            last.clear()
+        yield from [line.text] if line.text.strip() or (line.motion is None and line.text) else []
+        while line.motion is not None and motion is line.motion:
+            yield from counted
+            for number, place in enumerate(places, 1):
+                decimals, words = _DECIMALS[line.unit], list[str]()
+                for letter, at in zip("XYZ", place.tolist(), strict=True):
+                    text = f"{round(to_unit(at, line.unit), decimals) + 0.0:.{decimals}f}"
+                    if not math.isnan(at) and last.get(letter) != text:
+                        words.append(letter + text)
+                        last[letter] = text
+                rapid = line.motion.rapid and number == len(places)
+                yield from [f"G{0 if rapid else 1} {' '.join(words)}"] if words else []
+            motion, places = next(left)
+        yield from [line.after] if line.after else []

@@ -19,9 +19,8 @@ bend of a spline differs on both sides.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,21 +61,23 @@ Multiples = tuple[float | None, float | None]
 
 
 def axis_tables(
-    estimate: Estimate, spacing: Spacing = None, most: int = MOST_POINTS, multiples: Multiples = (None, None)
+    estimate: Estimate,
+    spacing: Spacing = None,
+    most: int = MOST_POINTS,
+    multiples: Multiples = (None, None),
+    told: bool = True,
 ) -> tuple[CompensationTable, ...]:
     """Return a table for every axis whose positioning deviation the belief knows.
 
     spacing, most : as for `points`; multiples : the multiple of a linear axis, m, and of a rotary one, rad
+    told : False for those that readings do not tell from nought
     Raises TableError for a spacing that does not divide a travel, or needs more points than fit.
     """
-    return tuple(table for table in _own_tables(estimate, spacing, most, multiples) if table.told)
-
-
-def _own_tables(estimate: Estimate, spacing: Spacing, most: int, multiples: Multiples) -> Iterator[CompensationTable]:
-    """Yield the table of every axis with an error."""
-    known = {function.axis for function in estimate.model.curves}
-    for k, axis in ((k, axis) for k, axis in enumerate(estimate.machine.axes) if k in known):
-        yield own_table(estimate, k, points(estimate.model, k, spacing, most, multiples[axis.rotary]))
+    model, found = estimate.model, list[CompensationTable]()
+    for k in sorted({function.axis for function in model.curves}):
+        at = points(model, k, spacing, most, multiples[model.axes[k].rotary])
+        found.append(own_table(estimate, k, at))
+    return tuple(table for table in found if table.told is told)
 
 
 def cross_tables(
@@ -85,33 +86,22 @@ def cross_tables(
     most: int = MOST_POINTS,
     multiple: float | None = None,
     uneven: bool = False,
+    told: bool = True,
 ) -> tuple[CompensationTable, ...]:
     """Return tables of linear axes over the positions of the other linear axes: straightness, sag and squareness.
 
-    Where no reading has seen how one moves over another there is no table.  Arguments and failures as for `points`.
+    Where no reading has seen how one moves over another there is no table.  Arguments and failures as for `axis_tables`
     uneven : points may stand anywhere, and stand where the line is nearest to the curve
     """
-    return tuple(table for table in _over_others(estimate, spacing, most, multiple, uneven) if table.told)
-
-
-def untold(estimate: Estimate) -> tuple[CompensationTable, ...]:
-    """Return the tables that there are not, since they would take away less than a tenth."""
-    found = *_own_tables(estimate, None, MOST_POINTS, (None, None)), *_over_others(estimate, None, MOST_POINTS)
-    return tuple(table for table in found if not table.told)
-
-
-def _over_others(
-    estimate: Estimate, spacing: Spacing, most: int, multiple: float | None = None, uneven: bool = False
-) -> Iterator[CompensationTable]:
-    """Yield the table of every linear axis over every other one."""
-    axes = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary]
+    axes, found = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary], list[CompensationTable]()
     for over in axes:
-        hats = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple))
-        moved = [k for k in axes if k != over]
+        hats, moved = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple)), [*axes]
+        moved.remove(over)
         for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
             if np.ptp(rows @ estimate.mean) > _NOTHING:  # no table over another axis holds a constant
                 table = (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
-                yield replace(table, told=table.told and estimate.sees(rows.mean(axis=0)))
+                found.append(replace(table, told=table.told and estimate.sees(rows.mean(axis=0))))
+    return tuple(table for table in found if table.told is told)
 
 
 def backlash(estimate: Estimate) -> dict[str, float]:
@@ -221,25 +211,45 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     anchor = _anchor(estimate, axis, over, hats, curves, free)
     shown = curves @ estimate.mean - anchor @ estimate.mean
     values = hats.best(shown.T).T
-    left = estimate.factor if estimate.open is None else estimate.open
-    roots = estimate.factor, estimate.model.root(), left
-    known, before, read = (_Spread.from_rows(free, anchor, root, hats.points) for root in roots)
+    counts, at = np.any(free, axis=(0, 1)) | (anchor != 0), hats.points
+    rows, off = free[:, :, counts], anchor[counts]
+    rows_of = rows, rows - off, rows - rows.mean(axis=(0, 1)), _bent(rows, at)
+
+    def stds(root: Array) -> list[Array]:
+        """Return standard deviations of the values, the larger of both directions, (points,), by F with F Fᵀ.
+
+        Before a constant is taken off, after it, less the mean over the table, and less the best-fit line of each
+        direction, which may be how the part lies.
+        """
+        return [np.sqrt(np.max(np.sum((each @ root[counts]) ** 2, axis=-1), axis=0)) for each in rows_of]
+
+    wide, known, shape, _ = stds(estimate.factor)
+    wide_before, before, *_ = stds(estimate.model.root())
+    rest = float(sum(estimate.model.curves[index].rest for index in _followed(estimate, axis, over)))
     departure = max(hats.departure(curve, line) for curve, line in zip(shown, values, strict=True))
     values = values + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
-    rest = float(sum(estimate.model.curves[index].rest for index in _followed(estimate, axis, over)))
-    by_row = (own.name, looked_up.name) in estimate.told  # of the answer; over the volume only where that counts
+    # Where readings said nothing the deviation is as uncertain as before, and so is its difference to the zero point of
+    # the table, up to the knowledge at that point: readings that leave the constant open may still know the curve.
+    silent: NDArray[np.bool_] = (wide >= _SILENT * wide_before) & (known >= _DIFFERENCE * before)
+    silent &= before > _OPEN * np.max(before)
+    # They tell a table that takes away a tenth of √(values² + u²), as it stands, or its shape: of the answer; over the
+    # volume only where that counts.
+    shapes, told = (values, values - values.mean(), _bent(values[..., None], at)), False
+    for each, spread in zip(shapes, stds(estimate.factor if estimate.open is None else estimate.open)[1:], strict=True):
+        size, u = np.sqrt(np.mean(each**2)), np.hypot(np.sqrt(np.mean(spread**2)), rest)
+        told |= bool(u < _WORTH * np.hypot(size, u) and size > _NOTHING)
     return CompensationTable(
         own.name,
-        hats.points,
+        at,
         values[0],
         values[-1],
-        np.hypot(known.anchored, rest),
+        np.hypot(known, rest),
         looked_up.name,
-        _silent(before, known),
+        silent,
         departure,
-        float(np.hypot(np.sqrt(np.mean(known.shape**2)), rest)),
-        by_row or (estimate.whole and read.tell(values, hats.points, rest)),
+        float(np.hypot(np.sqrt(np.mean(shape**2)), rest)),
+        (own.name, looked_up.name) in estimate.told or (estimate.whole and told),
     )
 
 
@@ -248,53 +258,6 @@ def _bent(rows: Array, along: Array) -> Array:
     line = np.stack([np.ones(len(along)), along - along.mean()], axis=1)
     fitted: Array = line @ (np.linalg.pinv(line) @ rows)
     return rows - fitted
-
-
-class _Spread(NamedTuple):
-    """Standard deviations of a table's values, the larger of both directions, (points,).
-
-    free : before a constant is taken off; anchored : after it; shape : less the mean over the table
-    bent : less the best-fit line of each direction, which may be how the part lies
-    """
-
-    free: Array
-    anchored: Array
-    shape: Array
-    bent: Array
-
-    @classmethod
-    def from_rows(cls, rows: Array, anchor: Array, root: Array, along: Array) -> _Spread:
-        """Return those of rows (s, points, size), less an anchor (size,), by F with F Fᵀ the covariance.
-
-        along : (points,) where they stand
-        """
-        counts = np.any(rows, axis=(0, 1)) | (anchor != 0)
-        known = root[counts]
-        each = rows[:, :, counts] @ known
-        off, mean = anchor[counts] @ known, each.mean(axis=(0, 1))
-        less = each, each - off, each - mean, _bent(each, along)
-        return cls(*(np.sqrt(np.max(np.sum(one**2, axis=-1), axis=0)) for one in less))
-
-    def tell(self, values: Array, along: Array, rest: float) -> bool:
-        """Return whether values (s, points) take away a tenth of √(values² + u²), as they stand, or their shape.
-
-        rest : standard deviation of what no curve follows, of each of them
-        """
-        shapes = values, values - values.mean(), _bent(values[..., None], along)
-        sizes = np.array([np.sqrt(np.mean(each**2)) for each in shapes])
-        known = [np.hypot(np.sqrt(np.mean(each**2)), rest) for each in (self.anchored, self.shape, self.bent)]
-        return bool(np.any((known < _WORTH * np.hypot(sizes, known)) & (sizes > _NOTHING)))
-
-
-def _silent(before: _Spread, after: _Spread) -> NDArray[np.bool_]:
-    """Return where the readings said nothing, (points,).
-
-    There the deviation is as uncertain as before. So is its difference to the zero point of the table, up to the
-    knowledge at that point. Both are needed: readings that leave the constant open may still know the curve.
-    """
-    nothing: NDArray[np.bool_] = after.free >= _SILENT * before.free
-    nothing &= after.anchored >= _DIFFERENCE * before.anchored
-    return nothing & (before.anchored > _OPEN * np.max(before.anchored))
 
 
 def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, values: Array) -> Array:
@@ -322,17 +285,12 @@ def _rest_read(estimate: Estimate, axis: int, over: int, points: Array) -> Array
     if axis != over and turns:
         return np.zeros(len(points))
     sign = float(estimate.machine.axes[over].sign * np.sum(estimate.machine.axes[axis].direction))
-    read = np.zeros(len(points))
+    at, read = _read_at(estimate, over, points), np.zeros(len(points))
     for index in _followed(estimate, axis, over):
-        read += sign * _beside(estimate, index, _read_at(estimate, over, points))
+        step = _EDGE * estimate.model.curves[index].sides[0].cell
+        after, before = (estimate.rest_at(index, at + side * step) for side in (1, -1))
+        read += sign * np.where(after != 0, after, before)  # on an edge of cells that of the other side
     return read if turns else read - np.interp(np.clip(0.0, *points[[0, -1]]), points, read)
-
-
-def _beside(estimate: Estimate, index: int, points: Array) -> Array:
-    """Return the rest of an error at points, or of the cell on the other side of an edge on which a point lies."""
-    step = _EDGE * estimate.model.curves[index].sides[0].cell
-    after, before = (estimate.rest_at(index, points + side * step) for side in (1, -1))
-    return np.where(after != 0, after, before)
 
 
 def _followed(estimate: Estimate, axis: int, over: int) -> list[int]:
@@ -347,28 +305,22 @@ def closest(curves: Array, at: Array, knots: Array, even: Array) -> Array:
     curves : (s, n) forward and reverse, m or rad; at : (n,) increasing, from the first to the last position of a table
     knots : of the errors
     """
-    distinct = np.unique(np.round(knots, _DECIMALS))
+
+    def farthest(points: Array) -> tuple[float, float]:
+        """Return how far the line through points of the curves is from them at the most, and where."""
+        lines = np.stack([np.interp(at, points, np.interp(points, at, curve)) for curve in curves])
+        apart = np.abs(curves - lines).max(axis=0)
+        return float(apart.max()), float(at[int(np.argmax(apart))])
+
+    distinct, found = np.unique(np.round(knots, _DECIMALS)), [even]
     inner = distinct[(distinct > at[0] + _APART) & (distinct < at[-1] - _APART)]
-    starts = [at[[0, -1]], np.concatenate([at[:1], inner, at[-1:]])]
-    found = [even, *(_grown(curves, at, start, len(even)) for start in starts if len(start) <= len(even))]
-    apart = [_farthest(curves, at, points)[0] for points in found]
-    near = [points for points, each in zip(found, apart, strict=True) if each <= min(apart[0], min(apart) + _NEARER)]
+    for points in (at[[0, -1]], np.concatenate([at[:1], inner, at[-1:]])):
+        while len(points) < len(even):
+            apart, place = farthest(points)
+            if apart < _NOT_APART or np.min(np.abs(points - place)) < (at[-1] - at[0]) / SAMPLES:
+                break
+            points = np.sort(np.append(points, place))
+        found += [points] if len(points) <= len(even) else []
+    off = [farthest(points)[0] for points in found]
+    near = [points for points, each in zip(found, off, strict=True) if each <= min(off[0], min(off) + _NEARER)]
     return min(near, key=len)
-
-
-def _grown(curves: Array, at: Array, points: Array, most: int) -> Array:
-    """Return the positions with others between them, each where the line so far is farthest from the curve."""
-    while len(points) < most:
-        apart, place = _farthest(curves, at, points)
-        if apart < _NOT_APART or np.min(np.abs(points - place)) < (at[-1] - at[0]) / SAMPLES:
-            break
-        points = np.sort(np.append(points, place))
-    return points
-
-
-def _farthest(curves: Array, at: Array, points: Array) -> tuple[float, float]:
-    """Return how far the line through points of the curves is from them at the most, and where."""
-    lines = np.stack([np.interp(at, points, np.interp(points, at, curve)) for curve in curves])
-    apart = np.abs(curves - lines).max(axis=0)
-    worst = int(np.argmax(apart))
-    return float(apart[worst]), float(at[worst])

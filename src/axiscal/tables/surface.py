@@ -24,13 +24,9 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal.tables.sampling import cross_tables, hats_along
-from axiscal.tables.table import Hats
 from axiscal.units import format_quantity
 from axiscal_core.machine import Machine
 from axiscal_core.splines import gauss
-
-Sent = Callable[[Array, Array], Array]
-"""(commands (m, q), approaches (m, q)) -> where the axes are sent, (m, q), m or rad."""
 
 Field = Callable[[Array, Array], Array]
 """(poses (m, q), approaches (m, q)) -> TCP deviation (m, 3), m."""
@@ -92,18 +88,22 @@ def turned_by(machine: Machine, rotation: Field, control: Control, poses: Array,
     return turned + rotation(sent, approaches)
 
 
-def by_linear_axes(machine: Machine, fewest: int = 3) -> Callable[[Array, Array], Array]:
-    """Return what takes TCP deviations (m, 3) at poses (m, q) away by the linear axes alone, (m, q), m.
-
-    [u_x u_y u_z] Δ = -δp, as near as two axes come to it.  fewest : that the control takes
-    Raises TableError where there are not so many linear axes, or two along one direction.
-    """
+def spanning_axes(machine: Machine, fewest: int) -> list[int]:
+    """Return the linear axes; raises TableError where there are not so many, or two along one direction."""
     linear = [k for k, axis in enumerate(machine.axes) if not axis.rotary]
     if not fewest <= len({letter_direction(machine.axes[k].letter) for k in linear}) == len(linear):
         what = "the linear axes of the machine are {names}"
         remedy = "volumetric compensation needs {fewest} and more, each along x, y or z, and no two along one"
         names = ", ".join(machine.axes[k].name for k in linear)
         raise TableError(what, remedy, names=names, fewest=fewest)
+    return linear
+
+
+def by_linear_axes(machine: Machine, linear: list[int]) -> Callable[[Array, Array], Array]:
+    """Return what takes TCP deviations (m, 3) at poses (m, q) away by some linear axes alone, (m, q), m.
+
+    [u_x u_y u_z] Δ = -δp, as near as two axes come to it
+    """
 
     def added(poses: Array, deviation: Array) -> Array:
         rotations = machine.frames(poses).rotations
@@ -148,23 +148,18 @@ def planes_left(estimate: Estimate, control: Control, poses: Array, approaches: 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CommandedMachine(VirtualMachine):
-    """The machine as an instrument sees it that knows the commands only.  sent : what its control makes of them."""
+    """The machine as an instrument sees it that knows the commands only.  control : what is added to them"""
 
-    sent: Sent = field(kw_only=True)
+    control: Control = field(kw_only=True)
 
     @classmethod
-    def behind(cls, truth: VirtualMachine, sent: Sent) -> CommandedMachine:
+    def behind(cls, truth: VirtualMachine, control: Control) -> CommandedMachine:
         """Return the machine of a truth behind a control."""
-        return cls(truth.model, truth.curves, truth.offsets, truth.drifts, sent=sent)
-
-    @classmethod
-    def corrected(cls, truth: VirtualMachine, control: Control) -> CommandedMachine:
-        """Return the machine behind a control that adds to commands."""
-        return cls.behind(truth, lambda poses, approaches: poses + control(poses, approaches))
+        return cls(truth.model, truth.curves, truth.offsets, truth.drifts, control=control)
 
     def does(self, poses: Array, approaches: Array) -> Deviation:
         """Return how the tool deviates from commands (m, q), turns to first order in what the control adds."""
-        sent, machine = self.sent(poses, approaches), self.model
+        sent, machine = poses + self.control(poses, approaches), self.model
         straight, turned = VirtualMachine.does(self, sent, approaches)
         nominal = machine.frames(poses)
         for k, axis in enumerate(machine.axes):
@@ -255,10 +250,24 @@ def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
 
     count : of points along each side, over the travel; None takes the map that was read, or as many as the curves have
     """
-    x, y, z = plane_axes(estimate.machine)
-    sides = [hats_along(estimate, axis, at) for axis, at in zip((x, y), _places(estimate, (x, y), count), strict=True)]
-    found = sides[0].best(sides[1].best(_deviation(estimate, (x, y, z), sides)).T).T
-    return Mesh(sides[0].points, sides[1].points, -found)
+    (x, y, z), places = plane_axes(estimate.machine), estimate.grid
+    if count is not None or places is None:
+        knots = [max((len(each) for each in estimate.model.knots_along(axis)), default=0) for axis in (x, y)]
+        travels = zip((x, y), [count or min(max(each, _FEWEST), _FINEST) for each in knots], strict=True)
+        across, along = (np.linspace(*estimate.machine.axes[k].travel, n) for k, n in travels)
+        places = across, along
+    sides = [hats_along(estimate, axis, at) for axis, at in zip((x, y), places, strict=True)]
+    heights, weights = np.array(estimate.box[z][:1]), np.ones(1)
+    if np.ptp(estimate.box[z]):
+        heights, weights = (each.ravel() for each in gauss(np.array(estimate.box[z]), _GAUSS))
+    found = np.empty((len(sides[1].nodes), len(sides[0].nodes)))
+    poses = np.empty((len(heights), len(sides[0].nodes), 3))
+    for row, place in zip(found, sides[1].nodes, strict=True):  # the mean over the heights, at the nodes
+        poses[..., x], poses[..., y], poses[..., z] = sides[0].nodes, place, heights[:, None]
+        at = poses.reshape(-1, 3)
+        seen = estimate.model.along(estimate.model.levers(at)[:, :, 2], at, np.zeros_like(at)) @ estimate.mean
+        row[:] = weights / weights.sum() @ seen.reshape(len(heights), -1)
+    return Mesh(sides[0].points, sides[1].points, -sides[0].best(sides[1].best(found).T).T)
 
 
 def mesh_control(machine: Machine, mesh: Mesh) -> Control:
@@ -276,36 +285,6 @@ def mesh_control(machine: Machine, mesh: Mesh) -> Control:
 def sum_of(*controls: Control) -> Control:
     """Return the control that does what all of them do."""
     return lambda poses, approaches: np.sum([control(poses, approaches) for control in controls], axis=0)
-
-
-def _places(estimate: Estimate, axes: tuple[int, int], count: int | None) -> tuple[Array, Array]:
-    """Return where the points lie along both sides, m."""
-    if count is None and estimate.grid is not None:
-        return estimate.grid
-    knots = [max((len(each) for each in estimate.model.knots_along(axis)), default=0) for axis in axes]
-    counts = [count or min(max(each, _FEWEST), _FINEST) for each in knots]
-    x, y = (np.linspace(*estimate.machine.axes[k].travel, n) for k, n in zip(axes, counts, strict=True))
-    return x, y
-
-
-def _heights(bounds: tuple[float, float]) -> tuple[Array, Array]:
-    if bounds[0] == bounds[1]:
-        return np.array(bounds[:1]), np.ones(1)
-    nodes, weights = gauss(np.array(bounds), _GAUSS)
-    return nodes.ravel(), weights.ravel() / (bounds[1] - bounds[0])
-
-
-def _deviation(estimate: Estimate, axes: tuple[int, int, int], sides: list[Hats]) -> Array:
-    """Return the mean deviation along z over the heights, at the nodes, (y nodes, x nodes), one row at a time."""
-    (x, y, z), (heights, weights) = axes, _heights(estimate.box[axes[2]])
-    result = np.empty((len(sides[1].nodes), len(sides[0].nodes)))
-    poses = np.empty((len(heights), len(sides[0].nodes), 3))
-    for row, place in zip(result, sides[1].nodes, strict=True):
-        poses[..., x], poses[..., y], poses[..., z] = sides[0].nodes, place, heights[:, None]
-        at = poses.reshape(-1, 3)
-        seen = estimate.model.along(estimate.model.levers(at)[:, :, 2], at, np.zeros_like(at)) @ estimate.mean
-        row[:] = weights @ seen.reshape(len(heights), -1)
-    return result
 
 
 PLANES = ("XY", "XZ", "YZ")

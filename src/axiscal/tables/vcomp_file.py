@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -22,10 +23,10 @@ from axiscal.exceptions import TableError
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
 from axiscal.tables.conditional import taken_by_rotor
-from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written
+from axiscal.tables.exporter import Exporter, ExportOptions, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import spread_poses
-from axiscal.tables.surface import Control, by_linear_axes
+from axiscal.tables.surface import Control, by_linear_axes, spanning_axes
 from axiscal.units import from_unit, to_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
@@ -95,19 +96,19 @@ class VolumetricFormat(Exporter):
     def write(self, file: VcompFile) -> Written:
         """Return the files that hold it."""
 
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+    def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the files; raises TableError."""
         machine, wanted = estimate.machine, whole_control(estimate.machine, estimate.mean)
         poses, _ = spread_poses(estimate)
         largest = np.max([np.abs(wanted(poses, way * np.ones_like(poses))) for way in (1.0, -1.0)], axis=(0, 1))
         if np.max(largest) <= _NOTHING:
-            return Draft({}, {}, (), self.holds, self.left_out, control=wanted, wanted=wanted)
+            return Written({}, {}, ())
         numbers, unit = options.joints(machine), options.unit_of(machine) if "--unit" in self.takes else "mm"
         given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, self.seconds(estimate), strict=True)]
         written = self.write(content_of(estimate, given, unit, largest, options.origin))
         steps = {axis.name: self.step for axis in machine.axes}
-        told = written.notes, self.holds, self.left_out, written.first
-        return Draft(written.files, steps, *told, control=wanted, wanted=wanted, tried=self.tried)
+        known = replace(written, steps=steps, holds=self.holds, left_out=self.left_out, tried=self.tried)
+        return replace(known, control=wanted, wanted=wanted)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Raise TableError: nothing goes on top of a whole correction."""
@@ -179,13 +180,11 @@ def _axis(model: Machine, mean: Array, index: int, joints: Sequence[int], unit: 
 
 def text_of(file: VcompFile, statement: str) -> str:
     """Return the file as text, with its checksum.  statement : of what it is not, for whoever looks into it"""
-    rendering = templates("axiscal.tables", row=_row).get_template("vcomp.jinja")
+    rendering = templates(
+        "axiscal.tables", row=lambda numbers: " ".join(f"{float(number) + 0.0:.12g}" for number in numbers)
+    ).get_template("vcomp.jinja")
     body = rendering.render(form=_FORM, file=file, statement=statement)
     return f"{body}end {fnv1a(body.encode()):08x}\n"
-
-
-def _row(numbers: Array | Sequence[float]) -> str:
-    return " ".join(f"{float(number) + 0.0:.12g}" for number in numbers)
 
 
 def _knots(axis: Axis, own: Sequence[Term]) -> Array:
@@ -228,7 +227,7 @@ def whole_control(model: Machine, mean: Array) -> Control:
     Raises TableError when the machine has not two or three linear axes, each along a direction of its own.
     """
     axes = model.axes
-    taken, constant = by_linear_axes(model, fewest=2), _at_zero(model, mean)
+    taken, constant = by_linear_axes(model, spanning_axes(model, fewest=2)), _at_zero(model, mean)
 
     def once(poses: Array, approaches: Array) -> Array:
         values = _values(model, mean, poses, approaches)

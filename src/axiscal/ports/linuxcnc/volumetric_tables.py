@@ -52,8 +52,19 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
     }
 
     def seconds(self, estimate: Estimate) -> list[float]:
-        """Return how long the reversal of each axis takes, s."""
-        return reversal_times(estimate)
+        """Return for each axis how long its reversal takes, s: T = sqrt(4 J / (0.2 a)), J the step of a joint.
+
+        a : the acceleration of that joint, at any pose; a reversal then takes a fifth of it
+        """
+        control, axes = whole_control(estimate.machine, estimate.mean), estimate.machine.axes
+        poses, times = spread_poses(estimate)[0][::_EVERY], list[float]()
+        for k in range(len(axes)):
+            way = np.zeros_like(poses)
+            way[:, k] = 1.0
+            step = np.max(np.abs(control(poses, way) - control(poses, -way)), axis=0)
+            time = float(np.max(np.sqrt(4 * step / (_SHARE * np.array([axis.acceleration for axis in axes])))))
+            times.append(min(max(time, _QUICKEST), _SLOWEST))
+        return times
 
     def write(self, file: VcompFile) -> Written:
         """Return the file, the HAL text, and the source of the component."""
@@ -69,21 +80,3 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
         told |= {"reversing": seconds, "statement": _STATEMENT, "vcomp": _FILE, "hal": HAL_FILE}
         notes, first = (paragraphs(str(__package__), f"volumetric_{part}.jinja", **told) for part in ("notes", "first"))
         return Written(files, {}, notes, first=first)
-
-
-def reversal_times(estimate: Estimate) -> list[float]:
-    """Return for each axis how long its reversal takes, s: T = sqrt(4 J / (0.2 a)), J the step of a joint at any pose.
-
-    a : the acceleration of that joint; a reversal then takes a fifth of it.
-    """
-    control = whole_control(estimate.machine, estimate.mean)
-    poses = spread_poses(estimate)[0][::_EVERY]
-    accelerations = np.array([axis.acceleration for axis in estimate.machine.axes])
-    times = []
-    for k in range(len(accelerations)):
-        way = np.zeros_like(poses)
-        way[:, k] = 1.0
-        step = np.max(np.abs(control(poses, way) - control(poses, -way)), axis=0)
-        time = float(np.max(np.sqrt(4 * step / (_SHARE * accelerations))))
-        times.append(min(max(time, _QUICKEST), _SLOWEST))
-    return times

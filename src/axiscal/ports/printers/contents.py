@@ -2,74 +2,85 @@
 
 from __future__ import annotations
 
+import re
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from dataclasses import replace
+from typing import Any, ClassVar, NamedTuple
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.readers.text_file import TextFile
-from axiscal.tables.exporter import ExportOptions, MapFormat, Written, paragraphs, summed
+from axiscal.tables.exporter import Exporter, ExportOptions, Written, paragraphs
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.sampling import backlash
-from axiscal.tables.surface import Mesh, height_seen, mesh_of, skew_of
+from axiscal.tables.surface import Mesh, height_seen, mesh_of, skew_of, with_height
 from axiscal.units import to_unit
 from axiscal_core.machine import Machine
 
 STEP = 1e-7
 """The last decimal that G-code is written with, m."""
+_COMMAND = re.compile(r"^\s*([GM]\d+)\b([^;\n]*)", re.MULTILINE)
+_WORD = re.compile(r"([A-Z])\s*(-?[\d.]+)")
 
 
-class PrinterFormat(MapFormat):
-    """A printer: its files hold what readings have seen.
+class PrinterFiles(NamedTuple):
+    """Files by name, none for what was not seen; what rounding may leave of each axis, m; values of the template."""
 
-    template : of what README.txt says, with the values of `known` besides
+    files: Mapping[str, str]
+    steps: Mapping[str, float]
+    known: Mapping[str, Any]
+
+
+class PrinterFormat(Exporter):
+    """A printer of X, Y and Z: its files hold what readings have seen.
+
+    template : of what README.txt says; backlashes : it knows one of each axis
+    usual : points of a mesh along each side where nobody says, None for as many as the curves have
     """
 
     left_out = (
         "positioning errors, straightness in the plane, reversal that changes along an axis or runs ahead, and what "
         "the height does over z."
     )  # by a firmware that knows one backlash of each axis
+    takes = frozenset({"--mesh", "--zero"})
     template: ClassVar[str]
+    backlashes: ClassVar[bool] = True
+    usual: ClassVar[int | None] = None
+
+    @abstractmethod
+    def printed(self, content: Loaded, machine: Machine) -> PrinterFiles:
+        """Return the files, mm; raises TableError for what the printer does not take."""
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return what was seen; raises TableError for what the printer does not take."""
-        return content_of(estimate, options, options.mesh)
+        """Return the map and the skew that were seen, and the lost motion."""
+        mesh = None
+        if height_seen(estimate):
+            mesh = mesh_of(estimate, options.mesh or (None if estimate.grid else self.usual))
+        meshes = () if mesh is None else (mesh.zeroed(*_zero_of(mesh, options)),)
+        play = {axis: value for axis, value in backlash(estimate).items() if value > 0} if self.backlashes else {}
+        return Loaded(lost_motion(estimate.machine, play), meshes, skew_of(estimate))
 
-    @abstractmethod
-    def files(self, content: Loaded) -> dict[str, str]:
-        """Return the files by name; none for what was not seen."""
-
-    @abstractmethod
-    def steps(self, content: Loaded, machine: Machine) -> dict[str, float]:
-        """Return what rounding may leave of each axis, m."""
-
-    def known(self, content: Loaded) -> Mapping[str, Any]:
-        """Return more values of the template."""
-        return {}
-
-    def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
-        """Return the files, with what to know of them."""
-        told = {"meshes": content.meshes, "skew": content.skew, "play": play_of(content), **self.known(content)}
-        told |= {
-            "mm": lambda place: f"{to_unit(float(place), 'mm'):g}",
-            "zero_of": lambda mesh: _zero_of(mesh, options),
-        }
+    def make(self, estimate: Estimate, options: ExportOptions) -> Written:
+        """Return the files; raises TableError."""
+        estimate = with_height(estimate)
+        machine, content = estimate.machine, self.content(estimate, options)
+        files, steps, known = self.printed(content, machine)
+        play = play_of(content)
+        notes = paragraphs(
+            __package__,
+            self.template,
+            meshes=content.meshes,
+            skew=content.skew,
+            play=play,
+            mm=lambda place: f"{to_unit(float(place), 'mm'):g}",
+            zero_of=lambda mesh: _zero_of(mesh, options),
+            **known,
+        )
         words = ["height over the plane as a bed mesh"] if content.meshes else []
         words = [" and ".join([*words, f"the skew of {', '.join(content.skew)}"])] if content.skew else words
-        words += [f"one backlash for {', '.join(told['play'])}"] if told["play"] else []
-        notes = paragraphs(__package__, self.template, **told)
-        return Written(self.files(content), self.steps(content, machine), notes, "; ".join(words) + ".")
-
-
-def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -> Loaded:
-    """Return the map and the skew that were seen, and the lost motion.
-
-    points : of the map along each side, None for as many as were read or the curves have
-    """
-    mesh = mesh_of(estimate, points) if height_seen(estimate) else None
-    meshes = () if mesh is None else (mesh.zeroed(*_zero_of(mesh, options)),)
-    play = {axis: value for axis, value in backlash(estimate).items() if value > 0}
-    return Loaded(lost_motion(estimate.machine, play), meshes, skew_of(estimate))
+        words += [f"one backlash for {', '.join(play)}"] if play else []
+        written = Written(files, steps, notes, "; ".join(words) + ".")
+        return replace(self.draft(written, content.control(machine), machine, options), about=estimate)
 
 
 def _zero_of(mesh: Mesh, options: ExportOptions) -> tuple[float, float]:
@@ -79,7 +90,18 @@ def _zero_of(mesh: Mesh, options: ExportOptions) -> tuple[float, float]:
 
 def play_of(content: Loaded) -> dict[str, float]:
     """Return the lost motion that tables make up for, half of it to each side, m."""
-    return summed((one.axis, float(one.reverse[0] - one.forward[0])) for one in content.tables)
+    return {table.axis: float(table.reverse[0] - table.forward[0]) for table in content.tables}
+
+
+def play_text(content: Loaded) -> str:
+    """Return the lost motion as words of G-code, mm."""
+    return " ".join(f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play_of(content).items())
+
+
+def commands_of(files: Sequence[OldFile]) -> dict[str, dict[str, float]]:
+    """Return the words of each command of G-code, of the last one that a file has."""
+    lines = (found for file in files for found in _COMMAND.findall(file.text))
+    return {code: {letter: float(word) for letter, word in _WORD.findall(words)} for code, words in lines}
 
 
 def texts_of(files: Sequence[OldFile]) -> list[TextFile]:

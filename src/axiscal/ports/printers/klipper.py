@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.csv_readings import ALONE
-from axiscal.ports.printers.contents import PrinterFormat, texts_of
+from axiscal.ports.printers.contents import PrinterFiles, PrinterFormat, texts_of
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.surface import Mesh, mesh_of_nodes
@@ -40,29 +37,18 @@ class Klipper(PrinterFormat):
     tried = True
     template = "klipper.jinja"
 
-    def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return the map and the skew that were seen."""
-        return replace(super().content(estimate, options), tables=())
+    backlashes = False
 
-    def files(self, content: Loaded) -> dict[str, str]:
+    def printed(self, content: Loaded, machine: Machine) -> PrinterFiles:
         """Return a file for each of them; of the skew diagonals AC, BD and side AD of a square that leans by it."""
-        files = dict[str, str]()
-        for mesh in content.meshes:
-            files[_MESH] = _written(mesh)
+        files = {_MESH: _written(content.meshes[0])} if content.meshes else {}
         if content.skew:
             lean = {plane: math.sin(math.atan(tangent)) for plane, tangent in content.skew.items()}
             sides = {p: [_SIDE * math.sqrt(2 * (1 + sign * each)) for sign in (1, -1)] for p, each in lean.items()}
             words = (f"{plane}={ac:.9f},{bd:.9f},{_SIDE:.9f}" for plane, (ac, bd) in sides.items())
             files[_SKEW] = f"SET_SKEW {' '.join(words)}\nSKEW_PROFILE SAVE={_NAME}\n"
-        return files
-
-    def steps(self, content: Loaded, machine: Machine) -> dict[str, float]:
-        """Return what six decimals leave."""
-        return {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
-
-    def known(self, content: Loaded) -> Mapping[str, Any]:
-        """Return the names."""
-        return {"name": _NAME, "mesh_file": _MESH, "skew_file": _SKEW}
+        steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
+        return PrinterFiles(files, steps, {"name": _NAME, "mesh_file": _MESH, "skew_file": _SKEW})
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what a saved block holds, and what G-code sets, as skew_correction.py makes it of `SET_SKEW`."""

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.csv_readings import ALONE
-from axiscal.ports.printers.contents import STEP, PrinterFormat, content_of, play_of, texts_of
+from axiscal.ports.printers.contents import STEP, PrinterFiles, PrinterFormat, commands_of, play_of, play_text, texts_of
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.surface import PLANES, Mesh, mesh_of_nodes
@@ -25,8 +22,6 @@ _SIDE = 1000.0
 """mm; M556 says how far an axis leans over so much."""
 _USUAL, _MOST, _MOST_ALONG_X = 441, 961, 33
 """Points of a map that every Duet takes, those with most memory, and its line of 330 characters with six decimals."""
-_COMMAND = re.compile(r"^\s*(M556|M425)\b([^;\n]*)", re.MULTILINE)
-_WORD = re.compile(r"([A-Z])\s*(-?[\d.]+)")
 _LETTERS = {"XY": "X", "YZ": "Y", "XZ": "Z"}
 
 
@@ -35,48 +30,37 @@ class RepRapFirmware(PrinterFormat):
 
     template = "reprapfirmware.jinja"
 
-    def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return what was seen; raises TableError for a map that no Duet takes."""
-        found = content_of(estimate, options, options.mesh or (None if estimate.grid else int(_USUAL**0.5)))
-        for mesh in found.meshes:
-            if mesh.added.size > _MOST or len(mesh.x) > _MOST_ALONG_X:
-                what = "a Duet takes {most} points, {along} along x, and this map has {wide} x {high}"
-                wide, high, along = len(mesh.x), len(mesh.y), _MOST_ALONG_X
-                raise TableError(what, "export with --mesh 21", most=_MOST, along=along, wide=wide, high=high)
-        return found
+    usual = int(_USUAL**0.5)
 
-    def files(self, content: Loaded) -> dict[str, str]:
-        """Return a file for the map, and one for the commands, mm.
+    def printed(self, content: Loaded, machine: Machine) -> PrinterFiles:
+        """Return a file for the map, and one for the commands; raises TableError for a map that no Duet takes.
 
         The firmware adds: x += X y + Z z, y += Y z, with letters over S; XZ is of the skewed y, so it has a part of XY.
         """
         xy, xz, yz = (content.skew.get(plane, 0.0) for plane in PLANES)
         leans = {"XY": -xy, "YZ": -yz, "XZ": xy * yz - xz}
         words = [f"{_LETTERS[p]}{_SIDE * lean + 0.0:.6f}" for p, lean in leans.items() if p in content.skew]
-        lost = [f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play_of(content).items()]
-        lines = [" ".join([f"M556 S{_SIDE:g}", *words])] if words else []
-        lines += [" ".join(["M425", *lost])] if lost else []
-        files = dict[str, str]()
+        play, files, lines, back = play_text(content), dict[str, str](), list[str](), list[str]()
+        if play:
+            lines, back = [f"M425 {play}"], ["M425 X0 Y0 Z0"]
+        if words:
+            lines, back = [" ".join([f"M556 S{_SIDE:g}", *words]), *lines], [*back, "M556 S100 X0 Y0 Z0"]
         for mesh in content.meshes:
+            if mesh.added.size > _MOST or len(mesh.x) > _MOST_ALONG_X:
+                what = "a Duet takes {most} points, {along} along x, and this map has {wide} x {high}"
+                wide, high, along = len(mesh.x), len(mesh.y), _MOST_ALONG_X
+                raise TableError(what, "export with --mesh 21", most=_MOST, along=along, wide=wide, high=high)
             files[_MAP] = _written(mesh)
-        return files | ({_CODE: "\n".join(lines) + "\n"} if lines else {})
-
-    def steps(self, content: Loaded, machine: Machine) -> dict[str, float]:
-        """Return what the decimals leave."""
-        return {"X": STEP, "Y": STEP, "Z": STEP if "Z" in play_of(content) else 2e-9}
-
-    def known(self, content: Loaded) -> Mapping[str, Any]:
-        """Return the names, and what takes the commands back."""
-        used = ("M425 X0 Y0 Z0", play_of(content)), ("M556 S100 X0 Y0 Z0", content.skew)
-        return {"usual": _USUAL, "map": _MAP, "code": _CODE, "back": [code for code, each in used if each]}
+        files |= {_CODE: "\n".join(lines) + "\n"} if lines else {}
+        steps = {"X": STEP, "Y": STEP, "Z": STEP if "Z" in play_of(content) else 2e-9}
+        return PrinterFiles(files, steps, {"usual": _USUAL, "map": _MAP, "code": _CODE, "back": back})
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what height maps hold, and what G-code sets."""
         meshes = [mesh_of_nodes(height_map(text, ALONE).readings) for text in texts_of(files) if is_height_map(text)]
-        lines = (found for file in files for found in _COMMAND.findall(file.text))
-        commands = {code: {letter: float(word) for letter, word in _WORD.findall(words)} for code, words in lines}
-        play = {axis: float(from_unit(value, "mm")) for axis, value in commands.get("M425", {}).items()}
-        lean = commands.get("M556", {})
+        found = commands_of(files)
+        play = {axis: float(from_unit(value, "mm")) for axis, value in found.get("M425", {}).items()}
+        lean = found.get("M556", {})
         skew = {plane: -lean[letter] / lean["S"] for plane, letter in _LETTERS.items() if letter in lean}
         if "XZ" in skew:
             skew["XZ"] += skew.get("XY", 0.0) * skew.get("YZ", 0.0)

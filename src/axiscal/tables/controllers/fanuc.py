@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import later, said
 from axiscal.numerics import Array
-from axiscal.tables.exporter import Draft, ExportOptions, TableFormat, Written, paragraphs, sign_said
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
@@ -79,19 +79,13 @@ class PitchParameters:
         return (np.arange(self.begin, self.last + 1, dtype=float) - self.reference) * self.interval
 
     @property
-    def origin(self) -> int:
-        """Index of the reference point among the positions."""
-        return self.reference - self.begin
-
-    @property
     def step(self) -> float:
         """The motion that an entry of 1 makes, m or rad."""
         return self.magnification * DETECTION[self.rotary]
 
-    @property
-    def numbers(self) -> range:
-        """Numbers of its points."""
-        return range(self.first, self.last + 1)
+    def from_reference(self, values: Array) -> Array:
+        """Return values at the positions less that at the reference point."""
+        return values - values[self.reference - self.begin]
 
     def covering(self, low: float, high: float) -> tuple[int, int]:
         """Return the numbers of the first and last point that a travel needs, by FANUC's formula."""
@@ -116,51 +110,48 @@ def _plans(records: Records, file: str, machine: Machine, numbers: Mapping[str, 
             plans[name] = plan
     if not plans:
         raise TableError("no axis has an interval of compensation (3624)", "set it on the control first", file)
-    for point, name in ((point, name) for name, plan in plans.items() for point in plan.numbers):
-        if (other := owner.setdefault(point, name)) != name:
-            what, remedy = (
-                "point {number} belongs to {other} and to {name}",
-                "give each axis points of its own: 3620 to 3622",
-            )
-            raise TableError(what, remedy, file, number=point, other=other, name=name)
+    for name, plan in plans.items():
+        for point in range(plan.first, plan.last + 1):
+            if (other := owner.setdefault(point, name)) != name:
+                what = "point {number} belongs to {other} and to {name}"
+                remedy = "give each axis points of its own: 3620 to 3622"
+                raise TableError(what, remedy, file, number=point, other=other, name=name)
     return plans
 
 
 def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParameters | None:
-    told: dict[str, Any] = {"name": axis.name, "number": number}
+    def refusal(what: str, remedy: str, **values: object) -> TableError:
+        return TableError(what, remedy, file, None, name=axis.name, number=number, **values)
+
     values = {key: records.get(key, {}).get(number) for key in _NEEDED}
     if missing := ", ".join(str(key) for key, value in values.items() if value is None):
-        raise TableError(
-            "there are no parameters {shown} for {name} (axis {number})", _EXPECTED, file, shown=missing, **told
-        )
+        raise refusal("there are no parameters {shown} for {name} (axis {number})", _EXPECTED, shown=missing)
     reference, first, last, magnification, interval = (value or "0" for value in values.values())
     width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
     if width <= 0:
         return None
     if width > _WIDEST:
         what = "the interval {interval} of {name} (axis {number}) is longer than any travel"
-        remedy = "parameter 3624 is in mm or deg where it has a point"
-        raise TableError(what, remedy, file, interval=interval[:20], **told)
+        raise refusal(what, "parameter 3624 is in mm or deg where it has a point", interval=interval[:20])
     below, both = (records.get(key, {}).get(number, usual) for key, usual in ((_NEGATIVE, "0"), (_BOTH, "1")))
     if below.strip("0+-") and both.endswith("1"):
         what = "{name} (axis {number}) has entries of its own for the way down (3626)"
         remedy = "set 3605#0 to 0, so that one set serves both ways, and enter the reversal as backlash (1851)"
-        raise TableError(what, remedy, file, **told)
+        raise refusal(what, remedy)
     kind = axis.rotary, axis.cyclic
     plan = PitchParameters(int(reference), int(first), int(last), max(1, int(magnification)), width, *kind)
     inside = plan.begin <= plan.reference <= plan.last and plan.first != plan.last
     if not (inside and plan.first >= 0 and max(plan.last, plan.magnification) <= _MOST):
         what = "{name} has points {first} to {last}, the reference point {reference}, the magnification {times}"
         remedy = "the reference point lies between the others, and none of these is above {most}"
-        places = {"first": first, "last": last, "reference": reference, "times": magnification}
-        texts = {key: shortened(value) for key, value in places.items()}
-        raise TableError(what, remedy, file, None, most=_MOST, **texts, **told)
+        texts = zip(("first", "last", "reference", "times"), (first, last, reference, magnification), strict=True)
+        raise refusal(what, remedy, most=_MOST, **{key: shortened(text) for key, text in texts})
     low, high = plan.covering(0.0, math.tau)
     whole = abs((high - low) * plan.interval - math.tau) < DETECTION[True]
     if plan.turn and not (whole and (plan.first, plan.last) == (low, high)):  # B-63980EN: 3621 = 3620, a turn further
         what = "{name} is a whole turn and has points {first} to {last}"
         remedy = "3621 = 3620 = {low} and 3622 = {high} hold a turn, with an interval that divides 360 deg"
-        raise TableError(what, remedy, file, first=plan.first, last=plan.last, low=low, high=high, **told)
+        raise refusal(what, remedy, first=plan.first, last=plan.last, low=low, high=high)
     return plan
 
 
@@ -185,20 +176,20 @@ def replace_values(text: str, wanted: Mapping[tuple[int, int], int], file: str) 
     wanted : (number of the record, axis number or 0) -> value
     Raises TableError for a value that the file has no place for.
     """
-    seen: set[tuple[int, int]] = set()
+    missing = dict(wanted)
 
     def replaced(record: re.Match[str]) -> str:
         def value(found: re.Match[str]) -> str:
             place = (int(record[1]), int(found[1] or 0))
-            seen.add(place)
-            return f"{found[0][: found.start(2) - found.start()]}{wanted[place]}" if place in wanted else found[0]
+            missing.pop(place, None)
+            return f"{found[0].partition('P')[0]}P{wanted.get(place, found[2])}"
 
         return record[0][: record.start(3) - record.start()] + _VALUE.sub(value, record[3]) + record[4]
 
     filled = _RECORD.sub(replaced, text)
-    if missing := sorted(wanted.keys() - seen):
+    if missing:
         what = "there is no row N{row} and {more} more" if len(missing) > 1 else "there is no row N{row}"
-        raise TableError(what, _EXPECTED, file, row=missing[0][0], more=len(missing) - 1)
+        raise TableError(what, _EXPECTED, file, row=min(missing)[0], more=len(missing) - 1)
     return filled
 
 
@@ -209,7 +200,7 @@ class Fanuc(TableFormat):
     unstated = "own"
     instead: ClassVar = {"--spacing": later("leave it out: parameters 3620 to 3624 say where the points are")}
 
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+    def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the file, with what to enter as backlash; raises TableError."""
         draft, rotary = super().make(estimate, options), {axis.name: axis.rotary for axis in estimate.machine.axes}
         units = {name: round(lost / DETECTION[rotary[name]]) for name, lost in backlash(estimate).items()}
@@ -221,20 +212,42 @@ class Fanuc(TableFormat):
         return replace(draft, notes=(*draft.notes, note)) if shown else draft
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
-        """Return the deviation at the points of the template: one for both ways, nothing at the reference point."""
-        plans = _template(options, estimate.machine)
-        held = ((_table(estimate, axis, plan).averaged(), plan.origin) for axis, plan in plans.items())
-        zeroed = ((table, table.forward - table.forward[home]) for table, home in held)
-        return tuple(replace(table, forward=values, reverse=values) for table, values in zeroed)
+        """Return the deviation at the points of the template: one for both ways, nothing at the reference point.
+
+        Raises TableError where they do not cover the volume.
+        """
+        tables = []
+        for name, plan in _template(options, estimate.machine).items():
+            axis = estimate.machine.index(name)
+            needed = plan.covering(*estimate.box[axis])
+            if plan.first > needed[0] or plan.last < needed[1]:
+                unit = "deg" if plan.rotary else "mm"
+                low, high = (format_quantity(float(end), unit) for end in plan.positions[[0, -1]])
+                what = "the points of {name} reach from {shown}, the volume goes beyond"
+                remedy = "3621 = {first} and 3622 = {second} would cover it"
+                shown = said("{low} to {high}", low=low, high=high)
+                raise TableError(what, remedy, name=name, shown=shown, first=needed[0], second=needed[1])
+            table = own_table(estimate, axis, plan.positions).averaged()
+            values = plan.from_reference(table.forward)
+            tables.append(replace(table, forward=values, reverse=values))
+        return tuple(tables)
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
-        """Return the template with its pitch data replaced."""
-        plans = _template(options, machine)
-        wanted = {
-            (_FIRST_DATA + point, 0): int(entry)
-            for table, plan in ((table, plans[table.axis]) for table in tables)
-            for point, entry in zip(plan.numbers, _increments(table, plan, options.sign), strict=True)
-        }
+        """Return the template with its pitch data replaced; raises TableError for entries that are too large.
+
+        The sums of the entries are rounded, so that nothing adds up.
+        """
+        plans, wanted = _template(options, machine), dict[tuple[int, int], int]()
+        for table, plan in ((table, plans[table.axis]) for table in tables):
+            sums = np.round(plan.from_reference(-table.forward) / plan.step).astype(int)
+            entries: Array = np.diff(sums)
+            entries = np.concatenate([entries[-1:], entries]) if plan.turn else entries
+            if (worst := int(np.max(np.abs(entries)))) > _LARGEST:
+                what = "{axis} needs an increment of {worst}, an entry holds {most}"
+                remedy = "magnification 3623 = {needed} would fit, or a shorter interval 3624"
+                needed = math.ceil(worst * plan.magnification / _LARGEST)
+                raise TableError(what, remedy, axis=table.axis, worst=worst, most=_LARGEST, needed=needed)
+            wanted |= {(_FIRST_DATA + plan.first + n, 0): options.sign * int(e) for n, e in enumerate(entries)}
         filled = replace_values(options.saved("FANUC"), wanted, options.template_name)
         steps = {axis: 0.5 * plan.step + 1e-12 for axis, plan in plans.items()}
         without = ", ".join(axis.name for axis in machine.axes if axis.name not in plans)
@@ -245,12 +258,19 @@ class Fanuc(TableFormat):
         return Written({_FILE: filled}, steps, notes, holds, left_out, sign_said(options, _SIGN))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what the control makes of punched files; raises TableError."""
+        """Return what the control makes of punched files; raises TableError.
+
+        Entries add up from the reference point, times the magnification.
+        """
         tables = list[CompensationTable]()
         for file in files:
             records = read_records(file.text, file.name)
             for name, plan in _plans(records, file.name, machine, options.numbered(machine)).items():
-                values = -options.sign * _sums(records, plan)
+                rows = range(_FIRST_DATA + plan.begin + 1, _FIRST_DATA + plan.last + 1)
+                if missing := next((row for row in rows if 0 not in records.get(row, {})), None):
+                    raise TableError("there is no row N{row}", _EXPECTED, row=missing)
+                sums = np.cumsum([0.0, *(float(records[row][0]) for row in rows)])
+                values = -options.sign * plan.from_reference(sums) * plan.step
                 tables.append(CompensationTable(name, plan.positions, values, values))
         return Loaded(tuple(tables))
 
@@ -259,44 +279,3 @@ def _template(options: ExportOptions, machine: Machine) -> dict[str, PitchParame
     """Return what the parameters of the template say; raises TableError where there is none."""
     records = read_records(options.saved("FANUC"), options.template_name)
     return _plans(records, options.template_name, machine, options.numbered(machine))
-
-
-def _table(estimate: Estimate, name: str, plan: PitchParameters) -> CompensationTable:
-    """Return the deviation at the ends of the sections; raises TableError where they do not cover the volume."""
-    axis = estimate.machine.index(name)
-    needed = plan.covering(*estimate.box[axis])
-    if plan.first > needed[0] or plan.last < needed[1]:
-        low, high = (format_quantity(float(end), "deg" if plan.rotary else "mm") for end in plan.positions[[0, -1]])
-        what = "the points of {name} reach from {shown}, the volume goes beyond"
-        remedy, shown = "3621 = {first} and 3622 = {second} would cover it", said("{low} to {high}", low=low, high=high)
-        raise TableError(what, remedy, name=name, shown=shown, first=needed[0], second=needed[1])
-    return own_table(estimate, axis, plan.positions)
-
-
-def _increments(table: CompensationTable, plan: PitchParameters, sign: int) -> Array:
-    """Return the entries, whole numbers from the first point on: the sums are rounded, so that nothing adds up.
-
-    sign : -1 for a control that takes them away.  Raises TableError where one is larger than the format holds.
-    """
-    sums = np.round((table.forward[plan.origin] - table.forward) / plan.step).astype(int)
-    entries: Array = np.diff(sums)
-    entries = np.concatenate([entries[-1:], entries]) if plan.turn else entries
-    worst = int(np.max(np.abs(entries)))
-    if worst > _LARGEST:
-        what, needed = (
-            "{axis} needs an increment of {worst}, an entry holds {most}",
-            worst * plan.magnification / _LARGEST,
-        )
-        remedy = "magnification 3623 = {needed} would fit, or a shorter interval 3624"
-        raise TableError(what, remedy, axis=table.axis, worst=worst, most=_LARGEST, needed=math.ceil(needed))
-    return sign * entries
-
-
-def _sums(records: Records, plan: PitchParameters) -> Array:
-    """Return what the control adds, m or rad: entries add up from the reference point, times the magnification."""
-    rows = [_FIRST_DATA + n for n in (plan.numbers[1:] if plan.turn else plan.numbers)]
-    if missing := next((row for row in rows if 0 not in records.get(row, {})), None):
-        raise TableError("there is no row N{row}", _EXPECTED, row=missing)
-    sums = np.concatenate([np.zeros(1), np.cumsum([float(records[row][0]) for row in rows])])
-    added: Array = (sums - sums[plan.origin]) * plan.step
-    return added

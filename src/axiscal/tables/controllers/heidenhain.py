@@ -74,24 +74,20 @@ class Layout:
 
     def text(self, name: str, columns: Mapping[str, Array]) -> str:
         """Return a file with these columns, each value ending where the template's do; absent columns are zero."""
-        count = len(columns["AXISPOS"])
-        first = re.sub(r"(?<=BEGIN )\S+?(?=\s*\.COM)", name, self.first)
-        table = np.stack(
-            [{**columns, "NR": np.arange(count)}.get(head, np.zeros(count)) for head in self.heads], axis=1
-        )
-        return "\n".join([first, self.header, *map(self._row, table.tolist()), self.last]) + "\n"
-
-    def _row(self, values: Sequence[float]) -> str:
-        line = ""
-        for head, (edge, left), value in zip(self.heads, self.edges, values, strict=True):
-            decimals = 0 if head == "NR" else self.decimals
-            shown = f"{round(value, decimals) + 0.0:.{decimals}f}"
-            start = edge if left else edge - len(shown)
-            if start < len(line) + bool(line):
-                what = "the columns of the template are too narrow for {shown}"
-                raise TableError(what, "widen them up to {head}", shown=shown, head=head)
-            line = line.ljust(start) + shown
-        return line
+        count, lines = len(columns["AXISPOS"]), [re.sub(r"(?<=BEGIN )\S+?(?=\s*\.COM)", name, self.first), self.header]
+        own = {**columns, "NR": np.arange(count)}
+        for row in np.stack([own.get(head, np.zeros(count)) for head in self.heads], axis=1).tolist():
+            line = ""
+            for head, (edge, left), value in zip(self.heads, self.edges, row, strict=True):
+                decimals = 0 if head == "NR" else self.decimals
+                shown = f"{round(value, decimals) + 0.0:.{decimals}f}"
+                start = edge if left else edge - len(shown)
+                if start < len(line) + bool(line):
+                    what = "the columns of the template are too narrow for {shown}"
+                    raise TableError(what, "widen them up to {head}", shown=shown, head=head)
+                line = line.ljust(start) + shown
+            lines.append(line)
+        return "\n".join([*lines, self.last]) + "\n"
 
 
 class Heidenhain(TableFormat):

@@ -19,12 +19,11 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.error_names import error_named, side_name
 from axiscal.numerics import Array
-from axiscal.tables.exporter import Draft, Exporter, ExportOptions, Written, paragraphs, sign_said
+from axiscal.tables.exporter import Exporter, ExportOptions, Written, paragraphs, sign_said
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.sampling import backlash, hats_along, points
-from axiscal.tables.surface import Control, Mesh, by_linear_axes
+from axiscal.tables.surface import Control, Mesh, by_linear_axes, spanning_axes
 from axiscal.units import format_quantity, from_unit, to_unit
-from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 from axiscal_core.terms import Term
 
@@ -67,13 +66,18 @@ class Isg(Exporter):
     unstated = "own"
     left_out = "reversals, and the orientation of the tool."
 
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+    def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the files; raises TableError."""
         machine, found = estimate.machine, curves(estimate, options)
         if other := next((name for name in found if not NAMES.fullmatch(name)), None):
             remedy = "it has axes X Y Z A B C only"
             raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=other)
-        found = anchored(machine, found) | _nominal(machine)
+        places = {"P0{}": (0.0, 0.0, -machine.tool_length)}  # of the tool at zero, and of rotary axes
+        places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
+        found = anchored(machine, found)
+        for name, place in places.items():
+            for direction, value in zip("XYZ", place, strict=True):
+                found[name.format(direction)] = SampledError(np.zeros(1), np.array([value]))
         units = {axis.name: "arcsec" if axis.rotary else "um" for axis in machine.axes}
         lost = {name: format_quantity(step, units[name], 3) for name, step in backlash(estimate).items() if step}
         values = {"file": _FILE, "flip": options.flip, "chain": machine.chain, "lost": lost}
@@ -85,9 +89,8 @@ class Isg(Exporter):
         steps = {axis.name: 1e-8 for axis in machine.axes if not axis.rotary}
         files, first = {_FILE: write_csv(found, machine), _LIST: _list(machine, options)}, sign_said(options, _SIGN)
         holds = holds.format(both * any(curve.over for curve in found.values()))
-        return self.draft(
-            Written(files, steps, notes, holds, first=first), tip_control(machine, found), machine, options
-        )
+        written = Written(files, steps, notes, holds, first=first)
+        return self.draft(written, tip_control(machine, found), machine, options)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the kernel makes of files; raises TableError.
@@ -145,15 +148,13 @@ def anchored(model: Machine, found: Mapping[str, SampledError]) -> dict[str, Sam
     With rotary axes the place of the rotor matters and nothing is taken off. A constant goes into a displacement along
     its direction, the positioning of an axis first; where the machine has none it stays.
     """
-    result = dict(found)
-    at_zero = (
-        np.zeros(3) if any(axis.rotary for axis in model.axes) else _deviation(model, found, np.array([model.zero]))[0]
-    )
+    result, zero = dict(found), np.array([model.zero])
+    at_zero = _deviation(model, found, zero)[0] * (not any(axis.rotary for axis in model.axes))
     for direction, constant in enumerate(at_zero):
         own = [f for f in model.curves if f.kind == "motion" and f.component == direction and _name(model, f) in found]
         for function in sorted(own, key=lambda f: f.name != model.axes[f.axis].positioning_error)[:1]:
-            sign, curve = model.axes[function.axis].sign, found[_name(model, function)]
-            result[_name(model, function)] = replace(curve, values=curve.values - sign * constant)
+            sign, name = model.axes[function.axis].sign, _name(model, function)
+            result[name] = replace(found[name], values=found[name].values - sign * constant)
     return result
 
 
@@ -162,7 +163,7 @@ def tip_control(model: Machine, found: Mapping[str, SampledError]) -> Control:
 
     Raises TableError when the machine has not three linear axes that span space.
     """
-    taken = by_linear_axes(model)
+    taken = by_linear_axes(model, spanning_axes(model, fewest=3))
     return lambda poses, approaches: taken(poses, _deviation(model, found, poses))
 
 
@@ -184,56 +185,36 @@ def _name(model: Machine, term: Term) -> str:
     return own if term.kind == "motion" else term.name
 
 
-def _nominal(machine: Machine) -> dict[str, SampledError]:
-    """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
-    places = {"P0{}": (0.0, 0.0, -machine.tool_length)}
-    places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
-    return {
-        name.format(direction): SampledError(np.zeros(1), np.array([value]))
-        for name, place in places.items()
-        for direction, value in zip("XYZ", place, strict=True)
-    }
-
-
 def _list(machine: Machine, options: ExportOptions) -> str:
     """Return the configuration of one compensation, as TF5280 has it."""
     workpiece = sum(axis.workpiece_side for axis in machine.axes)
     negate = "".join(axis.name for axis in machine.axes if not axis.rotary) if options.flip else ""
     lines = [f"{axis} {number}" for axis, number in options.numbered(machine).items()]
     lines += [f"chain {''.join(axis.name for axis in machine.axes)}", f"workpiece_axes {workpiece}"]
-    lines += [
-        *([f"negate {negate}"] if negate else []),
-        "interpolation GRID",
-        f"file[0] {_FILE}",
-        "file_format[0] ISG_CSV",
-    ]
-    return "\n".join(lines) + "\n"
+    lines += [f"negate {negate}"] if negate else []
+    return "\n".join([*lines, "interpolation GRID", f"file[0] {_FILE}", "file_format[0] ISG_CSV", ""])
 
 
 def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
     """Return the ISG_CSV text: constants, errors over each axis, and each that depends on two axes at all pairs."""
-    constants = {name: curve.values for name, curve in found.items() if len(curve.positions) == 1}
-    blocks = [_block([], constants)] if constants else []
-    alone = {name: curve for name, curve in found.items() if not (name in constants or curve.over)}
-    for axis in machine.axes:
-        own = {name: curve for name, curve in alone.items() if error_named(name).axis == axis.name}
-        if own:
-            at = next(iter(own.values())).positions
-            blocks.append(_block([(axis, at)], {name: curve.values for name, curve in own.items()}))
-    for name, curve in ((name, curve) for name, curve in found.items() if curve.over):
-        across, at = np.meshgrid(curve.across, curve.positions, indexing="ij")
-        over = (machine.axis(curve.over), across), (machine.axis(error_named(name).axis), at)
-        blocks.append(_block(over, {name: curve.values}))
+    groups = dict[tuple[str, ...], dict[str, SampledError]]()
+    for name, curve in found.items():
+        own = error_named(name).axis if len(curve.positions) > 1 else ""
+        groups.setdefault((name, curve.over, own) if curve.over else (own,), {})[name] = curve
+    order = ["", *(axis.name for axis in machine.axes)]
+    blocks = []
+    for key, errors in sorted(
+        groups.items(), key=lambda group: order.index(group[0][-1]) if len(group[0]) == 1 else 99
+    ):
+        first, names = next(iter(errors.values())), [name for name in key[-2:] if name]
+        at = np.meshgrid(first.across, first.positions, indexing="ij") if first.over else [first.positions]
+        places = zip(names, at, strict=False)
+        columns = [[f"{place:.6f}" for place in to_unit(each.ravel(), machine.axis(k).unit)] for k, each in places]
+        for name, curve in errors.items():
+            columns.append([f"{value + 0.0:.9e}" for value in to_unit(curve.values.ravel(), _unit(name))])
+        lines = [[*names, *errors], *zip(*columns, strict=True)]
+        blocks.append("".join(" ".join(words) + "\n" for words in lines))
     return "// mm, deg and rad\n" + "#\n".join(blocks)
-
-
-def _block(at: Sequence[tuple[Axis, Array]], errors: Mapping[str, Array]) -> str:
-    """Return the header and the lines of errors, at positions of no axis, one, or two."""
-    shown = [[f"{place:.6f}" for place in to_unit(places.ravel(), axis.unit)] for axis, places in at]
-    for name, values in errors.items():
-        shown.append([f"{value + 0.0:.9e}" for value in to_unit(values.ravel(), _unit(name))])
-    header = [*(axis.name for axis, _ in at), *errors]
-    return "".join(" ".join(words) + "\n" for words in [header, *zip(*shown, strict=True)])
 
 
 def read_csv(text: str, machine: Machine) -> dict[str, SampledError]:
@@ -246,20 +227,16 @@ def read_csv(text: str, machine: Machine) -> dict[str, SampledError]:
         if wrong := next((name for name in columns if not NAMES.fullmatch(name) or name in found), ""):
             remedy = "this is a defect of axiscal"
             raise TableError("the kernel would refuse the column {name!r}", remedy, name=wrong[:20])
-        found |= {name: _sampled(name, at, from_unit(each, _unit(name))) for name, each in columns.items()}
+        for name, each in columns.items():
+            found[name] = SampledError(next(iter(at.values()), np.zeros(1)), from_unit(each, _unit(name)))
+            if len(at) == 2:  # the later axis and another one
+                own = error_named(name).axis
+                (other,) = (axis for axis in at if axis != own)
+                (positions, inner), (across, outer) = (np.unique(at[k], return_inverse=True) for k in (own, other))
+                grid = np.full((len(across), len(positions)), np.nan)
+                grid[outer, inner] = found[name].values
+                found[name] = SampledError(positions, grid, other, across)
     return found
-
-
-def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
-    """Return a column over one axis, over two, or of a constant."""
-    if len(at) < 2:
-        return SampledError(next(iter(at.values()), np.zeros(1)), values)
-    own = error_named(name).axis
-    (other,) = (axis for axis in at if axis != own)
-    (positions, inner), (across, outer) = (np.unique(at[axis], return_inverse=True) for axis in (own, other))
-    grid = np.full((len(across), len(positions)), np.nan)
-    grid[outer, inner] = values
-    return SampledError(positions, grid, other, across)
 
 
 def _unit(name: str) -> str:

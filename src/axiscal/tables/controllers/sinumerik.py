@@ -37,6 +37,7 @@ _ENC, _CEC = "AX_EEC.INI", "NC_CEC.INI"
 _ROUNDING = 1e-6
 """Of the last decimal of a limit: what lies over it through rounding alone raises it by no digit."""
 _SIGN = "K3 of the Function Manual Extended Functions (6FC5397-1BP40) states the sign of ENC_COMP and not that of CEC"
+_WHOSE = "Say whose it is: --number X=1 for AX1, or --on-top-of X=FILE; else take it out of the file"
 _AGAIN = "give AX_EEC.INI and NC_CEC.INI as the control saved them"
 
 
@@ -72,63 +73,65 @@ class Sinumerik(TableFormat):
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
         blocks, turn = blocks_of(own, over), 2 * np.pi
         turning = [names[t.axis] for t in own if t.rotary and abs(np.ptp(t.positions) - turn) < 1e-9]
-        told = {"encoder": encoder, "cec": _CEC, "small": _SMALL, "sums": _sums(blocks, names)}
-        counts = [len(block.values) for block in blocks]
-        told |= {"own": own, "names": names, "points": counts, "slopes": _slopes(blocks, names), "turning": turning}
+        sizes = [float(np.max(np.abs(to_unit(b.values, b.table.value_unit())))) for b in blocks]
+        steepest = [100 * float(np.max(np.abs(np.diff(b.values) / np.diff(b.table.positions)))) for b in blocks]
+        sums, slopes = _at_once(blocks, sizes), _at_once(blocks, steepest)
+        units = {b.table.axis: b.table.value_unit() for b in blocks}
+        told = {
+            "encoder": encoder,
+            "cec": _CEC,
+            "small": _SMALL,
+            "sums": ", ".join(f"{_above(size, 4)} {units[axis]} ({names[axis]})" for axis, size in sums.items()),
+            "own": own,
+            "names": names,
+            "points": [len(block.values) for block in blocks],
+            "slopes": ", ".join(f"{_above(slope, 3)} % ({names[axis]})" for axis, slope in slopes.items()),
+            "turning": turning,
+        }
         steps = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
         first = sign_said(options, _SIGN) if blocks else ()
         notes = paragraphs("axiscal.tables", "sinumerik.jinja", **told)
         return Written(write(own, blocks, names, options.sign, encoder), steps, notes, first=first)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return what tables did of the chosen measuring system; raises TableError."""
+        """Return what tables did of the chosen measuring system; raises TableError.
+
+        A table with values that has no use here is untaken.
+        """
         names, tables, untaken = _names(machine, options), list[CompensationTable](), list[InputError]()
         for file in files:
             own = {machine.axis(file.axis).name: _only_axis(file)} if file.axis else names
+            axes = {name + one: name for one in ("1", "") for name in own} | {own[name]: name for name in own}
             try:
-                _read(file, own, machine, options, tables, untaken)
+                for place, (begin, values) in _assignments(file.text).items():
+                    other = place[0] == "ENC_COMP" and int(place[1]) != options.encoder - 1
+                    table = None if other else _understood(place, values, axes, machine, options.flip)
+                    if table is not None:
+                        tables.append(table)
+                    elif any(_number(v) for key, v in values.items() if key[0] == "#"):
+                        what = "the table that begins with {text!r} is for no axis that is known here, or has no STEP"
+                        remedy = _WHOSE
+                        if other:
+                            what = "{text!r} is of another measuring system"
+                            remedy = "Say --measuring-system 2, or take it out"
+                        untaken.append(TableError(what, remedy, file.name, begin[0], text=begin[1][:60]))
             except TableError as fault:
                 raise TableError(fault.what, _AGAIN, file.name) from None
         return Loaded(tuple(tables), untaken=tuple(untaken))
 
 
-def _read(
-    file: OldFile,
-    names: Mapping[str, str],
-    machine: Machine,
-    options: ExportOptions,
-    taken: list[CompensationTable],
-    untaken: list[InputError],
-) -> None:
-    """Add what a SINUMERIK makes of a file, by its manuals: one assignment after the other.
-
-    names : machine axis identifiers; untaken : takes a failure for each table with values that has no use here
-    Raises TableError for a line that is none, for tables that are not whole, and for one that is multiplied by another.
-    """
-    axes = {f"{name}1": name for name in names} | {name: name for name in names}
-    axes |= {identifier: name for name, identifier in names.items()}
-    tables, begins = dict[tuple[str, ...], dict[str, str]](), dict[tuple[str, ...], tuple[int, str]]()
-    for number, line in enumerate((_BESIDE.sub("", each).strip() for each in file.text.splitlines()), 1):
+def _assignments(text: str) -> dict[tuple[str, ...], tuple[tuple[int, str], dict[str, str]]]:
+    """Return the line where each table begins, and its values; raises TableError for a line that is no assignment."""
+    tables = dict[tuple[str, ...], tuple[tuple[int, str], dict[str, str]]]()
+    for number, line in enumerate((_BESIDE.sub("", each).strip() for each in text.splitlines()), 1):
         if _PASSED.fullmatch(line):
             continue
-        found = _VALUE.fullmatch(line)
-        if found is None:
+        if (found := _VALUE.fullmatch(line)) is None:
             raise TableError("SINUMERIK would not understand {text!r}", _AGAIN, text=line[:60])
         _, kind, key, first, second, third, value = found.groups()
         place: tuple[str, ...] = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
-        tables.setdefault(place, {})[key or f"#{second}"] = value
-        begins.setdefault(place, (number, line))
-    for place, values in tables.items():
-        other = place[0] == "ENC_COMP" and int(place[1]) != options.encoder - 1
-        table = None if other else _understood(place, values, axes, machine, options.flip)
-        if table is not None:
-            taken.append(table)
-        elif any(_number(v) for key, v in values.items() if key[0] == "#"):
-            what = "the table that begins with {text!r} is for no axis that is known here, or has no STEP"
-            remedy = "Say whose it is: --number X=1 for AX1, or --on-top-of X=FILE; else take it out of the file"
-            if other:
-                what, remedy = "{text!r} is of another measuring system", "Say --measuring-system 2, or take it out"
-            untaken.append(TableError(what, remedy, file.name, begins[place][0], text=begins[place][1][:60]))
+        tables.setdefault(place, ((number, line), {}))[1][key or f"#{second}"] = value
+    return tables
 
 
 def _understood(
@@ -238,7 +241,7 @@ def _span(table: CompensationTable) -> dict[str, str]:
     return {**{key: f"{value:.3f}" for key, value in ends.items()}, "IS_MODULO": str(modulo)}
 
 
-def _by_axis(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, float]:
+def _at_once(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, float]:
     """Return the sum over the tables of each axis that act at once: those of the two directions do not."""
     found = dict[str, dict[int, float]]()
     for block, size in zip(blocks, sizes, strict=True):
@@ -246,17 +249,6 @@ def _by_axis(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, 
         for way in (1, -1) if not block.direction else (block.direction,):
             ways[way] += size
     return {axis: max(ways.values()) for axis, ways in found.items()}
-
-
-def _sums(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
-    units = {block.table.axis: block.table.value_unit() for block in blocks}
-    sums = _by_axis(blocks, [float(np.max(np.abs(to_unit(b.values, b.table.value_unit())))) for b in blocks])
-    return ", ".join(f"{_above(size, 4)} {units[axis]} ({names[axis]})" for axis, size in sums.items())
-
-
-def _slopes(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
-    steepest = [100 * float(np.max(np.abs(np.diff(b.values) / np.diff(b.table.positions)))) for b in blocks]
-    return ", ".join(f"{_above(slope, 3)} % ({names[axis]})" for axis, slope in _by_axis(blocks, steepest).items())
 
 
 def _above(value: float, decimals: int) -> str:

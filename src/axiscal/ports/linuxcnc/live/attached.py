@@ -25,7 +25,7 @@ from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
 from axiscal.programs.kept_out import free_ways
 from axiscal.programs.scale import Decimals, ReadingTarget, exact, target
-from axiscal.programs.steps import Arrival, Move, ProgramAxes, Step, Touched
+from axiscal.programs.steps import Move, ProgramAxes, Step, Touched
 from axiscal.units import format_quantity, from_unit
 from axiscal_core.machine import Machine
 
@@ -240,7 +240,7 @@ class _WayToBall:
             return
         begun = [] if standing is None else [Move(dict(enumerate(standing[1])), 1)]
         (ball,) = setup.artefact.nearest(self._machine.frames(self._pose[None]).tcp, setup.balls).tolist()
-        run, balls = [*begun, *to, Arrival(self.target), *touching], {self._request.reading: ball}
+        run, balls = [*begun, *to, self.target, *touching], {self._request.reading: ball}
         if not all(free_ways(self._machine, setup, balls, self._axes.scales, run)):
             what = (
                 "on the way to ball {ball} of {artefact} the tool, its holder or the spindle nose meet a ball or a post"
@@ -253,7 +253,7 @@ class _WayToBall:
 
     def off(self, standing: Decimals) -> list[Step]:
         """Return the way from where the axes stand to where they are clear."""
-        return list(self._axes.moves(standing, self._axes.cleared(standing)))
+        return list(self._axes.along(standing, [self._axes.cleared(standing)]))
 
     def trial(self) -> list[Step]:
         """Return all of it 20 mm higher over the ball along the tool, from anywhere; raises TravelError."""

@@ -48,8 +48,19 @@ class Wiring(NamedTuple):
 def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
     """Return the HAL text; tables : over other axes, 16 points at most.  Raises TableError."""
     own, overs = dict[str, list[CompensationTable]](), dict[str, list[str]]()
+    curves = list[dict[str, object]]()
     for table in tables:
-        _refuse_what_it_cannot_hold(table, wiring)
+        if (count := len(table.positions)) > POINTS:
+            what = "the table of {axis} over {over} has {count} points, a lincurve holds {most}"
+            remedy = "{most} points fit: set them further apart"
+            raise TableError(what, remedy, axis=table.axis, over=table.over, count=count, most=POINTS)
+        for axis in (table.axis, table.over):
+            if axis not in wiring.joints or len(axis) != 1:
+                remedy = "Give its number; known are {known}"
+                raise TableError("{axis} has no joint in LinuxCNC", remedy, axis=axis, known=", ".join(wiring.joints))
+        added = np.round(-np.asarray(to_unit((table.forward + table.reverse) / 2, table.value_unit(wiring.unit))), 7)
+        points = [*zip(to_unit(table.positions, wiring.unit), added + 0.0, strict=True)]
+        curves.append({"name": _name(table), "points": points})
         own.setdefault(table.axis, []).append(table)
         overs.setdefault(table.over, []).append(_name(table))
     moved = list[dict[str, object]]()
@@ -59,7 +70,6 @@ def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
         speed = f"{to_unit(fastest(mine, wiring.speeds), wiring.unit):.6g}"
         told = {"low": low, "first": first, "parts": parts, "fastest": speed, "joints": joints}
         moved.append({"axis": axis, **told})
-    curves = [{"name": _name(table), "points": _points(table, wiring.unit)} for table in tables]
     positions = [(over.lower(), wiring.joints[over][0], names) for over, names in overs.items()]
     values = {"ramp": f"{RAMP:g}", "slope": f"{1 / RAMP:g}", "headroom": f"{_HEADROOM:g}"}
     return rendered(
@@ -67,25 +77,8 @@ def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
     )
 
 
-def _refuse_what_it_cannot_hold(table: CompensationTable, wiring: Wiring) -> None:
-    if (count := len(table.positions)) > POINTS:
-        what = "the table of {axis} over {over} has {count} points, a lincurve holds {most}"
-        remedy = "{most} points fit: set them further apart"
-        raise TableError(what, remedy, axis=table.axis, over=table.over, count=count, most=POINTS)
-    for axis in (table.axis, table.over):
-        if axis not in wiring.joints or len(axis) != 1:
-            remedy = "Give its number; known are {known}"
-            raise TableError("{axis} has no joint in LinuxCNC", remedy, axis=axis, known=", ".join(wiring.joints))
-
-
 def _name(table: CompensationTable) -> str:
     return f"cross-{table.axis.lower()}-{table.over.lower()}"
-
-
-def _points(table: CompensationTable, unit: str) -> list[tuple[float, float]]:
-    """Return the points of a lincurve: minus the deviation, both directions alike."""
-    added = -np.asarray(to_unit((table.forward + table.reverse) / 2, table.value_unit(unit)))
-    return list(zip(to_unit(table.positions, unit), np.round(added, 7) + 0.0, strict=True))
 
 
 def fastest(own: Sequence[CompensationTable], speeds: Mapping[str, float]) -> float:
