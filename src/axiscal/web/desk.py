@@ -31,11 +31,11 @@ from axiscal.web.shapes import AnswerShape, StateShape
 class Desk:
     """One campaign and what is shown of it.
 
-    publish : called at every new state but the first; state : the newest, all that a page shows
+    state : the newest, all that a page shows
     """
 
-    def __init__(self, campaign: Campaign, publish: Callable[[], None]) -> None:
-        self.campaign, self.publish, self.virtual = campaign, publish, virtual_in(campaign.state.notes)
+    def __init__(self, campaign: Campaign) -> None:
+        self.campaign, self.virtual = campaign, virtual_in(campaign.state.notes)
         self._minds = list[str]()
         self._answer: Outcome | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
@@ -50,30 +50,28 @@ class Desk:
         return results_beside(self.campaign.path)
 
     def look(self) -> None:
-        """Show what others have written to the record since."""
+        """Show what others have written to the record since, and do what the next question need not wait for."""
         try:
             moved = self._moved_on()
         except AxiscalError as failure:  # such as a record that has been moved away
             if self.state.trouble != str(failure):
                 self._version += 1
                 self.state = self.state.model_copy(update={"trouble": str(failure), "version": self._version})
-                self.publish()
             return
         if moved:
             self._show()
+        if self._before is not None or self._answers != self._stands:
+            self.think()
 
     def think(self) -> None:
-        """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
-        minds = list(self._minds)
-        if self._before is not None:
-            minds += progress.others_doubted(self.campaign, self._before, command=False)
-        self._before = None
-        self.campaign.estimate()  # the next reading is compared with it
-        new = self._answers != self._stands  # what a report says stands
-        if new:
-            self._answer, self._answers = coming_answer(self.campaign) or standing_answer(self.campaign), self._stands
-        if new or minds:
-            self._show(minds, noted=True)
+        """Have second thoughts on the last reading, and find the answer."""
+        minds, before, self._before = list(self._minds), self._before, None
+        if before is not None:
+            minds += progress.others_doubted(self.campaign, before, command=False)
+        if self._answers != self._stands:  # what a report says stands
+            self._answer, self._answers = None, self._stands  # tried once
+            self._answer = coming_answer(self.campaign) or standing_answer(self.campaign)
+        self._show(minds, noted=True)
 
     @property
     def _stands(self) -> object:
@@ -100,7 +98,7 @@ class Desk:
         typed = measured(text, self.campaign.description.setup(question.setup), stands(self.campaign))
         if cause is None:
             slips.refuse_surprising(self.campaign, question, typed)
-        before = progress.doubted(self.campaign)
+        before = progress.doubted(self.campaign) if self._before is None else self._before
         kept, told = slips.keep_as(self.campaign, question, typed, cause)
         self._before = before
         self._show()
@@ -203,7 +201,6 @@ class Desk:
         if not noted:
             self._alike.clear()
         self.state = self._renewed()
-        self.publish()
 
     def _renewed(self) -> StateShape:
         self._version += 1

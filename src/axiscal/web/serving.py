@@ -24,7 +24,7 @@ from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
 from axiscal.present.sentences import spelt
 from axiscal.web import after_end, draft, shapes
-from axiscal.web.counter import Counter, lost_interruptions
+from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, page_application, problem
 
@@ -93,7 +93,7 @@ class _Api:
         async def done(asked: AnswerDocument) -> shapes.DoneShape:
             fields = dict(asked)
             after = fields.pop("after", None)
-            sentence = await self._counter.do(lambda desk: desk.once(partial(step, **fields), after))
+            sentence = await self._counter.ask(lambda desk: desk.once(partial(step, **fields), after))
             return await self._opened(spelt(sentence))
 
         done.__name__, done.__doc__ = step.__name__, step.__doc__
@@ -164,7 +164,7 @@ class _Api:
         """Keep what was chosen of a new campaign, and say what that makes of its machine."""
         return draft.keep(self._here, chosen)
 
-    async def machine_svg(
+    def machine_svg(
         self,
         width: shapes.Width,
         machine: shapes.Short = "",
@@ -173,8 +173,7 @@ class _Api:
         version: int = 0,
     ) -> Response:
         """A machine, that of the draft if none is named, with an instrument on it if one is; small : without words."""
-        drawn = partial(draft.picture, self._here, width, machine, instrument, lengths=not small)
-        return _picture(await asyncio.to_thread(drawn))
+        return _picture(draft.picture(self._here, width, machine, instrument, lengths=not small))
 
     async def plan(self) -> shapes.PlanShape | None:
         """The plan of the draft in words; it takes seconds."""
@@ -191,9 +190,9 @@ class _Api:
         """Make the plan of the draft in full, before it begins, unless a newer choice breaks it off."""
         await self._drawn_up(draft.plan_in_full)
 
-    async def rows(self, instrument: shapes.Short) -> shapes.RowsShape:
+    def rows(self, instrument: shapes.Short) -> shapes.RowsShape:
         """The rows that an instrument can show on the machine of the draft."""
-        return await asyncio.to_thread(draft.shown_rows, self._here, instrument)
+        return draft.shown_rows(self._here, instrument)
 
     async def _drawn_up(self, made: Callable[[Path], _Made]) -> _Made | None:
         """Return what is made of the draft, None where a newer choice has broken it off."""
@@ -215,7 +214,6 @@ _HEAD = 16 * 1024
 """Bytes of a request's head; any that a browser sends is smaller."""
 
 
-@lost_interruptions()
 def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
     """Serve the page of a record, or the start of one in this folder, until Ctrl-C.
 
