@@ -45,7 +45,6 @@ class Counter:
     def __init__(self, record: Path | None) -> None:
         self._row, self._busy, self._drawing = CapacityLimiter(1), Lock(), Lock()
         self._drawn, self._draws = 0, 0
-        self._ending = False
         self._stages = list[Stage]()
         with asking(nobody):
             self._desk = None if record is None else Desk(Campaign.open(record))
@@ -131,7 +130,7 @@ class Counter:
 
     async def watch(self) -> None:
         """Look at the record again and again, for what others write, and let the desk do what can wait."""
-        while not self._ending:
+        while True:
             try:
                 if self._desk is not None:
                     await self.ask(Desk.look)
@@ -143,13 +142,9 @@ class Counter:
         """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
         with suppress(TimeoutError):
             async with asyncio.timeout(wait):
-                while self.desk.state.version == seen and not self._ending:
+                while self.desk.state.version == seen:
                     await asyncio.sleep(_GLANCES)
         return self.desk.state
-
-    def end(self) -> None:
-        """Let nobody wait any longer: the server is about to end."""
-        self._ending = True
 
     def close(self) -> str:
         """Close the record; where something is still computed, return what to say of it before the process is ended."""

@@ -25,7 +25,7 @@ from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.tables import registry
-from axiscal.web.shapes import AnswerShape, StateShape
+from axiscal.web.shapes import AnswerShape, Short, StateShape
 
 
 class Desk:
@@ -91,8 +91,11 @@ class Desk:
             raise OvertakenError(what, said("Look at what is asked now, then do it again if it is still right"))
         return step(self)
 
-    def keep(self, text: str, cause: slips.Cause | None = None) -> str:
-        """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
+    def keep(self, text: Short, cause: slips.Cause | None = None) -> str:
+        """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one.
+
+        text : as it is typed, "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question
+        """
         asked = self.campaign.open_question()
         question = self.state.question or Question.from_campaign(self.campaign, asked)
         typed = measured(text, self.campaign.description.setup(question.setup), stands(self.campaign))
@@ -104,8 +107,11 @@ class Desk:
         self._show()
         return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
 
-    def jog(self, text: str, *, anyway: bool) -> str:
-        """Keep what the display shows at the test of its sign; raises ReadingError where that is wrong."""
+    def jog(self, text: Short, *, anyway: bool = False) -> str:
+        """Keep what the display shows at the test of its sign; raises ReadingError where that is wrong.
+
+        anyway : go on although it is
+        """
         return self._noted(lambda: slips.try_jog(self.campaign, text, anyway=anyway))
 
     def accept(self) -> str:
@@ -117,7 +123,7 @@ class Desk:
         self._show()
         return said("Put right: {change}; undo takes it back.", change=change_words(told))
 
-    def skip(self, reason: str, *, rest: bool = False) -> str:
+    def skip(self, reason: Short, *, rest: bool = False) -> str:
         """Keep in mind that the reading asked for cannot be taken; rest : nor any other of its set-up."""
         skipped = self.campaign.skip(reason, rest=rest)
         self._show()
@@ -126,7 +132,7 @@ class Desk:
             return said(left, setup=skipped.place.setup)
         return said("Skipped {reading}; the plan is made anew around it.", reading=asked_text(self.campaign, skipped))
 
-    def note(self, text: str) -> str:
+    def note(self, text: Short) -> str:
         """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
         return self._noted(lambda: progress.take_note(self.campaign, text))
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import os
 import socket
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from functools import partial
+from inspect import signature
 from pathlib import Path
-from types import FrameType
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import uvicorn
 from fastapi import Body, FastAPI, Response
 from fastapi.responses import FileResponse
+from pydantic import create_model
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
@@ -28,27 +28,28 @@ from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, page_application, problem
 
-_STEPS: dict[str, tuple[type[AnswerDocument], Callable[..., str]]] = {
-    "readings": (shapes.KeepRequest, Desk.keep),
-    "jogs": (shapes.JogRequest, Desk.jog),
-    "accepts": (shapes.StepRequest, Desk.accept),
-    "skips": (shapes.SkipRequest, Desk.skip),
-    "notes": (shapes.NoteRequest, Desk.note),
-    "zeros": (shapes.StepRequest, Desk.set_anew),
-    "undo": (shapes.StepRequest, Desk.undo),
-    "next": (shapes.StepRequest, Desk.go_on),
-    "finish": (shapes.StepRequest, Desk.finish),
+_STEPS: dict[str, Callable[..., str]] = {
+    "readings": Desk.keep,
+    "jogs": Desk.jog,
+    "accepts": Desk.accept,
+    "skips": Desk.skip,
+    "notes": Desk.note,
+    "zeros": Desk.set_anew,
+    "undo": Desk.undo,
+    "next": Desk.go_on,
+    "finish": Desk.finish,
 }
-"""What a page may ask of the desk: address, request, and what takes the fields of the request."""
+"""What a page may ask of the desk; a request holds what each takes, and but for a note which state it answers."""
 
 
-def application(counter: Counter, port: int, here: Path) -> Guard:
-    """Return the whole page behind its guard.  here : the folder of what begins on it"""
+def application(counter: Counter, port: int, here: Path, ready: Callable[[str], None]) -> Guard:
+    """Return the whole page behind its guard.  here : the folder of what begins on it; ready : takes its address"""
     api = _Api(counter, here)
 
     @asynccontextmanager
     async def watching(app: FastAPI) -> AsyncIterator[None]:
         watch = asyncio.create_task(counter.watch())
+        ready(guard.address)
         yield
         watch.cancel()
 
@@ -68,9 +69,10 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
     for name in ("draft", "open", "leave"):
         app.post(f"{ROOT}/{name}")(getattr(api, name))
     app.post(f"{ROOT}/check")(api.judge)
-    for name, (request, step) in _STEPS.items():
-        app.post(f"{ROOT}/{name}")(api.doing(request, step))
-    return Guard(app, port)
+    for name, step in _STEPS.items():
+        app.post(f"{ROOT}/{name}")(api.doing(step))
+    guard = Guard(app, port)
+    return guard
 
 
 _picture = partial(Response, media_type="image/svg+xml")
@@ -87,17 +89,22 @@ class _Api:
     def __init__(self, counter: Counter, here: Path) -> None:
         self._counter, self._here = counter, here
 
-    def doing(self, request: type[AnswerDocument], step: Callable[..., str]) -> _Answering:
+    def doing(self, step: Callable[..., str]) -> _Answering:
         """Return what answers requests for a step of the desk with the state after it."""
+        takes = {each.name: each for each in [*signature(step, eval_str=True).parameters.values()][1:]}
+        fields: dict[str, Any] = {
+            name: (each.annotation, ... if each.default is each.empty else each.default) for name, each in takes.items()
+        }
+        fields |= {} if step is Desk.note else {"after": (shapes.After, ...)}
 
         async def done(asked: AnswerDocument) -> shapes.DoneShape:
-            fields = dict(asked)
-            after = fields.pop("after", None)
-            sentence = await self._counter.ask(lambda desk: desk.once(partial(step, **fields), after))
+            given = dict(asked)
+            after = given.pop("after", None)
+            sentence = await self._counter.ask(lambda desk: desk.once(partial(step, **given), after))
             return await self._opened(spelt(sentence))
 
         done.__name__, done.__doc__ = step.__name__, step.__doc__
-        done.__annotations__["asked"] = request
+        done.__annotations__["asked"] = create_model(f"{step.__name__}_request", __base__=AnswerDocument, **fields)
         return done
 
     async def state(self, seen: shapes.Seen = 0, wait: shapes.Wait = 0.0) -> shapes.StateShape:
@@ -226,20 +233,19 @@ def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> 
     counter = Counter(record)
     try:
         with _listening(port) as listener:
-            page = application(counter, int(listener.getsockname()[1]), Path.cwd())
+            page = application(counter, int(listener.getsockname()[1]), Path.cwd(), ready)
             config = uvicorn.Config(
                 page,
                 http="h11",
                 ws="none",
-                log_level="error",
+                log_level="error" if os.environ.get("AXISCAL_TRACEBACK") else "critical",  # of who still waits
                 access_log=False,
                 server_header=False,
                 proxy_headers=False,
                 timeout_graceful_shutdown=1,
                 h11_max_incomplete_event_size=_HEAD,
             )
-            server = _Server(config, counter.end, lambda: ready(page.address))
-            server.run(sockets=[listener])
+            uvicorn.Server(config).run(sockets=[listener])
     except KeyboardInterrupt:
         pass  # the way in which a server is ended
     finally:
@@ -249,33 +255,8 @@ def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> 
 
 def _listening(port: int) -> socket.socket:
     """Return what listens on this computer alone; raises InputError where that cannot be."""
-    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    if os.name == "posix":  # connections of a server that was killed keep its port from the next one else
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listener.bind(("127.0.0.1", port))
-        listener.listen()
+        return socket.create_server(("127.0.0.1", port))
     except OSError as failure:
-        listener.close()
         what, remedy = "Port {port} cannot be used: {reason}", "Name another one with --port"
-        raise InputError(what, remedy, port=port, reason=failure.strerror) from failure
-    return listener
-
-
-class _Server(uvicorn.Server):
-    """The server, which says when it answers, and tells those who wait for news that it is about to end."""
-
-    def __init__(self, config: uvicorn.Config, ending: Callable[[], None], ready: Callable[[], None]) -> None:
-        super().__init__(config)
-        self._ending, self._ready = ending, ready
-
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to answer, and say so: from here on a signal ends it as it should."""
-        await super().startup(sockets)
-        self._ready()
-
-    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Take a signal to end; who still waits for an answer then is sent away, which is no fault to be told of."""
-        logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
-        self._ending()
-        super().handle_exit(sig, frame)
+        raise InputError(what, remedy, port=port, reason=os.strerror(failure.errno or 0)) from failure
