@@ -94,26 +94,23 @@ class Counter:
 
         await self._done(closed)
 
-    async def draw_up(self, work: Callable[[], _Result]) -> _Result:
-        """Return what a function of the draft returns; raises OvertakenError where a newer one has broken it off."""
+    async def draw_up(self, work: Callable[[], _Result]) -> _Result | None:
+        """Return what a function of the draft returns, None where a newer one has broken it off."""
         self._break_off()
         number = self._drawn
 
-        def drawn() -> _Result:
-            overtaken = OvertakenError("This was broken off", "Something newer is under way")
+        def drawn() -> _Result | None:
             try:
                 with self._drawing:
-                    if number != self._drawn:
-                        raise overtaken
-                    self._draws = get_ident()
+                    self._draws = get_ident() if number == self._drawn else 0
                 try:
-                    return work()
+                    return work() if self._draws else None
                 finally:
                     with self._drawing:
                         self._draws = 0
             except _BrokenOff:
                 self._draws = 0
-                raise overtaken from None
+                return None
 
         return await self._done(drawn)
 

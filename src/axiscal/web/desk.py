@@ -6,19 +6,23 @@ since, so that no reading answers another question.
 
 from __future__ import annotations
 
+import io
+import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from axiscal.answers.answer import Outcome, PlannedAnswer
 from axiscal.answers.answer_of_campaign import results_beside, standing_answer
-from axiscal.campaign.agreement_words import change_words
+from axiscal.campaign.agreement_words import agreement_words, change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.campaign.sources import virtual_in
 from axiscal.estimation.promise.agreement import Explained
-from axiscal.exceptions import AxiscalError, OvertakenError, RecordError
+from axiscal.evaluation.check import Check
+from axiscal.exceptions import AxiscalError, OvertakenError, RecordError, TableError
 from axiscal.language.spoken import said, spoken_now
 from axiscal.present.guide import progress, slips
+from axiscal.present.guide.checking import CheckJudged
 from axiscal.present.guide.question import Question, asked_text, measured, stands
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.schematic import setup_picture, setup_schematic
@@ -190,6 +194,43 @@ class Desk:
         finally:
             self._show()
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
+
+    def tables_packed(self, control: str) -> bytes:
+        """Return the files for a control as one, as they were written, or made now with its sign.
+
+        Raises InputError, TableError.
+        """
+        self.look()
+        if control in self.state.tables and self.campaign.description.bump_of(control) is None:
+            files = {file.name: file.read_text() for file in sorted((self.results / "tables" / control).iterdir())}
+        else:
+            known = self.campaign.estimate(ended=True)
+            if known.agreement.withheld:
+                raise TableError(agreement_words(known), said("Take readings again"))
+            offered = registry.offered(known, control)
+            files = {**offered.files, "README.txt": offered.readme}
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, text in files.items():
+                archive.writestr(f"{control}/{name}", text)
+        return packed.getvalue()
+
+    def volume_picture(self, width: float) -> str:
+        """Return the error of the volume, found, and left with the tables, as SVG.  width : pixels"""
+        from axiscal.present.drawing.svg_picture import picture_file  # no question waits for them
+        from axiscal.present.found_and_left import found_and_left_drawing
+        from axiscal.present.volume_error import volume_error
+
+        known, tables = self.campaign.estimate(ended=True), self.state.tables
+        control = next((each for each in tables if each != "csv"), "csv")
+        volume = volume_error(known, control, registry.offered_control(known, control) if tables else None)
+        drawing = found_and_left_drawing(volume, self.campaign.description.machine, width)
+        return picture_file(drawing, said("The error of the volume"))
+
+    def judge(self, control: str, tolerance: str, found: Sequence[str], left: Sequence[str]) -> CheckJudged:
+        """Return what readings without the tables and with them say, or what is wrong with each by its field."""
+        check = Check.from_campaign(self.campaign, control)
+        return CheckJudged.of(check, found, left, tolerance, self.campaign.path.parent)
 
     def _explained(self) -> Explained | None:
         """Return the mistake that readings name which contradict each other, None for none."""

@@ -65,9 +65,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
 
     return FastAPI(
         routes=[Route(path, _words if path == "/words.json" else shown, methods=["GET"]) for path in FREE],
-        exception_handlers={
-            RequestValidationError: _malformed, AxiscalError: _refused, HTTPException: _not_here, Exception: _defect
-        },
+        exception_handlers=dict.fromkeys((RequestValidationError, AxiscalError, HTTPException, Exception), _not_done),
         default_response_class=PageDocument,
         responses=_REFUSALS,
         dependencies=[Security(token), Depends(_refuse_unknown)],
@@ -76,7 +74,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
         redirect_slashes=False,
         strict_content_type=False,
         **settings,
-    )  # fmt: skip
+    )
 
 
 class PageDocument(JSONResponse):
@@ -104,30 +102,23 @@ async def _refuse_unknown(request: Request) -> None:
         raise RequestValidationError([{"loc": ("query", min(unknown)), "msg": "Extra inputs are not permitted"}])
 
 
-async def _malformed(request: Request, failure: Exception) -> Response:
-    assert isinstance(failure, RequestValidationError)
-    first = failure.errors()[0]
-    where = ".".join(str(part) for part in first["loc"][1:])
-    return problem(422, "malformed", f"{where}: {first['msg']}" if where else first["msg"])
-
-
-async def _refused(request: Request, failure: Exception) -> Response:
-    if isinstance(failure, SurprisingError):
-        return problem(409, "surprising", spelt(str(failure)))
-    if isinstance(failure, OvertakenError):
-        return problem(409, "overtaken", str(failure))
-    return problem(422, "refused", str(failure))
-
-
-async def _not_here(request: Request, failure: Exception) -> Response:
-    status = failure.status_code if isinstance(failure, HTTPException) else 500
-    return problem(*_NOTHING_HERE.get(status, (status, "missing", "There is nothing here")))
-
-
-async def _defect(request: Request, failure: Exception) -> Response:
-    kind = type(failure).__name__
-    said = f"A defect in {culprit(failure)}: {kind}: {failure}. What is on the disk is kept; look at the last readings"
-    return problem(500, "defect", said)
+async def _not_done(request: Request, failure: Exception) -> Response:
+    """Answer with what is wrong."""
+    match failure:
+        case RequestValidationError():
+            first = failure.errors()[0]
+            where = ".".join(str(part) for part in first["loc"][1:])
+            return problem(422, "malformed", f"{where}: {first['msg']}" if where else first["msg"])
+        case SurprisingError():
+            return problem(409, "surprising", spelt(str(failure)))
+        case OvertakenError():
+            return problem(409, "overtaken", str(failure))
+        case AxiscalError():
+            return problem(422, "refused", str(failure))
+        case HTTPException(status_code=status):
+            return problem(*_NOTHING_HERE.get(status, (status, "missing", "There is nothing here")))
+    what = f"A defect in {culprit(failure)}: {type(failure).__name__}: {failure}"
+    return problem(500, "defect", f"{what}. What is on the disk is kept; look at the last readings")
 
 
 _TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses

@@ -6,11 +6,11 @@ import asyncio
 import os
 import socket
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from functools import partial
 from inspect import signature
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 import uvicorn
 from fastapi import Body, FastAPI, Response
@@ -19,11 +19,11 @@ from pydantic import create_model
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
-from axiscal.exceptions import InputError, OvertakenError
+from axiscal.exceptions import InputError
 from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
 from axiscal.present.sentences import spelt
-from axiscal.web import after_end, draft, shapes
+from axiscal.web import draft, shapes
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, page_application, problem
@@ -80,7 +80,6 @@ _Answering = Callable[..., Awaitable[AnswerDocument | None]]
 """Makes the document that answers a request."""
 _Sent = Annotated[shapes.Short, Body(embed=True)]
 """The only field of what is sent."""
-_Made = TypeVar("_Made")
 
 
 class _Api:
@@ -127,7 +126,7 @@ class _Api:
 
     async def judge(self, asked: shapes.CheckedRequest) -> CheckJudged:
         """What readings without the tables and with them say."""
-        return await self._counter.ask(lambda desk: after_end.judge(desk, asked))
+        return await self._counter.ask(lambda desk: desk.judge(**dict(asked)))
 
     async def setup_svg(self, width: shapes.Width, version: int = 0) -> Response:
         """The machine with the instrument on it and the places that are read, as wide as the page has room."""
@@ -136,7 +135,7 @@ class _Api:
 
     async def volume_svg(self, width: shapes.Width, version: int = 0) -> Response:
         """The error of the volume, found and left, as wide as the page has room."""
-        return _picture(await self._counter.ask(lambda desk: after_end.volume_picture(desk, width)))
+        return _picture(await self._counter.ask(lambda desk: desk.volume_picture(width)))
 
     async def report_pdf(self) -> Response:
         """The report to sign."""
@@ -144,7 +143,7 @@ class _Api:
 
     async def tables_zip(self, control: shapes.Short) -> Response:
         """The tables of a control as one file."""
-        packed = await self._counter.ask(lambda desk: after_end.tables_packed(desk, control))
+        packed = await self._counter.ask(lambda desk: desk.tables_packed(control))
         headers = {"Content-Disposition": f'attachment; filename="{control}.zip"'}
         return Response(packed, media_type="application/zip", headers=headers)
 
@@ -184,29 +183,21 @@ class _Api:
 
     async def plan(self) -> shapes.PlanShape | None:
         """The plan of the draft in words; it takes seconds."""
-        return await self._drawn_up(draft.plan)
+        return await self._counter.draw_up(partial(draft.plan, self._here))
 
     async def curve(self) -> shapes.CurveShape | None:
         """What other minutes than those of the plan buy; null where there is no plan, which says why."""
-        try:
-            return await self._drawn_up(draft.curve)
-        except InputError:  # a newer choice stands already that nothing can be planned for
-            return None
+        with suppress(InputError):  # a newer choice stands already that nothing can be planned for
+            return await self._counter.draw_up(partial(draft.curve, self._here))
+        return None
 
     async def planned(self) -> None:
         """Make the plan of the draft in full, before it begins, unless a newer choice breaks it off."""
-        await self._drawn_up(draft.plan_in_full)
+        await self._counter.draw_up(partial(draft.plan_in_full, self._here))
 
     def rows(self, instrument: shapes.Short) -> shapes.RowsShape:
         """The rows that an instrument can show on the machine of the draft."""
         return draft.shown_rows(self._here, instrument)
-
-    async def _drawn_up(self, made: Callable[[Path], _Made]) -> _Made | None:
-        """Return what is made of the draft, None where a newer choice has broken it off."""
-        try:
-            return await self._counter.draw_up(lambda: made(self._here))
-        except OvertakenError:
-            return None
 
     async def open(self, record: _Sent) -> shapes.DoneShape:
         """Open a campaign of the start, or begin that of the draft and open it, for ""."""
