@@ -23,7 +23,7 @@ from axiscal.measurement.touched import cycle_of, met_from, read_as
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
-from axiscal.programs.kept_out import free_ways
+from axiscal.programs.kept_out import refuse_kept_out
 from axiscal.programs.scale import Decimals, ReadingTarget, exact, target
 from axiscal.programs.steps import Arrival, Move, ProgramAxes, Step, Touched
 from axiscal.units import format_quantity, from_unit
@@ -241,15 +241,7 @@ class _WayToBall:
         begun = [] if standing is None else [Move(dict(enumerate(standing[1])), 1)]
         (ball,) = setup.artefact.nearest(self._machine.frames(self._pose[None]).tcp, setup.balls).tolist()
         run, balls = [*begun, *to, Arrival(self.target), *touching], {self._request.reading: ball}
-        if not all(free_ways(self._machine, setup, balls, self._axes.scales, run)):
-            what = (
-                "on the way to ball {ball} of {artefact} the tool, its holder or the spindle nose meet a ball or a post"
-            )
-            remedy = (
-                "Leave it out, put the artefact down elsewhere, or correct length, reach, radius and head in [tool]"
-            )
-            name = setup.artefact.balls[ball].name
-            raise TravelError(what, remedy, ball=name, artefact=shown(setup.artefact.name))
+        refuse_kept_out(self._machine, setup, balls, self._axes.scales, run)
 
     def off(self, standing: Decimals) -> list[Step]:
         """Return the way from where the axes stand to where they are clear."""
