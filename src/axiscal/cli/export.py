@@ -56,7 +56,6 @@ def export(
     origin: str | None = None,
     chord: str | None = None,
     anyway: bool = False,
-    json: bool = False,
 ) -> None:
     """Write compensation files for a control."""
     if to == "list":
@@ -79,7 +78,7 @@ def export(
     if to == PROGRAM:
         if other := next((option for option in given if option != "--unit"), ""):
             raise TableError("{controller} does not take {option}", "leave it out", controller=to, option=other)
-        _rewrite(record, out, program, origin, chord, unit, anyway, json)
+        _rewrite(record, out, program, origin, chord, unit, anyway)
         return
     given += [name for name, value in wanted.items() if value is not None]
     registry.refuse_untaken(to, given)
@@ -109,7 +108,7 @@ def export(
     idle = said("The files do not move {axes}.", axes=joined(offered.idle)) if offered.idle else ""
     written = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"], said("Next"): coming}
     lines = [*wrapped(effect, 4), *(wrapped(idle, 4) if idle else ()), *ending(written)]
-    say_either(json, "axiscal-export/1", _document(offered, out), lines)
+    say_either("axiscal-export/1", _document(offered, out), lines)
 
 
 def _write(out: Path, files: Mapping[str, str], readme: str, campaign: Campaign, name: str) -> None:
@@ -129,7 +128,6 @@ def _rewrite(
     chord: str | None,
     unit: str | None,
     anyway: bool,
-    json: bool,
 ) -> None:
     """Write a program as the estimate has it, with its README.txt; raises TableError, ReadingError, UnitError, OSError.
 
@@ -171,7 +169,7 @@ def _rewrite(
     lines = [*wrapped(said(what, size=moved, chord=held) + " " + count, 4), *ending(written)]
     sizes = {"rms_um_added": to_unit(done.added, "um"), "chord_um": to_unit(size, "um")}
     document = {"file": str(path), **sizes, "motions": done.motions, "pieces": done.pieces}
-    say_either(json, "axiscal-program/1", document, lines)
+    say_either("axiscal-program/1", document, lines)
 
 
 def _spacing(texts: list[str]) -> float | dict[str, float] | None:
