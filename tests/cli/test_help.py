@@ -62,7 +62,7 @@ def test_the_table_has_what_each_command_takes() -> None:
     for place in {place for group in TABLE["commands"].values() for place in group.values()}:
         file, _, function = place.partition(".")
         taken = signature(getattr(import_module(f"axiscal.cli.{file}"), function)).parameters.values()
-        told = [*parameters(place)]
+        told = [each for each in parameters(place) if each.name != "json"]
         assert [each.name for each in told] == [each.name for each in taken], place
         both = [(one.default, other.default) for one, other in zip(told, taken, strict=True)]
         assert {one for one, other in both if other is not Parameter.empty and one != other} == set(), place
