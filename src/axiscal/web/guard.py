@@ -46,7 +46,6 @@ _REFUSALS: dict[int | str, dict[str, Any]] = {
 _NOTHING_HERE = {
     400: (422, "malformed", "The body is no JSON"),
     405: (405, "method", "This cannot be done here"),
-    413: (413, "large", f"A request may have {LARGEST} bytes"),
 }
 """Status, code and sentence of what is refused before a function is called, by the status that it has."""
 
@@ -165,7 +164,7 @@ class Guard:
         if fault is not None:
             await fault(scope, receive, answered)
             return
-        await self._app(scope, _bounded(receive), answered)
+        await self._app(scope, receive, answered)
 
     def _fault(self, asked: HTTPConnection) -> Response | None:
         """Return what is wrong with a request, None for what may come in."""
@@ -174,24 +173,11 @@ class Guard:
             return problem(400, "host", f"This page answers under http://{self._hosts[0]} only")
         if headers.get("origin") not in (None, *(f"http://{host}" for host in self._hosts)):
             return problem(403, "forbidden", "This request comes from another page")
+        if int(headers.get("content-length", 0)) > LARGEST or "transfer-encoding" in headers:
+            return problem(413, "large", f"A request may have {LARGEST} bytes, and says how many it has")
         scheme, _, token = headers.get("authorization", "").partition(" ")
         ours = hmac.compare_digest(token.encode("utf-8", "replace"), self._token.encode())
         free = asked.scope["method"] in ("GET", "HEAD") and asked.scope["path"] in FREE
         if (scheme.lower() == "bearer" and ours) or free:
             return None
         return problem(403, "forbidden", "Open the address that axiscal serve has printed: it holds the token")
-
-
-def _bounded(receive: Receive) -> Receive:
-    """Return what gives the body of a request, and refuses one that is too large; what comes after that is not read."""
-    size = 0
-
-    async def received() -> Message:
-        nonlocal size
-        message = await receive()
-        size += len(message.get("body", b""))
-        if size > LARGEST:
-            raise HTTPException(413)
-        return message
-
-    return received
