@@ -83,17 +83,8 @@ def test_every_command_has_help_with_an_example(section: str) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("typed", "offered"),
-    [
-        ("axiscal measure --la", ["--language"]),
-        ("axiscal status ", ["lathe.axiscal", "mill.axiscal"]),
-    ],
-)
-def test_it_completes(tmp_path: Path, typed: str, offered: list[str]) -> None:
-    for name in ("lathe.axiscal", "mill.axiscal", "notes.txt"):
-        (tmp_path / name).touch()
-    asking = {"_AXISCAL_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": str(len(typed.split(" ")) - 1)}
+def test_it_completes(tmp_path: Path) -> None:
+    asking = {"_AXISCAL_COMPLETE": "complete_bash", "COMP_WORDS": "axiscal measure --la", "COMP_CWORD": "2"}
     done = subprocess.run(
         [sys.executable, "-m", "axiscal"],
         cwd=tmp_path,
@@ -101,4 +92,4 @@ def test_it_completes(tmp_path: Path, typed: str, offered: list[str]) -> None:
         capture_output=True,
         text=True,
     )
-    assert (done.returncode, done.stdout.split(), done.stderr) == (0, offered, "")
+    assert (done.returncode, done.stdout.split(), done.stderr) == (0, ["--language"], "")
