@@ -86,7 +86,7 @@ class Counter:
         return await self._done(opened)
 
     async def leave(self) -> None:
-        """Close the record, after the steps that are under way."""
+        """Close the record after the steps that are under way, and show the start again."""
 
         def closed() -> None:
             self.desk.campaign.close()
@@ -135,8 +135,8 @@ class Counter:
                 logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
             await asyncio.sleep(_LOOKS)
 
-    async def newer(self, seen: int, wait: float) -> shapes.StateShape:
-        """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
+    async def newer(self, seen: shapes.Seen = 0, wait: shapes.Wait = 0.0) -> shapes.StateShape:
+        """All that the page shows, as soon as its version is another one than `seen`, or after `wait` s."""
         with suppress(TimeoutError):
             async with asyncio.timeout(wait):
                 while self.desk.state.version == seen:

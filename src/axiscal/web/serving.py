@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import socket
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from functools import partial
 from inspect import signature
@@ -64,13 +64,13 @@ def application(counter: Counter, port: int, here: Path, ready: Callable[[str], 
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "planned", "rows"):
         app.get(f"{ROOT}/{name}")(getattr(api, name))
-    for name in ("state", "typed", "cost", "check"):
+    for name in ("typed", "cost", "check"):
         app.get(f"{ROOT}/{name}")(getattr(api, name))
-    for name in ("draft", "open", "leave"):
-        app.post(f"{ROOT}/{name}")(getattr(api, name))
-    app.post(f"{ROOT}/check")(api.judge)
-    for name, step in _STEPS.items():
-        app.post(f"{ROOT}/{name}")(api.doing(step))
+    app.get(f"{ROOT}/state")(counter.newer)
+    posted: dict[str, _Answering] = {name: api.doing(step) for name, step in _STEPS.items()}
+    posted |= {"draft": api.draft, "open": api.open, "leave": counter.leave, "check": api.judge}
+    for name, answering in posted.items():
+        app.post(f"{ROOT}/{name}")(answering)
     guard = Guard(app, port)
     return guard
 
@@ -100,15 +100,11 @@ class _Api:
             given = dict(asked)
             after = given.pop("after", None)
             sentence = await self._counter.ask(lambda desk: desk.once(partial(step, **given), after))
-            return await self._opened(spelt(sentence))
+            return shapes.DoneShape(sentence=spelt(sentence), state=self._counter.desk.state)
 
         done.__name__, done.__doc__ = step.__name__, step.__doc__
         done.__annotations__["asked"] = create_model(f"{step.__name__}_request", __base__=AnswerDocument, **fields)
         return done
-
-    async def state(self, seen: shapes.Seen = 0, wait: shapes.Wait = 0.0) -> shapes.StateShape:
-        """All that the page shows, at once or when it is newer than what was seen."""
-        return await self._counter.newer(seen, wait)
 
     async def typed(self, text: shapes.Short) -> Meant:
         """What a typed text would mean for the question that is open."""
@@ -139,24 +135,17 @@ class _Api:
 
     async def report_pdf(self) -> Response:
         """The report to sign."""
-        return self._result("report.pdf", {"Content-Disposition": "attachment"})
+        desk = self._counter.desk
+        file, folder = desk.results / "report.pdf", desk.campaign.path.absolute().parent
+        if not file.is_file() or file.resolve().parent.parent != folder.resolve():
+            return problem(404, "missing", "There is no report yet")
+        return FileResponse(file, headers={"Content-Disposition": "attachment"})
 
     async def tables_zip(self, control: shapes.Short) -> Response:
         """The tables of a control as one file."""
         packed = await self._counter.ask(lambda desk: desk.tables_packed(control))
         headers = {"Content-Disposition": f'attachment; filename="{control}.zip"'}
         return Response(packed, media_type="application/zip", headers=headers)
-
-    async def leave(self) -> None:
-        """Close the record, and show the start again."""
-        await self._counter.leave()
-
-    def _result(self, name: str, headers: Mapping[str, str]) -> Response:
-        desk = self._counter.desk
-        file, folder = desk.results / name, desk.campaign.path.absolute().parent
-        if not file.is_file() or file.resolve().parent.parent != folder.resolve():
-            return problem(404, "missing", "There is no report yet")
-        return FileResponse(file, headers=headers)
 
     async def start(self) -> shapes.StartShape:
         """All that the start shows."""
@@ -202,10 +191,7 @@ class _Api:
     async def open(self, record: _Sent) -> shapes.DoneShape:
         """Open a campaign of the start, or begin that of the draft and open it, for ""."""
         begun = self._counter.begin(partial(draft.record_of, self._here, record), breaks=record != "")
-        return await self._opened(await begun)
-
-    async def _opened(self, sentence: str) -> shapes.DoneShape:
-        return shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0))
+        return shapes.DoneShape(sentence=await begun, state=self._counter.desk.state)
 
 
 _HEAD = 16 * 1024
