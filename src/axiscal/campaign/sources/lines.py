@@ -1,0 +1,88 @@
+"""A program that is sent JSON lines and answers with lines; its stderr is that of axiscal."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import select
+import signal
+import subprocess
+import time
+from collections.abc import Sequence
+
+LONGEST = 100_000
+"""Characters in one line."""
+_LOOK = 0.25
+"""Seconds between two looks whether the program still runs; any time that a person does not notice would do."""
+
+
+class Lines:
+    """A program, started once without a shell; raises OSError or ValueError where it cannot be."""
+
+    def __init__(self, words: Sequence[str]) -> None:
+        self.process = subprocess.Popen(
+            words,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            start_new_session=True,  # Ctrl-C is for us: the program gets to finish its answer
+        )
+        assert self.process.stdin is not None  # both were asked for
+        assert self.process.stdout is not None
+        self._to, self._from, self._heard = self.process.stdin, self.process.stdout, b""
+
+    def send(self, message: object) -> None:
+        """Send a message; raises OSError or ValueError where nobody takes it."""
+        self._to.write(json.dumps(message, ensure_ascii=False) + "\n")
+        self._to.flush()
+
+    def line(self, patience: float) -> str | None:
+        """Return the next line with its end, "" where none will come any more, None where none came in so many s."""
+        stream, until = self._from.fileno(), time.monotonic() + patience
+        while b"\n" not in self._heard and len(self._heard) <= LONGEST:
+            ended = self.process.poll() is not None  # looked at first: what it said before is in the pipe
+            left = until - time.monotonic()
+            if select.select([stream], [], [], max(min(_LOOK, left), 0.0))[0]:
+                part = os.read(stream, LONGEST)
+                self._heard += part
+                if not part:
+                    break
+            elif ended:  # and something that it has started keeps its output open
+                break
+            elif left <= 0:
+                return None
+        line, end, self._heard = self._heard.partition(b"\n")
+        return (line + end).decode("utf-8", "replace")
+
+    def end(self, grace: float) -> str:
+        """Close its input, and kill it and what it left behind where that does not move it; return its last line.
+
+        grace : s that it has to end by itself, and once more when it is told to.  May be called twice.
+        """
+        last = ""
+        if self._from.closed:
+            return last
+        with contextlib.suppress(OSError, ValueError):
+            self._to.close()
+        for farewell in (signal.SIGTERM, signal.SIGKILL):
+            try:
+                self.process.wait(grace)
+                break
+            except subprocess.TimeoutExpired:
+                self._signal(farewell)
+        self.process.wait()
+        self._signal(signal.SIGKILL)
+        while line := self.line(0.0):
+            last = line
+        self._from.close()
+        return last
+
+    def _signal(self, number: signal.Signals) -> None:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            if os.name == "posix":
+                os.killpg(self.process.pid, number)
+            else:
+                self.process.send_signal(number)
