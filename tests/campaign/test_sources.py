@@ -199,7 +199,7 @@ def test_a_command_that_will_not_end_is_ended(
     source.read(REQUEST)
     source.close()
     source.close()
-    assert source._process.returncode == -9
+    assert source._lines.process.returncode == -9
 
 
 @pytest.mark.parametrize(

@@ -84,7 +84,7 @@ class Control:
         ready = dict.fromkeys(("enabled", "homed", "idle", "feed_heeded"), True)
         none = dict.fromkeys(("estop", "spindle", "tip"), False) | {"whole": None, "checksum": None}
         plain = {"feed": 1.0, "offsets": [0.0], "rotation": 0.0, "compensated": []}
-        seen = {"probe": self.probe == "stuck", "scale": 1.0, "angular": 1.0, "axes": axes}
+        seen = {"probe": self.probe == "stuck", "axes": axes}
         return ready | none | plain | seen | {"position": position, "joints": list(position.items())}
 
     def _scaled(self, rotary: bool, value: float) -> float:

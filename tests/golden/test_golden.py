@@ -107,7 +107,7 @@ def standing(record: Path, language: str, folder: Path) -> tuple[dict[str, Any],
     """Return the answer of the operator's page as a document, and what it and `status` show."""
     copy = Path(shutil.copy(record, folder / f"{language}.axiscal"))
     with Campaign.open(copy) as campaign, speaking(language):
-        desk = Desk(campaign, lambda: None)
+        desk = Desk(campaign)
         desk.think()
         state = desk.state.model_dump(mode="json")["answer"]
         screen = standing_screen(campaign)

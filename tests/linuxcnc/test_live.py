@@ -122,8 +122,8 @@ def cut_in_the_second(reader: LiveSource, read: Callable[[LiveSource, Request], 
     """Read, and let the line be cut on the way to the second ball."""
     if wanted.reading == 2:
         line = reader._line
-        assert line._process.stdin is not None
-        line._process.stdin.close()
+        assert line._lines.process.stdin is not None
+        line._lines.process.stdin.close()
     return read(reader, wanted)
 
 
@@ -232,9 +232,9 @@ class Cut(Connection):
                 raise KeyboardInterrupt
             if self.how == "silent":
                 return
-            assert self._process.stdin is not None
-            self._process.stdin.close()
-            self._process.kill()
+            assert self._lines.process.stdin is not None
+            self._lines.process.stdin.close()
+            self._lines.process.kill()
 
 
 @pytest.mark.parametrize(("after", "how"), [(2, "cut"), (6, "cut"), (13, "interrupt"), (21, "cut")])

@@ -26,7 +26,7 @@ def test_before_the_first_reading_all_show_the_plan_and_whether_it_reaches(tmp_p
     text = CAMPAIGN.replace('rms = "3 um"', 'U = "0.2 um"\nreadings = 12')
     with Campaign.create(tmp_path / "c.axiscal", campaign_from_texts(text, "c.toml", MACHINE, "m")) as campaign:
         campaign.next()
-        desk = Desk(campaign, lambda: None)
+        desk = Desk(campaign)
         desk.think()
         page, progress, screen = desk.state.answer, desk.state.progress, of_screen(standing_screen(campaign))
         assert page is not None
@@ -45,7 +45,7 @@ def test_the_page_counts_the_open_question_and_the_clock_as_every_screen_does(tm
     with Campaign.create(tmp_path / "c.axiscal", campaign_from_texts(text, "c.toml", MACHINE, "m")) as campaign:
         campaign.next()
         campaign.record(1e-6)
-        desk = Desk(campaign, lambda: None)
+        desk = Desk(campaign)
         desk.think()
         assert desk.state.answer is not None
         found, progress = desk.state.answer.document, desk.state.progress

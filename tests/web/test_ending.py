@@ -11,9 +11,10 @@ from axiscal.campaign.campaign import Campaign
 from tests.web.served import PATIENCE, Served, serving, started
 
 LONG = """
-import sys, time
+import functools, sys, time
 from axiscal.web.desk import Desk
 done = Desk.{step}
+@functools.wraps(done)
 def long(desk, *words, **more):
     {before}
     sys.stderr.write("at work\\n")

@@ -22,7 +22,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 from axiscal.cli.arguments import TABLE, parameters, words_of
-from axiscal.cli.printing import agreed, complain, say
+from axiscal.cli.printing import DOCUMENTS, agreed, complain, say
 from axiscal.document.consent import asking, nobody
 from axiscal.document.gone import instead_of
 from axiscal.document.ports import culprit
@@ -95,6 +95,7 @@ def _command(name: str, place: str) -> Any:
         if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
             gc.freeze()
             gc.enable()
+        DOCUMENTS.set(given.pop("json", False))
         getattr(module, function)(**given)
 
     called.__signature__ = Signature([*parameters(place)])  # type: ignore[attr-defined]

@@ -41,11 +41,6 @@ def own_record() -> Path:
     raise RecordError(what, remedy, Path.cwd(), count=len(here), names=names)
 
 
-def records_here(incomplete: str) -> list[str]:
-    """Return the records in this folder whose names begin so, for a shell that completes what is typed."""
-    return sorted(path.name for path in Path.cwd().glob("*.axiscal") if path.name.startswith(incomplete))
-
-
 def above_zero(text: str, dimension: Dimension) -> float:
     """Return an accuracy, m, or a time, s, that is to be kept; raises UnitError, TargetError."""
     wanted = parse_quantity(text, dimension)
@@ -90,8 +85,7 @@ def _parameter(
     argument, kind = row.pop("argument", ""), _TYPES[type]
     if argument:
         factory = _FACTORIES.get(row.pop("factory", ""))
-        completing = records_here if argument == "RECORD" else None
-        words = typer.Argument(metavar=argument, default_factory=factory, autocompletion=completing, **row)
+        words = typer.Argument(metavar=argument, default_factory=factory, **row)
     else:
         words = typer.Option(*row.pop("flags", [f"--{name.replace('_', '-')}"]), **row)
     if default is not None or type == "flag":

@@ -9,7 +9,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import length_unit
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import say, say_document, say_either, tell, tell_minds
+from axiscal.cli.printing import DOCUMENTS, say, say_document, say_either, tell, tell_minds
 from axiscal.cli.record import placed_log
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.prediction import predict_poses
@@ -27,7 +27,7 @@ from axiscal.tables.exporter import unasked
 from axiscal.units import to_unit
 
 
-def predict(record: Path, poses: Path, json: bool = False) -> None:
+def predict(record: Path, poses: Path) -> None:
     """Say how far off the tool is at poses."""
     wanted = read_poses(poses)
     with Campaign.open(record, write=False) as campaign:
@@ -38,7 +38,7 @@ def predict(record: Path, poses: Path, json: bool = False) -> None:
     pairs = (zip(row["mean_um"], row["std_um"], strict=True) for row in rows)
     cells = (" ".join(f"{mean:9.3f} ± {std:6.3f}" for mean, std in each) for each in pairs)
     lines = [heads, *(f"{number:5} {each}" for number, each in enumerate(cells, start=1))]
-    say_either(json, "axiscal-predict/1", {"poses": rows}, lines)
+    say_either("axiscal-predict/1", {"poses": rows}, lines)
 
 
 def estimate(
@@ -51,7 +51,6 @@ def estimate(
     log: Path | None = None,
     programs: Path = Path("programs"),
     details: bool = False,
-    json: bool = False,
 ) -> None:
     """Evaluate readings that exist already; nothing is planned."""
     description = read_campaign(campaign, target_needed=False, asking=False)
@@ -69,18 +68,18 @@ def estimate(
     warnings = of_readings(placed, description.setups, description.machine.axes)
     with evaluated(description, placed) as opened:
         kept, again = out / RECORD, "give the command again"
-        result = write_outputs(opened, out, as_json=json, details=details, record=kept, warnings=warnings, again=again)
+        result = write_outputs(opened, out, details=details, record=kept, warnings=warnings, again=again)
     seen = [each.text for code in OF_THE_READING if not details for each in result.warnings if each.code == code]
     tell_minds(unasked(description), *seen, *open_questions(description))
 
 
-def iso230(readings: Path, unit: str | None = None, json: bool = False) -> None:
+def iso230(readings: Path, unit: str | None = None) -> None:
     """Print the figures of ISO 230-2 or ISO 230-4."""
     read = recognised(readings, unit=length_unit(unit))
     found = figures_of(read)
     tell(read.sentence())
     document = found.as_json()
-    if json:
+    if DOCUMENTS.get():
         say_document(document)
         return
     if isinstance(found, Positioning):

@@ -1,8 +1,9 @@
-"""`axiscal export`."""
+"""`axiscal export`: files for a control, or a part program rewritten by the estimate."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
@@ -10,16 +11,16 @@ from shlex import quote
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
-from axiscal.cli.printing import say, say_document
-from axiscal.cli.rewriting import PROGRAM, write_program
-from axiscal.document.ports import part
+from axiscal.cli.printing import say, say_either
+from axiscal.document.durable import write_whole
+from axiscal.document.ports import part, rendered
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import ending, joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.measurement.readers.probe_offset import place_of
-from axiscal.measurement.readers.text_file import exact_text
+from axiscal.measurement.readers.text_file import exact_text, read_text
 from axiscal.present.answer_words import wrapped
-from axiscal.present.delivery import introduced, write_files
+from axiscal.present.delivery import introduced
 from axiscal.present.findings import findings
 from axiscal.present.result_of_campaign import record_state
 from axiscal.present.result_set import result_set, write_manifest
@@ -28,7 +29,13 @@ from axiscal.tables.bump import bumped
 from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.tables.loaded import read_old
 from axiscal.tables.offer import Export, effect_sentence
-from axiscal.units import parse_quantity, to_unit
+from axiscal.tables.rewriting import rewrite
+from axiscal.units import format_quantity, parse_quantity, to_unit, within
+
+PROGRAM = "program"
+_CHORD = "0.2 um"
+_FINEST, _COARSEST = 1e-7, 1e-3
+"""m: a decimal of a program, and more than any machine is off by."""
 
 
 def export(
@@ -49,7 +56,6 @@ def export(
     origin: str | None = None,
     chord: str | None = None,
     anyway: bool = False,
-    json: bool = False,
 ) -> None:
     """Write compensation files for a control."""
     if to == "list":
@@ -72,7 +78,7 @@ def export(
     if to == PROGRAM:
         if other := next((option for option in given if option != "--unit"), ""):
             raise TableError("{controller} does not take {option}", "leave it out", controller=to, option=other)
-        write_program(record, out, program, origin, chord, unit, anyway, json)
+        _rewrite(record, out, program, origin, chord, unit, anyway)
         return
     given += [name for name, value in wanted.items() if value is not None]
     registry.refuse_untaken(to, given)
@@ -86,28 +92,84 @@ def export(
         estimate, bump = bumped(estimate, to, registry.unstated(to)) if probe_sign else (estimate, "")
         offered = registry.export(estimate, to, options) if into is None else into(ini, estimate, options)
         offered = replace(offered, readme=f"{bump}\n{offered.readme}") if bump else offered
-        if estimation.agreement.withheld and not anyway:
-            remedy = "Take readings again, or write the files all the same with --anyway"
-            raise TableError(agreement_words(estimation, record), remedy, record)
         doubts = [finding.text for finding in findings(estimation, ended=campaign.state.finished is not None)]
         agreement = agreement_words(estimation, record) if estimation.readings else ""
+        if estimation.agreement.withheld and not anyway:
+            remedy = "Take readings again, or write the files all the same with --anyway"
+            raise TableError(agreement, remedy, record)
         offered = introduced(offered, campaign, agreement, doubts)
-        manifest = f"manifest-{offered.controller}.json"
-        with result_set(out, manifest) as folder:
-            write_files(offered, folder)
-            write_manifest(folder, record_state(campaign), versions(), manifest)
-    if json:
-        say_document(_document(offered, out))
-    else:
-        made_from = "" if template is None else f" --template {quote(str(template))}"
-        then = said("load {folder} (README.txt there), then", folder=out)
-        coming = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
-        if not offered.worth:
-            coming = [said("do not load these files: they leave no less error than there is")]
-        last = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"], said("Next"): coming}
-        effect = effect_sentence(said("All files together"), offered.effect, offered.known)
-        idle = said("The files do not move {axes}.", axes=joined(offered.idle)) if offered.idle else ""
-        say("\n".join([*wrapped(bump or effect, 4), *(wrapped(idle, 4) if idle else ()), *ending(last)]))
+        _write(out, offered.files, offered.readme, campaign, offered.controller)
+    made_from = "" if template is None else f" --template {quote(str(template))}"
+    then = said("load {folder} (README.txt there), then", folder=out)
+    coming = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
+    if not offered.worth:
+        coming = [said("do not load these files: they leave no less error than there is")]
+    effect = bump or effect_sentence(said("All files together"), offered.effect, offered.known)
+    idle = said("The files do not move {axes}.", axes=joined(offered.idle)) if offered.idle else ""
+    written = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"], said("Next"): coming}
+    lines = [*wrapped(effect, 4), *(wrapped(idle, 4) if idle else ()), *ending(written)]
+    say_either("axiscal-export/1", _document(offered, out), lines)
+
+
+def _write(out: Path, files: Mapping[str, str], readme: str, campaign: Campaign, name: str) -> None:
+    """Write files with their README.txt and the manifest of a name as a set; raises OSError."""
+    manifest = f"manifest-{name}.json"
+    with result_set(out, manifest) as folder:
+        for file, text in {**files, "README.txt": readme}.items():
+            write_whole(folder / file, text.encode())
+        write_manifest(folder, record_state(campaign), versions(), manifest)
+
+
+def _rewrite(
+    record: Path,
+    out: Path,
+    program: Path | None,
+    origin: str | None,
+    chord: str | None,
+    unit: str | None,
+    anyway: bool,
+) -> None:
+    """Write a program as the estimate has it, with its README.txt; raises TableError, ReadingError, UnitError, OSError.
+
+    origin : where the machine stands at its zero; chord : how exactly its ways are held; unit : before G20 or G21
+    """
+    if program is None or origin is None:
+        remedy = 'write --program part.ngc --origin "120 mm, 80 mm, -60 mm"'
+        what = "a program is rewritten, and it is not said which, or where X, Y and Z stand at its zero"
+        raise TableError(what, remedy)
+    if origin.count(",") != 2:
+        remedy = 'write X, Y and Z of the machine: --origin "120 mm, 80 mm, -60 mm"'
+        raise TableError('"{text}" is no place', remedy, text=origin[:40])
+    x, y, z = (parse_quantity(part.strip(), "length") for part in origin.split(","))
+    size, file = within(chord or _CHORD, "length", _FINEST, _COARSEST), read_text(program)
+    path = out / program.name
+    if path.exists() and path.samefile(program):
+        raise TableError("the program itself would be overwritten", "name another folder by --out", program)
+    with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
+        estimation = campaign.estimate(ended=True)
+        if estimation.agreement.withheld and not anyway:
+            remedy = "Take readings again, or write the program all the same with --anyway"
+            raise TableError(agreement_words(estimation, record), remedy, record)
+        done = rewrite(file, "in" if unit == "in" else "mm", estimation.estimate(), (x, y, z), size)
+        moved, held = (format_quantity(each, "um", 3) for each in (done.added, size))
+        state = record_state(campaign)
+        values = {
+            "name": path.name,
+            "origin": f"From the record {state.file} at event {state.event}: {state.hash}",
+            "at": ", ".join(format_quantity(each, "mm", 8) for each in (x, y, z)),
+        }
+        readme = rendered("axiscal.tables", "program.jinja", done=done, size=moved, chord=held, **values)
+        _write(out, {path.name: "\n".join(done.lines) + "\n"}, readme, campaign, PROGRAM)
+    what = "Against the deviation as estimated places are moved by {size} RMS, and ways are held to {chord}."
+    count = said("{motions} feed motions became {pieces}.", motions=done.motions, pieces=done.pieces)
+    written = {
+        said("Written"): [f"{out}: {path.name}, README.txt"],
+        said("Next"): [said("run it without a workpiece first, at reduced feed")],
+    }
+    lines = [*wrapped(said(what, size=moved, chord=held) + " " + count, 4), *ending(written)]
+    sizes = {"rms_um_added": to_unit(done.added, "um"), "chord_um": to_unit(size, "um")}
+    document = {"file": str(path), **sizes, "motions": done.motions, "pieces": done.pieces}
+    say_either("axiscal-program/1", document, lines)
 
 
 def _spacing(texts: list[str]) -> float | dict[str, float] | None:
@@ -142,7 +204,6 @@ def _numbers(texts: list[str]) -> dict[str, tuple[int, ...]]:
 def _document(offered: Export, out: Path) -> dict[str, object]:
     sizes = dict(zip(("before", "after", "expected"), (*offered.effect, offered.expected), strict=True))
     return {
-        "schema": "axiscal-export/1",
         "controller": offered.controller,
         "files": [str(out / name) for name in offered.files],
         "readme": offered.readme,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 import sys
 import textwrap
@@ -30,6 +29,7 @@ from axiscal.description.first_files import (
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.description.printer_file import is_printer_file, of_printer
+from axiscal.document.file import number_or_none
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import counted, ending, listed, said
 from axiscal.machine import builtin_names
@@ -134,11 +134,8 @@ def _answered(question: str, known: Iterable[str], read: Callable[[str], _Answer
 def _lengths(axes: Collection[str], text: str) -> dict[str, float]:
     """Return how far each axis travels, mm; raises DescriptionError."""
     words = text.replace(",", " ").split()
-    try:
-        lengths = [float(word) for word in words]
-    except ValueError:
-        lengths = []
-    if len(lengths) != len(axes) or not all(math.isfinite(length) and length > 0 for length in lengths):
+    lengths = [number_or_none(word) or 0.0 for word in words]
+    if len(lengths) != len(axes) or min(lengths) <= 0:
         what, text, count = "{text!r} are not {count} travels in mm", " ".join(words), len(axes)
         remedy, example = "Write a number for each of {axes}, such as {example}", " ".join(["400"] * count)
         raise DescriptionError(what, remedy, text=text, count=count, axes=" ".join(axes), example=example)
@@ -167,12 +164,9 @@ def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path
 
 def _limits(letter: str, numbers: str) -> tuple[str, tuple[float, float]]:
     """Return an axis and its limits.  numbers : such as "-300 0"; raises DescriptionError"""
-    try:
-        low, high = map(float, numbers.split())
-    except ValueError:
-        low = high = math.nan
-    if not (math.isfinite(low) and math.isfinite(high)):
-        remedy = 'Write the letter of the axis, the lower and the upper limit, such as "Z -300 0"'
-        text = f"{letter} {numbers}".strip()
-        raise DescriptionError("{text!r} is not an axis and its two limits", remedy, text=text)
-    return letter.upper(), (low, high)
+    match [number_or_none(word) for word in numbers.split()]:
+        case [float(low), float(high)]:
+            return letter.upper(), (low, high)
+    remedy = 'Write the letter of the axis, the lower and the upper limit, such as "Z -300 0"'
+    text = f"{letter} {numbers}".strip()
+    raise DescriptionError("{text!r} is not an axis and its two limits", remedy, text=text)

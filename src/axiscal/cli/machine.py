@@ -12,12 +12,12 @@ from axiscal.machine.axis import travel_text
 from axiscal.machine.questions import which_way
 
 
-def list_machines(json: bool = False) -> None:
+def list_machines() -> None:
     """List the built-in machines."""
     machines = {name: load_machine(name) for name in builtin_names()}
     rows = [{"name": key, "title": machine.name, "chain": machine.chain} for key, machine in machines.items()]
     lines = (f"{key:20} {machine.chain:24} {machine.name}" for key, machine in machines.items())
-    say_either(json, "axiscal-machines/1", {"machines": rows}, lines)
+    say_either("axiscal-machines/1", {"machines": rows}, lines)
 
 
 def show(name: str) -> None:
@@ -25,7 +25,7 @@ def show(name: str) -> None:
     say(load_machine(name).text.rstrip("\n"))
 
 
-def check(file: Path, json: bool = False) -> None:
+def check(file: Path) -> None:
     """Check a description of a machine."""
     machine = load_machine(str(file))
     hidden, absent = machine_check(machine), undescribed(machine)
@@ -47,4 +47,4 @@ def check(file: Path, json: bool = False) -> None:
         *(f"- {sentence}" for sentence in hidden),
         *([absent] if absent else []),
     ]
-    say_either(json, "axiscal-machine/1", document, lines)
+    say_either("axiscal-machine/1", document, lines)

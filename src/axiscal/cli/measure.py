@@ -246,6 +246,6 @@ def measure(record: Path, out: Path | None = None, language: str | None = None) 
             if over:
                 campaign.log.refuse_other(folder / RECORD)
                 campaign.finish()
-                write_outputs(campaign, folder, as_json=False)
+                write_outputs(campaign, folder)
         if not over:
             say(said("Paused; every reading is kept. Go on: axiscal measure {record}", record=record))

@@ -8,7 +8,7 @@ from pathlib import Path
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import DOCUMENTS, say, say_document
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.language.spoken import again, put, said, speaking
 from axiscal.present.answer_of_campaign import results_of, standing_answer
@@ -25,7 +25,6 @@ def write_outputs(
     campaign: Campaign,
     out: Path,
     *,
-    as_json: bool,
     details: bool = False,
     record: Path | None = None,
     warnings: Sequence[Finding] = (),
@@ -51,7 +50,7 @@ def write_outputs(
         raise RecordError(what, remedy, failure.filename or out, reason=reason, again=again) from failure
     except KeyboardInterrupt:
         raise AxiscalError(f"Stopped by Ctrl-C. Every reading is kept. {whole}; {again}") from None
-    if as_json:
+    if DOCUMENTS.get():
         with speaking("en"):
             say_document(result.model_dump(mode="json", by_alias=True))
     else:

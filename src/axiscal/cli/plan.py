@@ -8,7 +8,7 @@ from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import above_zero
-from axiscal.cli.printing import say, say_document, say_either, tell_minds
+from axiscal.cli.printing import DOCUMENTS, say, say_document, say_either, tell_minds
 from axiscal.cli.texts import tell_out_of_reach
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, read_campaign
@@ -48,7 +48,6 @@ def plan(
     log: bool = False,
     picture: Path | None = None,
     details: bool = False,
-    json: bool = False,
 ) -> None:
     """Plan which readings to take, and say how good they make it."""
     if log and gcode is None:
@@ -78,9 +77,9 @@ def plan(
         machine, setups = case.description.machine, case.description.setups
         count = len(write_programs(machine, setups, placed(case, plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    buys = bought(case, plan.places, plan.seconds, tried) if json else ()
+    buys = bought(case, plan.places, plan.seconds, tried) if DOCUMENTS.get() else ()
     answer = plan_answer(case, plan, limits, buys, ends=ends)
-    if json:
+    if DOCUMENTS.get():
         say_document(answer.model_dump(mode="json", by_alias=True))
         return
     if details:
@@ -112,7 +111,7 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
     return Limits.of(own)
 
 
-def start(campaign: Path, record: Path | None = None, json: bool = False) -> None:
+def start(campaign: Path, record: Path | None = None) -> None:
     """Begin a campaign: make its record."""
     description = read_campaign(campaign)
     path = record or Path(f"{campaign.stem}.axiscal")
@@ -131,4 +130,4 @@ def start(campaign: Path, record: Path | None = None, json: bool = False) -> Non
     ready = "{record} is ready: {machine}, {setups}, {readings} planned."
     words = said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings)
     coming = ending({said("Next"): [f"axiscal measure {shlex.quote(str(path))}"]})
-    say_either(json, "axiscal-start/1", {"record": str(path)}, [words, *coming])
+    say_either("axiscal-start/1", {"record": str(path)}, [words, *coming])

@@ -8,6 +8,7 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Iterable, Mapping
+from contextvars import ContextVar
 from threading import current_thread, main_thread
 from typing import TextIO
 
@@ -15,6 +16,8 @@ from axiscal.language.spoken import again, said
 
 WIDTH = 100
 """Columns; a matter of taste."""
+DOCUMENTS: ContextVar[bool] = ContextVar("documents", default=False)
+"""Whether answers are JSON documents, as --json wants them, or lines for people."""
 _KEPT = "\ufdd0"
 """Stands for a space at which no line is to end: a character that no text has."""
 _STEERING = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
@@ -52,9 +55,9 @@ def say_document(document: Mapping[str, object]) -> None:
     say(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def say_either(as_json: bool, schema: str, document: Mapping[str, object], lines: Iterable[str]) -> None:
+def say_either(schema: str, document: Mapping[str, object], lines: Iterable[str]) -> None:
     """Write an answer to stdout: as a JSON document of a schema, or as lines for people."""
-    if as_json:
+    if DOCUMENTS.get():
         say_document({"schema": schema, **document})
     else:
         say("\n".join(lines))

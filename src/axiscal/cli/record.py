@@ -40,14 +40,13 @@ def record(
     log: Path | None = None,
     programs: Path = Path("programs"),
     then_next: bool = False,
-    json: bool = False,
 ) -> None:
     """Keep a reading: actual minus commanded."""
     text = " ".join(value or [])
     if log is not None:
         if text or at or setup or approach or std or accept or then_next:
             raise typer.BadParameter(said("--log brings readings of its own; it takes only --programs and --json"))
-        _record_log(record, log, programs, json)
+        _record_log(record, log, programs)
         return
     if not value:
         raise typer.BadParameter(said("give either VALUE or --log FILE"))
@@ -75,24 +74,22 @@ def record(
         minded = [sentence for sentence in (*contradictions(campaign), *found, open_question(campaign)) if sentence]
         document, line = _kept(campaign, kept)
         document |= {"surprise": None if doubt is None else round(doubt.surprise, 2), "mind": minded}
-        _answered(campaign, document, [line, *mind_lines(*minded)], then_next=then_next, as_json=json)
+        _answered(campaign, document, [line, *mind_lines(*minded)], then_next=then_next)
 
 
-def _answered(
-    campaign: Campaign, document: dict[str, object], lines: Sequence[str], *, then_next: bool, as_json: bool
-) -> None:
+def _answered(campaign: Campaign, document: dict[str, object], lines: Sequence[str], *, then_next: bool) -> None:
     """Say what was done with the question, and ask the next one where that is wanted."""
     coming = said(_ASK, record=campaign.path)
     if then_next:
         question, coming = question_of(campaign, campaign.next())
         document |= {"next": {"schema": "axiscal-next/1", **question}}
-    say_either(as_json, "axiscal-record/1", document, [*lines, coming])
+    say_either("axiscal-record/1", document, [*lines, coming])
     if not then_next:
         with suppress(RecordError):  # it is kept; what cannot be added to it is found out by `next`
             campaign.go_on()
 
 
-def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
+def _record_log(record: Path, log: Path, programs: Path) -> None:
     """Keep the readings of a log; raises RecordError where they are in the record already."""
     with opened_to_write(record) as campaign:
         placed = placed_log(log, programs, campaign.description)
@@ -106,7 +103,7 @@ def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
         count = len(campaign.state.readings)
         words = counted("Kept {count} reading of {log}.", "Kept {count} readings of {log}.", len(placed), log=log)
         document = {"logged": len(placed), "readings": count}
-        say_either(as_json, "axiscal-record/1", document, [words, said(_ASK, record=record)])
+        say_either("axiscal-record/1", document, [words, said(_ASK, record=record)])
 
 
 def _left(campaign: Campaign, place: Place) -> str:
@@ -188,7 +185,7 @@ def _directions(text: str) -> dict[str, int]:
     return directions
 
 
-def skip(record: Path, reason: list[str], leave: bool = False, then_next: bool = False, json: bool = False) -> None:
+def skip(record: Path, reason: list[str], leave: bool = False, then_next: bool = False) -> None:
     """Skip the reading that is asked for, with its reason."""
     why = " ".join(reason)
     with opened_to_write(record) as campaign:
@@ -198,7 +195,7 @@ def skip(record: Path, reason: list[str], leave: bool = False, then_next: bool =
         lines = [said(done, reading=asked_text(campaign, asked), reason=why.strip()), cost_sentence(costs)]
         lines += [said("Take it back: axiscal step undo {record}", record=record)] if costs else []
         document: dict[str, object] = {"skipped": asked.reading, "set_up_left": leave, "costs": costs}
-        _answered(campaign, document, lines, then_next=then_next, as_json=json)
+        _answered(campaign, document, lines, then_next=then_next)
 
 
 def placed_log(log: Path, programs: Path, description: CampaignDescription) -> tuple[Reading, ...]:

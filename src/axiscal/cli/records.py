@@ -23,7 +23,7 @@ from axiscal.record.signing import key_file, make_key
 from axiscal.record.store import Record
 
 
-def copy_record(record: Path, to: Path | None = None, json: bool = False) -> None:
+def copy_record(record: Path, to: Path | None = None) -> None:
     """Copy a record, checked and whole."""
     beside = record.with_name(f"{record.name}.copy")
     target = beside if to is None else to / record.name if to.is_dir() else to
@@ -41,7 +41,7 @@ def copy_record(record: Path, to: Path | None = None, json: bool = False) -> Non
         last=last,
         digest=name[:12],
     )
-    say_either(json, "axiscal-copy/1", document, [words])
+    say_either("axiscal-copy/1", document, [words])
 
 
 Take = Annotated[
@@ -58,16 +58,15 @@ def repair(
     beginning: Path | None = None,
     take: bool | None = None,
     campaign: str = "",
-    json: bool = False,
 ) -> None:
     """Make a new record of all that stands whole in a damaged one."""
     begun = None if beginning is None else beginning_of(read_campaign(beginning))
-    _say(new, repaired([record], new, partial(_asked, take), beginning=begun, campaign=campaign), json)
+    _say(new, repaired([record], new, partial(_asked, take), beginning=begun, campaign=campaign))
 
 
-def merge(record: Path, other: Path, new: Path, take: bool | None = None, json: bool = False) -> None:
+def merge(record: Path, other: Path, new: Path, take: bool | None = None) -> None:
     """Make a new record of all that two copies of a record hold."""
-    _say(new, repaired([record, other], new, partial(_asked, take)), json)
+    _say(new, repaired([record, other], new, partial(_asked, take)))
 
 
 def _asked(take: bool | None, question: str) -> bool:
@@ -77,7 +76,7 @@ def _asked(take: bool | None, question: str) -> bool:
     return agreed(f"{capital(question)}. {said('Do they count?')}") if take is None else take
 
 
-def _say(new: Path, found: Repaired, as_json: bool) -> None:
+def _say(new: Path, found: Repaired) -> None:
     document = {"record": str(new), "readings": len(found.state.readings), "events": found.entries}
     lists = {"missing": list(found.missing), "left_out": list(found.left)}
     readings = counted("{count} reading", "{count} readings", len(found.state.readings))
@@ -87,10 +86,10 @@ def _say(new: Path, found: Repaired, as_json: bool) -> None:
     lines += [said("Left out: {words}.", words=words) for words in found.left]
     if found.missing:
         lines.append(said("A missing event may have taken a reading back: look at those before it."))
-    say_either(as_json, "axiscal-repair/1", document | lists, lines)
+    say_either("axiscal-repair/1", document | lists, lines)
 
 
-def sign(record: Path, json: bool = False) -> None:
+def sign(record: Path) -> None:
     """Sign a record with your key."""
     make_key()
     with opened_to_write(record) as campaign:
@@ -100,4 +99,4 @@ def sign(record: Path, json: bool = False) -> None:
         by = {name: getattr(found, name) for name in ("person", "computer", "key", "signature", "holds")}
         document = {"record": str(record), "event": found.number, **by}
         words = f"{record}: {signed_text(campaign.log)}. Public key: {found.key}. Keep {key_file()} to yourself."
-        say_either(json, "axiscal-signature/1", document, [words])
+        say_either("axiscal-signature/1", document, [words])

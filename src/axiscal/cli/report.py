@@ -36,12 +36,10 @@ def report(record: Path, out: Path | None = None, language: str | None = None) -
     say(said("The report is in {file}.", file=target))
 
 
-def finish(
-    record: Path, out: Path | None = None, anyway: bool = False, details: bool = False, json: bool = False
-) -> None:
+def finish(record: Path, out: Path | None = None, anyway: bool = False, details: bool = False) -> None:
     """End a campaign and write its results."""
     with opened_to_write(record, "finish") as campaign:
         folder = out or results_of(record)
         campaign.log.refuse_other(folder / RECORD)
         campaign.finish()
-        write_outputs(campaign, folder, as_json=json, details=details, anyway=anyway)
+        write_outputs(campaign, folder, details=details, anyway=anyway)

@@ -31,7 +31,6 @@ def run_loop(
     resume: bool = False,
     timeout: str = "10 min",
     details: bool = False,
-    json: bool = False,
 ) -> None:
     """Run the whole loop without a person."""
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
@@ -53,7 +52,7 @@ def run_loop(
                 except InputError as failure:
                     remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=kept_words(opened, again))
                     raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
-        write_outputs(opened, out, as_json=json, details=details)
+        write_outputs(opened, out, details=details)
         because, file = opened.state.finished or "", opened.description.source
     why, written = because_text(because), said("the results so far are written")
     if because == OUT_OF_REACH:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import webbrowser
 from pathlib import Path
 
@@ -28,3 +29,5 @@ def serve(
     with speaking(chosen(language)):
         left = serve_page(opened, port, ready)
     say(f"{said('Ended; every reading is kept.')} {left}".rstrip())
+    if left:
+        os._exit(0)  # a thread that computes is waited for by no other end

@@ -11,7 +11,7 @@ from axiscal.campaign.ending import because_text
 from axiscal.campaign.evidence import evidence_words, signed_text
 from axiscal.campaign.listing import standings
 from axiscal.cli.outputs import standing_screen
-from axiscal.cli.printing import say, say_document, say_either
+from axiscal.cli.printing import DOCUMENTS, say, say_document, say_either
 from axiscal.cli.texts import asked_screen
 from axiscal.document.consent import asking
 from axiscal.exceptions import CodeError, RecordError
@@ -25,20 +25,20 @@ from axiscal.record.store import Record
 from axiscal.units import said_quantity, to_unit
 
 
-def status(record: Path, details: bool = False, json: bool = False) -> None:
+def status(record: Path, details: bool = False) -> None:
     """Say where a campaign stands, or each one of a folder."""
     if record.is_dir():
-        _say_folder(record, json)
+        _say_folder(record)
         return
     try:
         with asking(None), Campaign.open(record, write=False, changed=True) as campaign:
-            _say_standing(campaign, details, json)
+            _say_standing(campaign, details)
     except CodeError as unrun:
-        _say_unrun(Record.open(record, write=False, changed=True), unrun, json)
+        _say_unrun(Record.open(record, write=False, changed=True), unrun)
 
 
-def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
-    if as_json:
+def _say_standing(campaign: Campaign, details: bool) -> None:
+    if DOCUMENTS.get():
         say_document(_document(campaign))
         return
     if details:
@@ -46,14 +46,14 @@ def _say_standing(campaign: Campaign, details: bool, as_json: bool) -> None:
     say(standing_screen(campaign))
 
 
-def _say_unrun(log: Record, unrun: CodeError, as_json: bool) -> None:
+def _say_unrun(log: Record, unrun: CodeError) -> None:
     """Say what a record says by itself, where only code of somebody's could say more."""
     state = log.state()
     readings = counted("{count} reading", "{count} readings", len(state.readings))
     ended = "" if state.finished is None else said("Finished: {because}", because=because_text(state.finished))
     lines = [f"{log.path}: {readings}.", evidence_words(log), ended, str(unrun)]
     document = {"readings": len(state.readings), "finished": state.finished, "signed": signed_text(log) or None}
-    say_either(as_json, "axiscal-status/1", {**document, "unrun": str(unrun)}, filter(None, lines))
+    say_either("axiscal-status/1", {**document, "unrun": str(unrun)}, filter(None, lines))
 
 
 def _lines(campaign: Campaign) -> list[str]:
@@ -113,7 +113,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
     }
 
 
-def _say_folder(folder: Path, json: bool) -> None:
+def _say_folder(folder: Path) -> None:
     """Say where the campaigns of a folder stand; raises RecordError where it has no record."""
     found, faults = standings(sorted(folder.glob("*.axiscal")))
     if not found and not faults:
@@ -143,7 +143,7 @@ def _say_folder(folder: Path, json: bool) -> None:
     lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     lines += [said("Left out: {why}", why=str(fault)) for fault in faults]
     document = {"records": records, "left_out": [str(fault) for fault in faults]}
-    say_either(json, "axiscal-folder/1", document, lines)
+    say_either("axiscal-folder/1", document, lines)
 
 
 _HEADS = later("record"), later("machine"), later("last"), later("state"), later("next")

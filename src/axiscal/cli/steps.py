@@ -21,9 +21,7 @@ from axiscal.language.spoken import put, said
 from axiscal.present.guide.progress import take_back, take_note
 
 
-def accept(
-    record: Path, cause: str | None = None, setup: str | None = None, before: int | None = None, json: bool = False
-) -> None:
+def accept(record: Path, cause: str | None = None, setup: str | None = None, before: int | None = None) -> None:
     """Accept a mistake, or tell that a zero was set anew."""
     if before is not None and cause != "jump":
         raise typer.BadParameter(said("--before N belongs to jump"))
@@ -33,7 +31,7 @@ def accept(
     else:
         with opened_to_write(record) as campaign:
             document, lines = _accepted(campaign, cause, setup, before)
-    say_either(json, "axiscal-accept/1", document, lines)
+    say_either("axiscal-accept/1", document, lines)
 
 
 def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
@@ -74,24 +72,24 @@ def _accepted(
     return {"accepted": cause, "change": change, **agreements}, lines
 
 
-def next_reading(record: Path, beyond: bool = False, json: bool = False) -> None:
+def next_reading(record: Path, beyond: bool = False) -> None:
     """Say which reading to take next."""
     with opened_to_write(record) as campaign:
         document, text = question_of(campaign, campaign.next(beyond=beyond))
-        say_either(json, "axiscal-next/1", document, [text])
+        say_either("axiscal-next/1", document, [text])
 
 
-def undo(record: Path, json: bool = False) -> None:
+def undo(record: Path) -> None:
     """Take back the last reading, skip, accepted mistake or end."""
     with opened_to_write(record) as campaign:
         document, sentence = take_back(campaign)
-    say_either(json, "axiscal-undo/1", document, [sentence])
+    say_either("axiscal-undo/1", document, [sentence])
 
 
-def note(record: Path, text: list[str], json: bool = False) -> None:
+def note(record: Path, text: list[str]) -> None:
     """Keep a sentence in the record."""
     with opened_to_write(record) as campaign:
         sentence = take_note(campaign, " ".join(text))
         kept = campaign.state.notes
     document = {"note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)}
-    say_either(json, "axiscal-note/1", document, [sentence])
+    say_either("axiscal-note/1", document, [sentence])

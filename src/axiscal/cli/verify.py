@@ -10,7 +10,7 @@ from pathlib import Path
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.printing import say, say_document, say_either
+from axiscal.cli.printing import DOCUMENTS, say, say_document, say_either
 from axiscal.cli.texts import opened_to_write
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.check import Check
@@ -39,11 +39,10 @@ def verify(
     source: str | None = None,
     loaded: Path | None = None,
     details: bool = False,
-    json: bool = False,
 ) -> None:
     """Check a compensated machine at places not read before."""
     if bump is not None:
-        _keep_sign(record, to, bump, json)
+        _keep_sign(record, to, bump)
         return
     if (found is None) != (left is None):
         raise typer.BadParameter(said("give --found and --left together, or neither to get a plan"))
@@ -75,7 +74,7 @@ def verify(
         places = check.planned(points, "sphere", check.known(tolerance))
         to_do = _read_live(check, source, places, (found, left), loaded)
         if to_do:
-            say_either(json, "axiscal-verify/1", {"verdict": None, "next": to_do}, [to_do])
+            say_either("axiscal-verify/1", {"verdict": None, "next": to_do}, [to_do])
             return
     if found is not None and left is not None:
         readings = check.read(found, left)
@@ -88,11 +87,11 @@ def verify(
         if plan is not None:
             write_whole(plan, sheet.encode())
         lines = [_wrapped(planned), *ending({said("Next"): _steps(sheet, plan, again)})]
-        say_either(json, "axiscal-verify/1", document, lines)
+        say_either("axiscal-verify/1", document, lines)
         return
     judged = check.judged(readings, tolerance)
     answer = CheckAnswer(judged, check.positions(readings[1]), check.tables.certain)
-    if json:
+    if DOCUMENTS.get():
         say_document(answer.document())
     elif details:
         say(_wrapped(check_details(answer)))
@@ -103,7 +102,7 @@ def verify(
         say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
 
 
-def _keep_sign(record: Path, to: str | None, bump: str, as_json: bool) -> None:
+def _keep_sign(record: Path, to: str | None, bump: str) -> None:
     """Keep and say which way a control takes its tables.  bump : what it moved the tool by"""
     if to is None:
         raise typer.BadParameter(said("--bump is of one control: name it, --to CONTROLLER"))
@@ -118,7 +117,7 @@ def _keep_sign(record: Path, to: str | None, bump: str, as_json: bool) -> None:
     )
     again = f"axiscal export {shlex.quote(str(record))} --to {shlex.quote(control)}{template_of(control)}"
     document = {"verdict": None, "sign": "other way round" if other else "as assumed", "next": again}
-    say_either(as_json, "axiscal-verify/1", document, [*wrapped(f"{found} {kept}"), *ending({said("Next"): [again]})])
+    say_either("axiscal-verify/1", document, [*wrapped(f"{found} {kept}"), *ending({said("Next"): [again]})])
 
 
 _LIVE = "linuxcnc-live"

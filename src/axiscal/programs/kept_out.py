@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from axiscal.document import shown
-from axiscal.exceptions import ProgramError
+from axiscal.exceptions import TravelError
 from axiscal.language.spoken import said
 from axiscal.measurement.bodies import lever
 from axiscal.measurement.charts.room import Room
@@ -56,7 +56,7 @@ def free(room: Room, start: Array, stop: Array) -> bool:
 def refuse_kept_out(
     machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
 ) -> None:
-    """Raise ProgramError for the first way of a program that leads into what stands there.
+    """Raise TravelError for the first way of a program that leads into what stands there.
 
     balls : by the number of each reading, the one that it touches
     Ways on which it is not known where every axis is, before all of them have been sent somewhere, are not looked at.
@@ -75,7 +75,7 @@ def refuse_kept_out(
         "correct length, reach, radius and head in [tool]"
     )
     artefact = shown(setup.artefact.name if setup.artefact else "")
-    raise ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
+    raise TravelError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
 
 
 def free_ways(

@@ -1,23 +1,20 @@
-"""Between many browsers and the one desk: steps wait in a row, and new states are handed to all who wait for them.
-
-One thread owns the campaign: one piece of work after another, the last of which can be broken off.
-"""
+"""Between many browsers and the one desk: steps wait in a row, one after another, each on a thread of the server."""
 
 from __future__ import annotations
 
 import asyncio
 import ctypes
 import logging
-import sys
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager, suppress
-from contextvars import copy_context
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from threading import Lock, get_ident
-from typing import Any, TypeVar
+from typing import TypeVar
+
+from anyio import CapacityLimiter, to_thread
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.document.consent import asking, nobody
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.language.spoken import said
 from axiscal.language.stages import Listener, listening
@@ -27,50 +24,29 @@ from axiscal_core.threads import one_thread
 
 _NEARLY = 0.5
 """s that work which is nearly done is waited for."""
-LOOKS = 0.25
-"""s between looks at the record: what others write is shown within a second."""
+_LOOKS, _GLANCES = 0.25, 0.05
+"""s between looks at the record, so that what others write is shown within a second; and at the state that is shown."""
 _Result = TypeVar("_Result")
 
 
-@contextmanager
-def lost_interruptions() -> Iterator[None]:
-    """Let Python say nothing of an interruption that comes while it clears up, and is lost; it says all else."""
-    before = sys.unraisablehook
-
-    def said_of(lost: sys.UnraisableHookArgs) -> None:
-        if not isinstance(lost.exc_value, KeyboardInterrupt):
-            before(lost)
-
-    sys.unraisablehook = said_of
-    try:
-        yield
-    finally:
-        sys.unraisablehook = before
-
-
-def _overtaken() -> OvertakenError:
-    return OvertakenError("This was broken off", "Something newer is under way")
+class _BrokenOff(BaseException):
+    """What a thread meets whose work is broken off."""
 
 
 class Counter:
-    """One record, open on its own thread; raises RecordError if that is none.
+    """One record, open; raises RecordError if that is none.
 
-    Work there is done in the language, and by the person, of who asks for it.
+    Work is done in the language, and by the person, of who asks for it.
 
     record : None for none yet
     """
 
     def __init__(self, record: Path | None) -> None:
-        self._pool = ThreadPoolExecutor(1, thread_name_prefix="campaign")
-        self._lock, self._closing = Lock(), False
-        self._at_work: int | None = None
-        self._drawn_up = Future[Any]()
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._ending, self._news = False, asyncio.Event()
+        self._row, self._busy, self._drawing = CapacityLimiter(1), Lock(), Lock()
+        self._drawn, self._draws = 0, 0
         self._stages = list[str]()
-        self._desk: Desk | None = None
-        if record is not None:
-            self._submitted(lambda: self._open(record)).result()
+        with asking(nobody):
+            self._desk = None if record is None else Desk(Campaign.open(record))
 
     @property
     def open(self) -> bool:
@@ -101,134 +77,84 @@ class Counter:
                 what, remedy = "A campaign is open on this page already", "Load the page again"
                 raise OvertakenError(what, remedy)
             record = found()
-            self._open(record)
+            self._desk = Desk(Campaign.open(record))
             return said("{record} is open.", record=record.name)
 
         if breaks:
             self._break_off()
-        sentence = await asyncio.wrap_future(self._submitted(opened))
-        self._think()
-        return sentence
+        return await self._done(opened)
 
     async def leave(self) -> None:
-        """Close the record, after the steps that are under way."""
+        """Close the record after the steps that are under way, and show the start again."""
 
         def closed() -> None:
             self.desk.campaign.close()
             self._desk = None
 
-        await asyncio.wrap_future(self._submitted(closed))
-        self._publish()
+        await self._done(closed)
 
-    async def draw_up(self, work: Callable[[], _Result]) -> _Result:
-        """Return what a function of the draft returns; raises OvertakenError where a newer one has broken it off."""
+    async def draw_up(self, work: Callable[[], _Result]) -> _Result | None:
+        """Return what a function of the draft returns, None where a newer one has broken it off."""
         self._break_off()
-        asked = self._drawn_up = self._submitted(work)
-        try:
-            return await asyncio.wrap_future(asked)
-        except asyncio.CancelledError:
-            if asked.cancelled():
-                raise _overtaken() from None
-            raise
+        number = self._drawn
 
-    async def do(self, step: Callable[[Desk], str]) -> str:
-        """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
-        sentence = await asyncio.wrap_future(self._submitted(lambda: step(self.desk)))
-        self._think()
-        return sentence
+        def drawn() -> _Result | None:
+            try:
+                with self._drawing:
+                    self._draws = get_ident() if number == self._drawn else 0
+                try:
+                    return work() if self._draws else None
+                finally:
+                    with self._drawing:
+                        self._draws = 0
+            except _BrokenOff:
+                self._draws = 0
+                return None
 
-    async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
-        """Return what the desk says to a question that changes nothing, after the steps that are under way."""
-        return await asyncio.wrap_future(self._submitted(lambda: look(self.desk)))
-
-    async def watch(self) -> None:
-        """Look at the record again and again, for what others write."""
-        self._loop = asyncio.get_running_loop()
-        if self.open:
-            self._think()
-        while True:
-            await asyncio.sleep(LOOKS)
-            if self.open:
-                await self.ask(Desk.look)
-
-    async def newer(self, seen: int, wait: float) -> shapes.StateShape:
-        """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
-        with suppress(TimeoutError):
-            async with asyncio.timeout(wait):
-                while self.desk.state.version == seen and not self._ending:
-                    await self._news.wait()
-        return self.desk.state
-
-    def end(self) -> None:
-        """Let nobody wait any longer: the server is about to end."""
-        self._ending = True
-        self._publish()
-
-    def close(self) -> str:
-        """Break off what is under way, leave what waits, close the record; return what is to be said of it.
-
-        Work is ended as the main thread is by Ctrl-C, which may come anywhere: at the next step of Python.
-        """
-        broken_off = False
-        with self._lock:
-            self._closing = True
-        free = self._pool.submit(int)
-        while not wait([free], _NEARLY).done:  # an interruption that comes while Python clears up is lost
-            with self._lock:
-                if self._at_work is not None:
-                    broken_off |= self._interrupt(self._at_work)
-        if self._desk is not None:
-            self._pool.submit(self._desk.campaign.close).result()
-        self._pool.shutdown()
-        return "What was being computed was broken off; what is kept is shown at the next start." if broken_off else ""
+        return await self._done(drawn)
 
     def _break_off(self) -> None:
-        """Break off what is made of the draft."""
-        with self._lock:
-            if not self._drawn_up.cancel() and self._drawn_up.running() and self._at_work is not None:
-                self._interrupt(self._at_work)
+        """Break off what is made of the draft: its thread meets an exception at the next step of Python."""
+        with self._drawing:
+            self._drawn += 1
+            if self._draws:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._draws), ctypes.py_object(_BrokenOff))
 
-    @staticmethod
-    def _interrupt(thread: int) -> bool:
-        """Break off what a thread does, and return whether it was there."""
-        interrupted = ctypes.c_ulong(thread), ctypes.py_object(KeyboardInterrupt)
-        return bool(ctypes.pythonapi.PyThreadState_SetAsyncExc(*interrupted) == 1)
+    async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
+        """Return what the desk says to a step or a question, after the steps that are under way."""
+        return await self._done(lambda: look(self.desk))
 
-    def _open(self, record: Path) -> None:
-        self._desk = Desk(Campaign.open(record), self._publish)
+    async def watch(self) -> None:
+        """Look at the record again and again, for what others write, and let the desk do what can wait."""
+        while True:
+            try:
+                if self._desk is not None:
+                    await self.ask(Desk.look)
+            except Exception as failure:  # noqa: BLE001  (nobody waits for an answer)
+                logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
+            await asyncio.sleep(_LOOKS)
 
-    def _submitted(self, work: Callable[[], _Result]) -> Future[_Result]:
-        return self._pool.submit(copy_context().run, self._done, work)
+    async def newer(self, seen: shapes.Seen = 0, wait: shapes.Wait = 0.0) -> shapes.StateShape:
+        """All that the page shows, as soon as its version is another one than `seen`, or after `wait` s."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(wait):
+                while self.desk.state.version == seen:
+                    await asyncio.sleep(_GLANCES)
+        return self.desk.state
 
-    def _done(self, work: Callable[[], _Result]) -> _Result:
-        with self._lock:
-            if self._closing:
-                raise _overtaken()
-            self._at_work = get_ident()
-        try:
-            with one_thread(), listening(Listener(self._stages, lambda: None)):
+    def close(self) -> str:
+        """Close the record; where something is still computed, return what to say of it before the process is ended."""
+        if not self._busy.acquire(timeout=_NEARLY):
+            return "What was being computed was broken off; what is kept is shown at the next start."
+        if self._desk is not None:
+            self._desk.campaign.close()
+        return ""
+
+    async def _done(self, work: Callable[[], _Result]) -> _Result:
+        """Return what work returns that is done after all that was asked for before."""
+
+        def done() -> _Result:
+            with self._busy, one_thread(), listening(Listener(self._stages, lambda: None)):
                 return work()
-        except KeyboardInterrupt:
-            raise _overtaken() from None
-        finally:
-            with self._lock:
-                self._at_work = None
 
-    def _think(self) -> None:
-        """Let the desk do what can wait."""
-        self._submitted(lambda: self.desk.think()).add_done_callback(self._told)
-
-    def _told(self, done: Future[None]) -> None:
-        """Say on stderr what went wrong where nobody waits for an answer."""
-        failure = done.exception()
-        if failure is not None and not self._ending:
-            logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
-
-    def _publish(self) -> None:
-        """Tell all who wait, from any thread, that there is a new state."""
-        if self._loop is not None:
-            self._loop.call_soon_threadsafe(self._tell)
-
-    def _tell(self) -> None:
-        self._news.set()
-        self._news.clear()
+        return await to_thread.run_sync(done, abandon_on_cancel=True, limiter=self._row)

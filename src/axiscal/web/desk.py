@@ -6,36 +6,40 @@ since, so that no reading answers another question.
 
 from __future__ import annotations
 
+import io
+import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from axiscal.campaign.agreement_words import change_words
+from axiscal.campaign.agreement_words import agreement_words, change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.campaign.sources import virtual_in
 from axiscal.estimation.promise.agreement import Explained
-from axiscal.exceptions import AxiscalError, OvertakenError, RecordError
+from axiscal.evaluation.check import Check
+from axiscal.exceptions import AxiscalError, OvertakenError, RecordError, TableError
 from axiscal.language.spoken import said
 from axiscal.present.answer import Outcome, PlannedAnswer
 from axiscal.present.answer_of_campaign import results_beside, standing_answer
 from axiscal.present.guide import progress, slips
+from axiscal.present.guide.checking import CheckJudged
 from axiscal.present.guide.question import Question, asked_text, typed
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.tables import registry
-from axiscal.web.shapes import AnswerShape, StateShape
+from axiscal.web.shapes import AnswerShape, Short, StateShape
 
 
 class Desk:
     """One campaign and what is shown of it.
 
-    publish : called at every new state but the first; state : the newest, all that a page shows
+    state : the newest, all that a page shows
     """
 
-    def __init__(self, campaign: Campaign, publish: Callable[[], None]) -> None:
-        self.campaign, self.publish, self.virtual = campaign, publish, virtual_in(campaign.state.notes)
+    def __init__(self, campaign: Campaign) -> None:
+        self.campaign, self.virtual = campaign, virtual_in(campaign.state.notes)
         self._minds = list[str]()
         self._answer: Outcome | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
@@ -50,30 +54,28 @@ class Desk:
         return results_beside(self.campaign.path)
 
     def look(self) -> None:
-        """Show what others have written to the record since."""
+        """Show what others have written to the record since, and do what the next question need not wait for."""
         try:
             moved = self._moved_on()
         except AxiscalError as failure:  # such as a record that has been moved away
             if self.state.trouble != str(failure):
                 self._version += 1
                 self.state = self.state.model_copy(update={"trouble": str(failure), "version": self._version})
-                self.publish()
             return
         if moved:
             self._show()
+        if self._before is not None or self._answers != self._stands:
+            self.think()
 
     def think(self) -> None:
-        """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
-        minds = list(self._minds)
-        if self._before is not None:
-            minds += progress.others_doubted(self.campaign, self._before, command=False)
-        self._before = None
-        self.campaign.estimate()  # the next reading is compared with it
-        new = self._answers != self._stands  # what a report says stands
-        if new:
-            self._answer, self._answers = coming_answer(self.campaign) or standing_answer(self.campaign), self._stands
-        if new or minds:
-            self._show(minds, noted=True)
+        """Have second thoughts on the last reading, and find the answer."""
+        minds, before, self._before = list(self._minds), self._before, None
+        if before is not None:
+            minds += progress.others_doubted(self.campaign, before, command=False)
+        if self._answers != self._stands:  # what a report says stands
+            self._answer, self._answers = None, self._stands  # tried once
+            self._answer = coming_answer(self.campaign) or standing_answer(self.campaign)
+        self._show(minds, noted=True)
 
     @property
     def _stands(self) -> object:
@@ -93,21 +95,27 @@ class Desk:
             raise OvertakenError(what, said("Look at what is asked now, then do it again if it is still right"))
         return step(self)
 
-    def keep(self, text: str, cause: slips.Cause | None = None) -> str:
-        """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one."""
+    def keep(self, text: Short, cause: slips.Cause | None = None) -> str:
+        """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one.
+
+        text : as it is typed, "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question
+        """
         asked = self.campaign.open_question()
         question = self.state.question or Question.from_campaign(self.campaign, asked)
         values = typed(self.campaign, text)
         if cause is None:
             slips.refuse_surprising(self.campaign, question, values)
-        before = progress.doubted(self.campaign)
+        before = progress.doubted(self.campaign) if self._before is None else self._before
         kept, told = slips.keep_as(self.campaign, question, values, cause)
         self._before = before
         self._show()
         return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
 
-    def jog(self, text: str, *, anyway: bool) -> str:
-        """Keep what the display shows at the test of its sign; raises ReadingError where that is wrong."""
+    def jog(self, text: Short, *, anyway: bool = False) -> str:
+        """Keep what the display shows at the test of its sign; raises ReadingError where that is wrong.
+
+        anyway : go on although it is
+        """
         return self._noted(lambda: slips.try_jog(self.campaign, text, anyway=anyway))
 
     def accept(self) -> str:
@@ -119,7 +127,7 @@ class Desk:
         self._show()
         return said("Put right: {change}; undo takes it back.", change=change_words(told))
 
-    def skip(self, reason: str, *, rest: bool = False) -> str:
+    def skip(self, reason: Short, *, rest: bool = False) -> str:
         """Keep in mind that the reading asked for cannot be taken; rest : nor any other of its set-up."""
         skipped = self.campaign.skip(reason, rest=rest)
         self._show()
@@ -128,7 +136,7 @@ class Desk:
             return said(left, setup=skipped.place.setup)
         return said("Skipped {reading}; the plan is made anew around it.", reading=asked_text(self.campaign, skipped))
 
-    def note(self, text: str) -> str:
+    def note(self, text: Short) -> str:
         """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
         return self._noted(lambda: progress.take_note(self.campaign, text))
 
@@ -186,6 +194,42 @@ class Desk:
             self._show()
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
 
+    def tables_packed(self, control: str) -> bytes:
+        """Return the files for a control as one, as they were written, or made now with its sign.
+
+        Raises InputError, TableError.
+        """
+        self.look()
+        if control in self.state.tables and self.campaign.description.bump_of(control) is None:
+            files = {file.name: file.read_text() for file in sorted((self.results / "tables" / control).iterdir())}
+        else:
+            known = self.campaign.estimate(ended=True)
+            if known.agreement.withheld:
+                raise TableError(agreement_words(known), said("Take readings again"))
+            offered = registry.offered(known, control)
+            files = {**offered.files, "README.txt": offered.readme}
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, text in files.items():
+                archive.writestr(f"{control}/{name}", text)
+        return packed.getvalue()
+
+    def volume_picture(self, width: float) -> str:
+        """Return the error of the volume, found, and left with the tables, as SVG.  width : pixels"""
+        from axiscal.present.found_and_left import found_and_left_drawing  # no question waits for them
+        from axiscal.present.volume_error import volume_error
+
+        known, tables = self.campaign.estimate(ended=True), self.state.tables
+        control = next((each for each in tables if each != "csv"), "csv")
+        volume = volume_error(known, control, registry.offered_control(known, control) if tables else None)
+        drawing = found_and_left_drawing(volume, self.campaign.description.machine, width)
+        return drawing.on_screen(said("The error of the volume"))
+
+    def judge(self, control: str, tolerance: str, found: Sequence[str], left: Sequence[str]) -> CheckJudged:
+        """Return what readings without the tables and with them say, or what is wrong with each by its field."""
+        check = Check.from_campaign(self.campaign, control)
+        return CheckJudged.of(check, found, left, tolerance, self.campaign.path.parent)
+
     def _explained(self) -> Explained | None:
         """Return the mistake that readings name which contradict each other, None for none."""
         found = self.campaign.estimate().agreement
@@ -202,7 +246,6 @@ class Desk:
         if not noted:
             self._alike.clear()
         self.state = self._renewed()
-        self.publish()
 
     def _renewed(self) -> StateShape:
         self._version += 1

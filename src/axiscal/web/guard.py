@@ -46,7 +46,6 @@ _REFUSALS: dict[int | str, dict[str, Any]] = {
 _NOTHING_HERE = {
     400: (422, "malformed", "The body is no JSON"),
     405: (405, "method", "This cannot be done here"),
-    413: (413, "large", f"A request may have {LARGEST} bytes"),
 }
 """Status, code and sentence of what is refused before a function is called, by the status that it has."""
 
@@ -65,9 +64,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
 
     return FastAPI(
         routes=[Route(path, _words if path == "/words.json" else shown, methods=["GET"]) for path in FREE],
-        exception_handlers={
-            RequestValidationError: _malformed, AxiscalError: _refused, HTTPException: _not_here, Exception: _defect
-        },
+        exception_handlers=dict.fromkeys((RequestValidationError, AxiscalError, HTTPException, Exception), _not_done),
         default_response_class=PageDocument,
         responses=_REFUSALS,
         dependencies=[Security(token), Depends(_refuse_unknown)],
@@ -76,7 +73,7 @@ def page_application(page: Callable[[], str], **settings: Any) -> FastAPI:
         redirect_slashes=False,
         strict_content_type=False,
         **settings,
-    )  # fmt: skip
+    )
 
 
 class PageDocument(JSONResponse):
@@ -104,30 +101,23 @@ async def _refuse_unknown(request: Request) -> None:
         raise RequestValidationError([{"loc": ("query", min(unknown)), "msg": "Extra inputs are not permitted"}])
 
 
-async def _malformed(request: Request, failure: Exception) -> Response:
-    assert isinstance(failure, RequestValidationError)
-    first = failure.errors()[0]
-    where = ".".join(str(part) for part in first["loc"][1:])
-    return problem(422, "malformed", f"{where}: {first['msg']}" if where else first["msg"])
-
-
-async def _refused(request: Request, failure: Exception) -> Response:
-    if isinstance(failure, SurprisingError):
-        return problem(409, "surprising", spelt(str(failure)))
-    if isinstance(failure, OvertakenError):
-        return problem(409, "overtaken", str(failure))
-    return problem(422, "refused", str(failure))
-
-
-async def _not_here(request: Request, failure: Exception) -> Response:
-    status = failure.status_code if isinstance(failure, HTTPException) else 500
-    return problem(*_NOTHING_HERE.get(status, (status, "missing", "There is nothing here")))
-
-
-async def _defect(request: Request, failure: Exception) -> Response:
-    kind = type(failure).__name__
-    said = f"A defect in {culprit(failure)}: {kind}: {failure}. What is on the disk is kept; look at the last readings"
-    return problem(500, "defect", said)
+async def _not_done(request: Request, failure: Exception) -> Response:
+    """Answer with what is wrong."""
+    match failure:
+        case RequestValidationError():
+            first = failure.errors()[0]
+            where = ".".join(str(part) for part in first["loc"][1:])
+            return problem(422, "malformed", f"{where}: {first['msg']}" if where else first["msg"])
+        case SurprisingError():
+            return problem(409, "surprising", spelt(str(failure)))
+        case OvertakenError():
+            return problem(409, "overtaken", str(failure))
+        case AxiscalError():
+            return problem(422, "refused", str(failure))
+        case HTTPException(status_code=status):
+            return problem(*_NOTHING_HERE.get(status, (status, "missing", "There is nothing here")))
+    what = f"A defect in {culprit(failure)}: {type(failure).__name__}: {failure}"
+    return problem(500, "defect", f"{what}. What is on the disk is kept; look at the last readings")
 
 
 _TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses
@@ -174,7 +164,7 @@ class Guard:
         if fault is not None:
             await fault(scope, receive, answered)
             return
-        await self._app(scope, _bounded(receive), answered)
+        await self._app(scope, receive, answered)
 
     def _fault(self, asked: HTTPConnection) -> Response | None:
         """Return what is wrong with a request, None for what may come in."""
@@ -183,24 +173,11 @@ class Guard:
             return problem(400, "host", f"This page answers under http://{self._hosts[0]} only")
         if headers.get("origin") not in (None, *(f"http://{host}" for host in self._hosts)):
             return problem(403, "forbidden", "This request comes from another page")
+        if int(headers.get("content-length", 0)) > LARGEST or "transfer-encoding" in headers:
+            return problem(413, "large", f"A request may have {LARGEST} bytes, and says how many it has")
         scheme, _, token = headers.get("authorization", "").partition(" ")
         ours = hmac.compare_digest(token.encode("utf-8", "replace"), self._token.encode())
         free = asked.scope["method"] in ("GET", "HEAD") and asked.scope["path"] in FREE
         if (scheme.lower() == "bearer" and ours) or free:
             return None
         return problem(403, "forbidden", "Open the address that axiscal serve has printed: it holds the token")
-
-
-def _bounded(receive: Receive) -> Receive:
-    """Return what gives the body of a request, and refuses one that is too large; what comes after that is not read."""
-    size = 0
-
-    async def received() -> Message:
-        nonlocal size
-        message = await receive()
-        size += len(message.get("body", b""))
-        if size > LARGEST:
-            raise HTTPException(413)
-        return message
-
-    return received

@@ -3,52 +3,53 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import os
 import socket
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager, suppress
 from functools import partial
+from inspect import signature
 from pathlib import Path
-from types import FrameType
-from typing import Annotated, TypeVar
+from typing import Annotated, Any
 
 import uvicorn
 from fastapi import Body, FastAPI, Response
 from fastapi.responses import FileResponse
+from pydantic import create_model
 
-from axiscal.exceptions import InputError, OvertakenError
+from axiscal.exceptions import InputError
 from axiscal.present.answer import AnswerDocument
 from axiscal.present.answer_of_campaign import cost_sentence, cost_words
 from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
 from axiscal.present.sentences import spelt
-from axiscal.web import after_end, draft, shapes
-from axiscal.web.counter import Counter, lost_interruptions
+from axiscal.web import draft, shapes
+from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
 from axiscal.web.guard import ROOT, Guard, page_application, problem
 
-_STEPS: dict[str, tuple[type[AnswerDocument], Callable[..., str]]] = {
-    "readings": (shapes.KeepRequest, Desk.keep),
-    "jogs": (shapes.JogRequest, Desk.jog),
-    "accepts": (shapes.StepRequest, Desk.accept),
-    "skips": (shapes.SkipRequest, Desk.skip),
-    "notes": (shapes.NoteRequest, Desk.note),
-    "zeros": (shapes.StepRequest, Desk.set_anew),
-    "undo": (shapes.StepRequest, Desk.undo),
-    "next": (shapes.StepRequest, Desk.go_on),
-    "finish": (shapes.StepRequest, Desk.finish),
+_STEPS: dict[str, Callable[..., str]] = {
+    "readings": Desk.keep,
+    "jogs": Desk.jog,
+    "accepts": Desk.accept,
+    "skips": Desk.skip,
+    "notes": Desk.note,
+    "zeros": Desk.set_anew,
+    "undo": Desk.undo,
+    "next": Desk.go_on,
+    "finish": Desk.finish,
 }
-"""What a page may ask of the desk: address, request, and what takes the fields of the request."""
+"""What a page may ask of the desk; a request holds what each takes, and but for a note which state it answers."""
 
 
-def application(counter: Counter, port: int, here: Path) -> Guard:
-    """Return the whole page behind its guard.  here : the folder of what begins on it"""
+def application(counter: Counter, port: int, here: Path, ready: Callable[[str], None]) -> Guard:
+    """Return the whole page behind its guard.  here : the folder of what begins on it; ready : takes its address"""
     api = _Api(counter, here)
 
     @asynccontextmanager
     async def watching(app: FastAPI) -> AsyncIterator[None]:
         watch = asyncio.create_task(counter.watch())
+        ready(guard.address)
         yield
         watch.cancel()
 
@@ -63,14 +64,15 @@ def application(counter: Counter, port: int, here: Path) -> Guard:
         app.get(f"/{file}", include_in_schema=False)(getattr(api, file.replace(".", "_")))
     for name in ("start", "stage", "plan", "curve", "planned", "rows"):
         app.get(f"{ROOT}/{name}")(getattr(api, name))
-    for name in ("state", "typed", "cost", "check"):
+    for name in ("typed", "cost", "check"):
         app.get(f"{ROOT}/{name}")(getattr(api, name))
-    for name in ("draft", "open", "leave"):
-        app.post(f"{ROOT}/{name}")(getattr(api, name))
-    app.post(f"{ROOT}/check")(api.judge)
-    for name, (request, step) in _STEPS.items():
-        app.post(f"{ROOT}/{name}")(api.doing(request, step))
-    return Guard(app, port)
+    app.get(f"{ROOT}/state")(counter.newer)
+    posted: dict[str, _Answering] = {name: api.doing(step) for name, step in _STEPS.items()}
+    posted |= {"draft": api.draft, "open": api.open, "leave": counter.leave, "check": api.judge}
+    for name, answering in posted.items():
+        app.post(f"{ROOT}/{name}")(answering)
+    guard = Guard(app, port)
+    return guard
 
 
 _picture = partial(Response, media_type="image/svg+xml")
@@ -78,7 +80,6 @@ _Answering = Callable[..., Awaitable[AnswerDocument | None]]
 """Makes the document that answers a request."""
 _Sent = Annotated[shapes.Short, Body(embed=True)]
 """The only field of what is sent."""
-_Made = TypeVar("_Made")
 
 
 class _Api:
@@ -87,22 +88,23 @@ class _Api:
     def __init__(self, counter: Counter, here: Path) -> None:
         self._counter, self._here = counter, here
 
-    def doing(self, request: type[AnswerDocument], step: Callable[..., str]) -> _Answering:
+    def doing(self, step: Callable[..., str]) -> _Answering:
         """Return what answers requests for a step of the desk with the state after it."""
+        takes = {each.name: each for each in [*signature(step, eval_str=True).parameters.values()][1:]}
+        fields: dict[str, Any] = {
+            name: (each.annotation, ... if each.default is each.empty else each.default) for name, each in takes.items()
+        }
+        fields |= {} if step is Desk.note else {"after": (shapes.After, ...)}
 
         async def done(asked: AnswerDocument) -> shapes.DoneShape:
-            fields = dict(asked)
-            after = fields.pop("after", None)
-            sentence = await self._counter.do(lambda desk: desk.once(partial(step, **fields), after))
-            return await self._opened(spelt(sentence))
+            given = dict(asked)
+            after = given.pop("after", None)
+            sentence = await self._counter.ask(lambda desk: desk.once(partial(step, **given), after))
+            return shapes.DoneShape(sentence=spelt(sentence), state=self._counter.desk.state)
 
         done.__name__, done.__doc__ = step.__name__, step.__doc__
-        done.__annotations__["asked"] = request
+        done.__annotations__["asked"] = create_model(f"{step.__name__}_request", __base__=AnswerDocument, **fields)
         return done
-
-    async def state(self, seen: shapes.Seen = 0, wait: shapes.Wait = 0.0) -> shapes.StateShape:
-        """All that the page shows, at once or when it is newer than what was seen."""
-        return await self._counter.newer(seen, wait)
 
     async def typed(self, text: shapes.Short) -> Meant:
         """What a typed text would mean for the question that is open."""
@@ -120,7 +122,7 @@ class _Api:
 
     async def judge(self, asked: shapes.CheckedRequest) -> CheckJudged:
         """What readings without the tables and with them say."""
-        return await self._counter.ask(lambda desk: after_end.judge(desk, asked))
+        return await self._counter.ask(lambda desk: desk.judge(**dict(asked)))
 
     async def setup_svg(self, width: shapes.Width, version: int = 0) -> Response:
         """The machine with the instrument on it and the places that are read, as wide as the page has room."""
@@ -129,28 +131,21 @@ class _Api:
 
     async def volume_svg(self, width: shapes.Width, version: int = 0) -> Response:
         """The error of the volume, found and left, as wide as the page has room."""
-        return _picture(await self._counter.ask(lambda desk: after_end.volume_picture(desk, width)))
+        return _picture(await self._counter.ask(lambda desk: desk.volume_picture(width)))
 
     async def report_pdf(self) -> Response:
         """The report to sign."""
-        return self._result("report.pdf", {"Content-Disposition": "attachment"})
+        desk = self._counter.desk
+        file, folder = desk.results / "report.pdf", desk.campaign.path.absolute().parent
+        if not file.is_file() or file.resolve().parent.parent != folder.resolve():
+            return problem(404, "missing", "There is no report yet")
+        return FileResponse(file, headers={"Content-Disposition": "attachment"})
 
     async def tables_zip(self, control: shapes.Short) -> Response:
         """The tables of a control as one file."""
-        packed = await self._counter.ask(lambda desk: after_end.tables_packed(desk, control))
+        packed = await self._counter.ask(lambda desk: desk.tables_packed(control))
         headers = {"Content-Disposition": f'attachment; filename="{control}.zip"'}
         return Response(packed, media_type="application/zip", headers=headers)
-
-    async def leave(self) -> None:
-        """Close the record, and show the start again."""
-        await self._counter.leave()
-
-    def _result(self, name: str, headers: Mapping[str, str]) -> Response:
-        desk = self._counter.desk
-        file, folder = desk.results / name, desk.campaign.path.absolute().parent
-        if not file.is_file() or file.resolve().parent.parent != folder.resolve():
-            return problem(404, "missing", "There is no report yet")
-        return FileResponse(file, headers=headers)
 
     async def start(self) -> shapes.StartShape:
         """All that the start shows."""
@@ -164,7 +159,7 @@ class _Api:
         """Keep what was chosen of a new campaign, and say what that makes of its machine."""
         return draft.keep(self._here, chosen)
 
-    async def machine_svg(
+    def machine_svg(
         self,
         width: shapes.Width,
         machine: shapes.Short = "",
@@ -173,49 +168,36 @@ class _Api:
         version: int = 0,
     ) -> Response:
         """A machine, that of the draft if none is named, with an instrument on it if one is; small : without words."""
-        drawn = partial(draft.picture, self._here, width, machine, instrument, lengths=not small)
-        return _picture(await asyncio.to_thread(drawn))
+        return _picture(draft.picture(self._here, width, machine, instrument, lengths=not small))
 
     async def plan(self) -> shapes.PlanShape | None:
         """The plan of the draft in words; it takes seconds."""
-        return await self._drawn_up(draft.plan)
+        return await self._counter.draw_up(partial(draft.plan, self._here))
 
     async def curve(self) -> shapes.CurveShape | None:
         """What other minutes than those of the plan buy; null where there is no plan, which says why."""
-        try:
-            return await self._drawn_up(draft.curve)
-        except InputError:  # a newer choice stands already that nothing can be planned for
-            return None
+        with suppress(InputError):  # a newer choice stands already that nothing can be planned for
+            return await self._counter.draw_up(partial(draft.curve, self._here))
+        return None
 
     async def planned(self) -> None:
         """Make the plan of the draft in full, before it begins, unless a newer choice breaks it off."""
-        await self._drawn_up(draft.plan_in_full)
+        await self._counter.draw_up(partial(draft.plan_in_full, self._here))
 
-    async def rows(self, instrument: shapes.Short) -> shapes.RowsShape:
+    def rows(self, instrument: shapes.Short) -> shapes.RowsShape:
         """The rows that an instrument can show on the machine of the draft."""
-        return await asyncio.to_thread(draft.shown_rows, self._here, instrument)
-
-    async def _drawn_up(self, made: Callable[[Path], _Made]) -> _Made | None:
-        """Return what is made of the draft, None where a newer choice has broken it off."""
-        try:
-            return await self._counter.draw_up(lambda: made(self._here))
-        except OvertakenError:
-            return None
+        return draft.shown_rows(self._here, instrument)
 
     async def open(self, record: _Sent) -> shapes.DoneShape:
         """Open a campaign of the start, or begin that of the draft and open it, for ""."""
         begun = self._counter.begin(partial(draft.record_of, self._here, record), breaks=record != "")
-        return await self._opened(await begun)
-
-    async def _opened(self, sentence: str) -> shapes.DoneShape:
-        return shapes.DoneShape(sentence=sentence, state=await self._counter.newer(0, 0.0))
+        return shapes.DoneShape(sentence=await begun, state=self._counter.desk.state)
 
 
 _HEAD = 16 * 1024
 """Bytes of a request's head; any that a browser sends is smaller."""
 
 
-@lost_interruptions()
 def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> str:
     """Serve the page of a record, or the start of one in this folder, until Ctrl-C.
 
@@ -228,20 +210,19 @@ def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> 
     counter = Counter(record)
     try:
         with _listening(port) as listener:
-            page = application(counter, int(listener.getsockname()[1]), Path.cwd())
+            page = application(counter, int(listener.getsockname()[1]), Path.cwd(), ready)
             config = uvicorn.Config(
                 page,
                 http="h11",
                 ws="none",
-                log_level="error",
+                log_level="error" if os.environ.get("AXISCAL_TRACEBACK") else "critical",  # of who still waits
                 access_log=False,
                 server_header=False,
                 proxy_headers=False,
                 timeout_graceful_shutdown=1,
                 h11_max_incomplete_event_size=_HEAD,
             )
-            server = _Server(config, counter.end, lambda: ready(page.address))
-            server.run(sockets=[listener])
+            uvicorn.Server(config).run(sockets=[listener])
     except KeyboardInterrupt:
         pass  # the way in which a server is ended
     finally:
@@ -251,33 +232,8 @@ def serve_page(record: Path | None, port: int, ready: Callable[[str], None]) -> 
 
 def _listening(port: int) -> socket.socket:
     """Return what listens on this computer alone; raises InputError where that cannot be."""
-    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    if os.name == "posix":  # connections of a server that was killed keep its port from the next one else
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listener.bind(("127.0.0.1", port))
-        listener.listen()
+        return socket.create_server(("127.0.0.1", port))
     except OSError as failure:
-        listener.close()
         what, remedy = "Port {port} cannot be used: {reason}", "Name another one with --port"
-        raise InputError(what, remedy, port=port, reason=failure.strerror) from failure
-    return listener
-
-
-class _Server(uvicorn.Server):
-    """The server, which says when it answers, and tells those who wait for news that it is about to end."""
-
-    def __init__(self, config: uvicorn.Config, ending: Callable[[], None], ready: Callable[[], None]) -> None:
-        super().__init__(config)
-        self._ending, self._ready = ending, ready
-
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to answer, and say so: from here on a signal ends it as it should."""
-        await super().startup(sockets)
-        self._ready()
-
-    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Take a signal to end; who still waits for an answer then is sent away, which is no fault to be told of."""
-        logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
-        self._ending()
-        super().handle_exit(sig, frame)
+        raise InputError(what, remedy, port=port, reason=os.strerror(failure.errno or 0)) from failure

@@ -15,7 +15,7 @@ from axiscal.present.answer import AnswerDocument, AnswerWords, BoughtAccuracy, 
 from axiscal.present.answer_words import answer_text
 from axiscal.present.guide.progress import Due, KeptReading, Progress
 from axiscal.present.guide.question import Question
-from axiscal.present.guide.slips import Cause, Jog
+from axiscal.present.guide.slips import Jog
 from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
@@ -196,42 +196,6 @@ class SentenceShape(AnswerDocument):
     """An answer in words, "" for nothing that is worth a word."""
 
     sentence: str
-
-
-class StepRequest(AnswerDocument):
-    """A step that needs no more words."""
-
-    after: After
-
-
-class KeepRequest(StepRequest):
-    """A reading as it is typed: "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question.
-
-    cause : what was behind it where it surprises
-    """
-
-    text: Short
-    cause: Cause | None = None
-
-
-class JogRequest(StepRequest):
-    """What the display shows at the test of its sign, as it is typed; anyway : go on although that is wrong."""
-
-    text: Short
-    anyway: bool = False
-
-
-class SkipRequest(StepRequest):
-    """The reading asked for cannot be taken; rest : nor any other of its set-up, which is left."""
-
-    reason: Short
-    rest: bool = False
-
-
-class NoteRequest(AnswerDocument):
-    """A sentence for the record: it answers no question, so no state has to be named."""
-
-    text: Short
 
 
 class DoneShape(AnswerDocument):

@@ -5,18 +5,13 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-import os
-import select
 import shlex
-import signal
 import subprocess
-import sys
-import time
-from collections import Counter, deque
-from threading import Thread
-from typing import IO, Any
+from collections import Counter
+from typing import Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
+from axiscal.document.lines import LONGEST, Lines
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.language.spoken import later, said
 from axiscal.measurement.reading import asked_values, reading_unit, units_of
@@ -27,12 +22,8 @@ TIMEOUT = 600.0
 """Seconds that a command may take over one reading."""
 GRACE = 2.0
 """Seconds that a command has to end by itself when no more readings are wanted."""
-LONGEST = 100_000
-"""Characters in one answer."""
-_LINES, _LONGEST_QUOTED = 5, 300
-"""Lines and characters of what a command said last that a refusal quotes."""
-_LOOK = 0.25
-"""Seconds between two looks whether the command still runs; any time that a person does not notice would do."""
+_LONGEST_QUOTED = 300
+"""Characters of what a command said last that a refusal quotes."""
 WIDEST = 1e6
 """A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
@@ -47,23 +38,19 @@ class ExecSource:
     """
 
     def __init__(self, command: str, timeout: float = TIMEOUT) -> None:
-        self._command, self._timeout, self._heard = command, timeout, b""
-        self._process, self._said = _start(command), deque[str](maxlen=_LINES)
-        self._listening = Thread(target=self._listen, daemon=True)
-        self._listening.start()
+        self._command, self._timeout = command, timeout
+        self._lines = _start(command)
 
     def read(self, request: Request) -> Answer | Skip:
         """Send the request and return the answer; raises SourceError if the command dies, stalls or talks nonsense."""
-        if line := self._line(0.0):
+        if line := self._lines.line(0.0):
             what = "the command `{command}` said {answer} without being asked"
             raise self._failure(what, "Answer each line with exactly one line", answer=_quoted(line))
-        stream = _pipe(self._process.stdin)
         try:
-            stream.write(json.dumps(request.message(), ensure_ascii=False) + "\n")
-            stream.flush()
+            self._lines.send(request.message())
         except (OSError, ValueError):
             raise self._died() from None
-        if (line := self._line(self._timeout)) is None:
+        if (line := self._lines.line(self._timeout)) is None:
             remedy = "See what it is waiting for, then go on with --resume; --timeout allows it more time"
             what = "the command `{command}` has not answered within {seconds:g} s"
             raise self._failure(what, remedy, seconds=self._timeout)
@@ -76,52 +63,16 @@ class ExecSource:
             raise self._failure(what, fault.remedy, answer=_quoted(line), fault=fault.what) from None
 
     def close(self) -> None:
-        """End the command: its input is closed, and if that does not move it, it is terminated."""
-        with contextlib.suppress(OSError):
-            _pipe(self._process.stdin).close()
-        for farewell in (signal.SIGTERM, signal.SIGKILL):
-            try:
-                self._process.wait(GRACE)
-                break
-            except subprocess.TimeoutExpired:
-                _signal(self._process, farewell)
-        self._process.wait()
-        _signal(self._process, signal.SIGKILL)  # what it has left behind
-        _pipe(self._process.stdout).close()
-        self._listening.join(GRACE)
-
-    def _line(self, patience: float) -> str | None:
-        """Return the next line with its end, "" where none will come any more, None where none came in so many s."""
-        stream, until = _pipe(self._process.stdout).fileno(), time.monotonic() + patience
-        while b"\n" not in self._heard and len(self._heard) <= LONGEST:
-            ended = self._process.poll() is not None  # looked at first: what it said before is in the pipe
-            left = until - time.monotonic()
-            if select.select([stream], [], [], max(min(_LOOK, left), 0.0))[0]:
-                part = os.read(stream, LONGEST)
-                self._heard += part
-                if not part:
-                    break
-            elif ended:  # and something that it has started keeps its output open
-                break
-            elif left <= 0:
-                return None
-        line, end, self._heard = self._heard.partition(b"\n")
-        return (line + end).decode("utf-8", "replace")
+        """End the command."""
+        self._lines.end(GRACE)
 
     def _died(self) -> SourceError:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(GRACE)
-        self._listening.join(GRACE)  # what it has started may keep its stderr open
-        status, last = self._process.returncode, shortened(" ".join(self._said), _LONGEST_QUOTED)
+            self._lines.process.wait(GRACE)
+        status, last = self._lines.process.returncode, shortened(self._lines.last_words(GRACE), _LONGEST_QUOTED)
         what = "the command `{command}` ended with status {status} before it answered: {last}"
         what = "the command `{command}` closed its output before it answered" if status is None else what
         return self._failure(what, "Mend it, then go on with --resume", status=status, last=last or said("no word"))
-
-    def _listen(self) -> None:
-        with _pipe(self._process.stderr) as stream:
-            for line in stream:
-                sys.stderr.write(line)
-                self._said.append(line.strip())
 
     def _failure(self, what: str, remedy: str, **values: object) -> SourceError:
         return SourceError(what, remedy, None, None, command=shortened(self._command), **values)
@@ -191,7 +142,7 @@ def _number(number: object, unit: str) -> float:
     return value
 
 
-def _start(command: str) -> subprocess.Popen[str]:
+def _start(command: str) -> Lines:
     remedy = "Write the source as exec:COMMAND with a program that can be started, such as exec:./instrument.py"
     try:
         words = shlex.split(command)
@@ -201,33 +152,11 @@ def _start(command: str) -> subprocess.Popen[str]:
     if not words:
         raise SourceError("exec: names no command", remedy)
     try:
-        return subprocess.Popen(
-            words,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            encoding="utf-8",
-            errors="replace",
-            start_new_session=True,  # Ctrl-C is for us: the command gets to finish its answer
-        )
+        return Lines(words)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         what = "the command `{command}` cannot be started: {reason}"
         raise SourceError(what, remedy, command=shortened(command), reason=reason) from None
-
-
-def _pipe(stream: IO[str] | None) -> IO[str]:
-    assert stream is not None  # both were asked for
-    return stream
-
-
-def _signal(process: subprocess.Popen[str], number: signal.Signals) -> None:
-    with contextlib.suppress(ProcessLookupError, PermissionError):
-        if os.name == "posix":
-            os.killpg(process.pid, number)
-        else:
-            process.send_signal(number)
 
 
 def _quoted(line: str) -> str:

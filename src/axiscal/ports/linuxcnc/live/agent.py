@@ -125,7 +125,7 @@ class Agent(Stance):
             return {"failure": f"{type(error).__name__}: {error}"}
 
     def status(self) -> dict[str, Any]:
-        """Return how the machine stands, in its own units."""
+        """Return how the machine stands."""
         self.stat.poll()
         return {"idle": self.stat.interp_state == linuxcnc.INTERP_IDLE, **self.document()}
 
@@ -157,7 +157,7 @@ class Agent(Stance):
         failure = (self._made("G53 G1", first, found[3]) if first else "") or self._made(found[1], ends, found[3])
         if failure:
             return {"failure": failure}
-        probed = dict(zip(LETTERS, map(float, self.stat.probed_position), strict=False))
+        probed = {a: float(at) / self.unit(a) for a, at in zip(LETTERS, self.stat.probed_position, strict=False)}
         return {"tripped": bool(self.stat.probe_tripped), "probed": probed, "probe": bool(self.stat.probe_val)}
 
     def _first_turn(self, ends: dict[str, float]) -> dict[str, float]:
@@ -204,7 +204,7 @@ class Agent(Stance):
         """Return which joint does not stand where its axis does, or nothing; joints come a few cycles later."""
         end = time.monotonic() + 0.2
         while True:
-            far = [at / self.unit(axis) - self.here(axis) for axis, at in self.joint_places()]
+            far = [at - self.here(axis) for axis, at in self.joint_places()]
             joint = next((j for j, way in enumerate(far) if abs(way) > _WITHIN), None)
             if joint is None:
                 return ""

@@ -23,7 +23,7 @@ from axiscal.measurement.touched import cycle_of, met_from, read_as
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
-from axiscal.programs.kept_out import free_ways
+from axiscal.programs.kept_out import refuse_kept_out
 from axiscal.programs.scale import Decimals, ReadingTarget, exact, target
 from axiscal.programs.steps import Move, ProgramAxes, Step, Touched
 from axiscal.units import format_quantity, from_unit
@@ -157,11 +157,11 @@ class LiveSource:
                 remedy = "Look where the ball stands: it is looked for within {most:g} mm"
                 raise SourceError(what, remedy, most=_FAR, **told)
             status = self._line.status()
-            hit = way.met(answer["probed"], status)
+            hit = way.met(answer["probed"])
             if (far := float(np.linalg.norm(hit - expected))) > from_unit(_FAR, "mm"):
                 what = "touch {touch} of reading {reading} met something {far:.1f} mm from where the ball is stated"
                 raise SourceError(what, "Look what stands there, and at the place of the ball", far=1e3 * far, **told)
-            here = [Decimal(repr(round(status["position"][a] / status["scale"], _DECIMALS))) for a in step.letters]
+            here = [Decimal(repr(round(status["position"][a], _DECIMALS))) for a in step.letters]
             back = [f"{at + Decimal(by):f}" for at, by in zip(here, step.back, strict=True)]
             if self._sent("G53 G1", step.letters, back, step.fast)["probe"]:
                 what = "after touch {touch} of reading {reading} the stylus stays closed"
@@ -203,8 +203,7 @@ class LiveSource:
         status = self._line.status()
         refuse(status, self._machine, self._in_force)
         for axis, left in zip(self._machine.axes, self._standing[1] if self._standing else (), strict=False):
-            here = status["position"][axis.name] / status["angular" if axis.rotary else "scale"]
-            if abs(here - float(left)) > _STRAYED:
+            if abs((here := status["position"][axis.name]) - float(left)) > _STRAYED:
                 what = "{axis} stands at {here:.3f} {unit} and not at {left:f}, where the last reading left it"
                 remedy = "Nothing has moved since. Look at the machine"
                 raise SourceError(what, remedy, axis=axis.name, here=here, unit=axis.unit, left=left)
@@ -241,15 +240,7 @@ class _WayToBall:
         begun = [] if standing is None else [Move(dict(enumerate(standing[1])), 1)]
         (ball,) = setup.artefact.nearest(self._machine.frames(self._pose[None]).tcp, setup.balls).tolist()
         run, balls = [*begun, *to, self.target, *touching], {self._request.reading: ball}
-        if not all(free_ways(self._machine, setup, balls, self._axes.scales, run)):
-            what = (
-                "on the way to ball {ball} of {artefact} the tool, its holder or the spindle nose meet a ball or a post"
-            )
-            remedy = (
-                "Leave it out, put the artefact down elsewhere, or correct length, reach, radius and head in [tool]"
-            )
-            name = setup.artefact.balls[ball].name
-            raise TravelError(what, remedy, ball=name, artefact=shown(setup.artefact.name))
+        refuse_kept_out(self._machine, setup, balls, self._axes.scales, run)
 
     def off(self, standing: Decimals) -> list[Step]:
         """Return the way from where the axes stand to where they are clear."""
@@ -275,22 +266,16 @@ class _WayToBall:
             pose[self._machine.index(axis)] = from_unit(at, "mm")
         return pose
 
-    def met(self, probed: dict[str, float], status: dict[str, Any]) -> Array:
-        """Return the pose (q,) of a touch: rotary axes where they were sent.  probed : in the machine's units"""
+    def met(self, probed: dict[str, float]) -> Array:
+        """Return the pose (q,) of a touch: rotary axes where they were sent.  probed : mm and deg"""
         at = zip(self._machine.axes, self.target.position, strict=True)
-        sent = [from_unit(float(v), a.unit) if a.rotary else probed[a.name] * scale(status, False) for a, v in at]
-        return np.array(sent)
+        return np.array([from_unit(float(v) if a.rotary else probed[a.name], a.unit) for a, v in at])
 
 
 _SAME = 1e-6
 """mm or deg: rounding of a position that is shown twice."""
 _CLOSE = 1e-6
 """m or rad: a limit in inches has so many digits."""
-
-
-def scale(status: dict[str, Any], rotary: bool) -> float:
-    """Return m or rad of one of the machine's units."""
-    return float(from_unit(1.0, "deg" if rotary else "mm")) / float(status["angular" if rotary else "scale"])
 
 
 def refuse(status: dict[str, Any], machine: Machine, in_force: InForce) -> None:
@@ -332,7 +317,7 @@ def _refuse_other_machine(status: dict[str, Any], machine: Machine) -> None:
         remedy = "Describe the machine that runs: axiscal init DIR --from machine.ini"
         raise SourceError(what, remedy, own=" ".join(sorted(own)), described=" ".join(sorted(described)))
     for axis in machine.axes:
-        low, high = (float(end) * scale(status, axis.rotary) for end in status["axes"][axis.name])
+        low, high = (float(from_unit(end, axis.unit)) for end in status["axes"][axis.name])
         if axis.travel[0] < low - _CLOSE or axis.travel[1] > high + _CLOSE:
             low_text, high_text = (format_quantity(end, axis.unit) for end in (low, high))
             ends = said("{low} to {high}", low=low_text, high=high_text)

@@ -9,15 +9,14 @@ import contextlib
 import json
 import re
 import shlex
-import subprocess
 import sys
 import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from queue import Empty, Queue
 from typing import Any
 
+from axiscal.document.lines import Lines
 from axiscal.exceptions import SourceError
 
 _PARTS = tuple(Path(__file__).with_name(f"{name}.py") for name in ("stance", "agent"))
@@ -41,6 +40,8 @@ _SILENCE = 5.0
 """s for which the agent waits for one."""
 _BEGIN = 30.0
 """s for ssh to ask its keys and for LinuxCNC to answer."""
+_PATIENCE = 15.0
+"""s that the agent has to end by itself."""
 _SLOW = 600.0
 """s: a long way at a small feed, or with the feed override low."""
 _LAST = '{"left":'
@@ -62,21 +63,12 @@ class Connection:
     """An agent that answers; raises SourceError when it cannot be reached, does not answer, or says why it cannot."""
 
     def __init__(self, words: Sequence[str]) -> None:
-        self._lines: Queue[str] = Queue()
-        self._last: Queue[str] = Queue()
-        self._sending = threading.Lock()
+        self._left, self._sending = "", threading.Lock()
         try:
-            self._process = subprocess.Popen(
-                words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
-            )
+            self._lines = Lines(words)
         except OSError as error:
             what = "{word} cannot be started: {reason}"
             raise SourceError(what, "Install it, or start it here", word=words[0], reason=error.strerror) from None
-        assert self._process.stdin is not None  # both were asked for
-        assert self._process.stdout is not None
-        self._to, self._from = self._process.stdin, self._process.stdout
-        self._listener = threading.Thread(target=self._listen, daemon=True)
-        self._listener.start()
         try:
             self._send([(f"{__package__}.{part.stem}", part.read_text(encoding="utf-8")) for part in _PARTS])
             threading.Thread(target=self._keep_alive, daemon=True).start()
@@ -121,19 +113,15 @@ class Connection:
     def _send(self, message: object) -> None:
         try:
             with self._sending:
-                self._to.write(json.dumps(message) + "\n")
-                self._to.flush()
+                self._lines.send(message)
         except (OSError, ValueError):
             raise self._lost() from None
 
     def _answer(self, seconds: float) -> dict[str, Any]:
-        end = time.monotonic() + seconds
-        line = None
-        while line is None:
-            with contextlib.suppress(Empty):
-                line = self._lines.get(timeout=0.1)
-            if line is None and time.monotonic() > end:
-                raise SourceError("LinuxCNC has not answered within {seconds:g} s", _AGAIN, seconds=seconds)
+        if (line := self._lines.line(seconds)) is None:
+            raise SourceError("LinuxCNC has not answered within {seconds:g} s", _AGAIN, seconds=seconds)
+        if line.startswith(_LAST):
+            self._left, line = line, ""
         try:
             answer = json.loads(line) if line else None
         except ValueError:
@@ -148,36 +136,17 @@ class Connection:
         what = "the line to LinuxCNC was cut; its move is to be stopped there within {seconds:g} s"
         return SourceError(what, _AGAIN, seconds=_SILENCE)
 
-    def _listen(self) -> None:
-        with contextlib.suppress(OSError, ValueError):
-            for line in self._from:
-                (self._last if line.startswith(_LAST) else self._lines).put(line)
-        self._lines.put("")
-
     def _keep_alive(self) -> None:
-        while self._process.poll() is None:
+        while self._lines.process.poll() is None:
             with contextlib.suppress(SourceError):
                 self._send({"do": "alive"})
             time.sleep(_ALIVE)
 
     def _end(self) -> None:
-        with contextlib.suppress(OSError, ValueError):
-            self._to.close()
-        try:
-            self._process.wait(15)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
-        self._listener.join(1)
-        self._say_left()
-        with contextlib.suppress(OSError, ValueError):
-            self._from.close()
-
-    def _say_left(self) -> None:
         """Say on stderr which modes are not as they were, if the agent could not set them again."""
-        while not self._last.empty():
-            with contextlib.suppress(ValueError, TypeError, AttributeError):
-                if left := json.loads(self._last.get()).get("left"):
-                    modes = "millimetres, exact stop and the other modes of measuring"
-                    sys.stderr.write(f"In LinuxCNC {modes} are still in force. To have yours again, type: {left}\n")
-                    sys.stderr.flush()
+        last, self._left = self._lines.end(_PATIENCE) or self._left, ""
+        with contextlib.suppress(ValueError, AttributeError):
+            if left := json.loads(last).get("left"):
+                modes = "millimetres, exact stop and the other modes of measuring"
+                sys.stderr.write(f"In LinuxCNC {modes} are still in force. To have yours again, type: {left}\n")
+                sys.stderr.flush()

@@ -25,9 +25,8 @@ class Stance:
         self.stat, self._ini = stat, ini
 
     def document(self) -> dict[str, Any]:
-        """Return how it stands, in its own units."""
+        """Return how it stands, mm and deg."""
         stat, letters, joints = self.stat, self.letters(), range(self.stat.joints)
-        limits = {a: stat.axis[LETTERS.index(a)] for a in letters}
         return {
             "homed": self.homed(),
             "estop": bool(stat.estop),
@@ -36,12 +35,10 @@ class Stance:
             "feed": float(stat.feedrate),
             "feed_heeded": bool(stat.feed_override_enabled),
             "probe": bool(stat.probe_val),
-            "offsets": [float(each) for each in stat.tool_offset],
+            "offsets": [float(each) / self.unit("X") for each in stat.tool_offset],
             "rotation": float(stat.rotation_xy),
-            "scale": float(stat.linear_units) or 1.0,
-            "angular": float(stat.angular_units) or 1.0,
-            "axes": {a: [limits[a][f"{end}_position_limit"] for end in ("min", "max")] for a in letters},
-            "position": {a: float(stat.position[LETTERS.index(a)]) for a in letters},
+            "axes": {a: self.limits(a) for a in letters},
+            "position": {a: self.here(a) for a in letters},
             "joints": self.joint_places(),
             "compensated": [
                 n for n in joints if self._said(f"JOINT_{n}", "COMP_FILE") or stat.joint[n]["backlash"] != 0.0
@@ -72,9 +69,13 @@ class Stance:
 
         After a touch LinuxCNC goes on from where they are seen to stand, and takes no line that ends 1e-17 beyond.
         """
-        ends = [(a, f"{end}_position_limit") for a in self.letters() for end in ("min", "max")]
-        limits = [(a, float(self.stat.axis[LETTERS.index(a)][end]) / self.unit(a)) for a, end in ends]
-        return {a: limit for a, limit in limits if abs(self.here(a) - limit) < _DUST}
+        ends = [(a, limit) for a in self.letters() for limit in self.limits(a)]
+        return {a: limit for a, limit in ends if abs(self.here(a) - limit) < _DUST}
+
+    def limits(self, letter: str) -> list[float]:
+        """Return between which an axis may stand, mm or deg."""
+        stated = self.stat.axis[LETTERS.index(letter)]
+        return [float(stated[f"{end}_position_limit"]) / self.unit(letter) for end in ("min", "max")]
 
     def off(self, letter: str, end: float) -> float:
         """Return how far an axis is from where it is to stand, mm or deg; full turns are none."""
@@ -96,11 +97,11 @@ class Stance:
         return (found[1] if found else self._said("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
 
     def joint_places(self) -> list[tuple[str, float]]:
-        """Return the axis of each joint and where the joint stands, in the machine's units: two belts as X and Y."""
+        """Return the axis of each joint and where the joint stands, mm or deg: two belts as X and Y."""
         at = [float(each) for each in self.stat.joint_position[: self.stat.joints]]
         if self._said("KINS", "KINEMATICS").startswith("corexykins"):
             at[:2] = (at[0] + at[1]) / 2, (at[0] - at[1]) / 2
-        return list(zip(self._joints(), at, strict=False))
+        return [(axis, place / self.unit(axis)) for axis, place in zip(self._joints(), at, strict=False)]
 
     def _tip(self) -> bool | None:
         """Whether switchable kinematics hold the tool point; None if LinuxCNC does not show it."""
