@@ -217,3 +217,4 @@ def _cause(share: float | None) -> str:
 
 
 _NEAREST = {-1.0: "reversed", 0.0: "none", 1.0: "moved"}
+"""By definition: the opposite of what tables take away, nothing of it, all of it."""

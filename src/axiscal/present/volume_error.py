@@ -55,7 +55,8 @@ def _plane(estimation: Estimation, plane: Term) -> PlaneMap:
 
     def spread(rows: Array, terms: Sequence[Term]) -> Array:
         variance = np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=1)
-        return np.sqrt(variance + sum(term.rest**2 for term in terms))
+        std: Array = np.sqrt(variance + sum(term.rest**2 for term in terms))
+        return std
 
     mean = belief.mean[: errors.size]
     first, second = axes
