@@ -196,8 +196,9 @@ def _standing(branch: Sequence[KeptLine], created: Created, possible: Possible |
             with suppress(InputError):
                 if possible is not None:
                     possible.take(each.event)
-                by, free = hand_of(rows[each.number].payload), Recorded(replace(each.event.reading, number=None))
-                yield rows[each.number]._replace(payload=encode(free, **(by._asdict() if by else {}))[1])
+                row, free = rows[each.number], Recorded(replace(each.event.reading, number=None))
+                by = {name: said_by for name, said_by in hand_of(row)._asdict().items() if said_by}
+                yield row._replace(payload=encode(free, **by)[1])
 
 
 def _chained(trunk: Mapping[int, KeptLine], rows: Sequence[EventText]) -> list[KeptLine]:
