@@ -273,7 +273,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
         for line, end in whole_lines(behind):
             if waiting and not (line.last == waiting[0].last and line.follows(waiting[-1])):
                 waiting = []  # an entry that nobody has finished
-            if not line.follows((waiting or self.lines or [None])[-1]):
+            if not line.follows([None, *self.lines[-1:], *waiting[-1:]][-1]):
                 self._refuse_unknown(line)
                 continue
             waiting.append(line)
