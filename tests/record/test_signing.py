@@ -16,7 +16,7 @@ from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
 from axiscal.record import signing
 from axiscal.record.events import Noted
-from axiscal.record.lines import HEAD, head
+from axiscal.record.lines import HEAD, EventText, head
 from axiscal.record.payload import decode
 from axiscal.record.signing import KEY, PERSON, hand_of, key_file
 from axiscal.record.store import Record
@@ -58,10 +58,8 @@ def test_each_entry_says_who_wrote_it(path: Path, monkeypatch: pytest.MonkeyPatc
     with Record.open(path) as record:
         record.append(Noted("warm"))
         row = record.rows[-1]
-        hand = hand_of(row.payload)
-        assert all(hand_of(each.payload) for each in record.rows)
-    assert hand is not None
-    assert hand.person == 'Anna "Å" Berg'
+        assert all(map(all, map(hand_of, record.rows)))
+    assert hand_of(row).person == 'Anna "Å" Berg'
     assert decode(row.kind, row.payload) == Noted("warm")
 
 
@@ -77,7 +75,7 @@ def test_the_key_lies_where_it_is_named_else_in_the_folder_of_this_person(monkey
 
 
 def test_entries_of_before_say_nobody() -> None:
-    assert hand_of('{"text":"warm"}') is None
+    assert not any(hand_of(EventText("", "noted", '{"text":"warm"}')))
     assert decode("noted", '{"text":"warm"}') == Noted("warm")
 
 

@@ -37,7 +37,7 @@ from axiscal.record.events import (
     fold,
 )
 from axiscal.record.lines import EMPTY, HEAD, DamageError, EventText, KeptLine, counts, entry, whole_lines
-from axiscal.record.payload import PayloadError, decode, encode, stored
+from axiscal.record.payload import PayloadError, encode, stored
 from axiscal.record.signing import hand_of, holds, rows_of
 from axiscal.record.store import Record, content_of_lines, said_hand
 
@@ -159,13 +159,14 @@ def _taken_in(
     found: _Union, story: State, possible: Possible | None, asked: Callable[[str], bool], left: list[str]
 ) -> list[EventText]:
     """Return the readings of branches that a person wants, to come last; adds the others to `left`."""
-    taken = list[EventText]()
+    taken, created = list[EventText](), story.created
+    assert created is not None
     for every in found.branches:
         branch = [line for line in every if line.last <= every[-1].number]
         if not branch:
             left.append(f"event {every[0].number}: of an entry that nobody has finished")
             continue
-        readings = [row for row in _readings(branch) if possible is None or _can_be(possible, decode(*row[1:]))]
+        readings = [*_standing(branch, created, possible)]
         number, by = branch[0].number - 1, said_hand(branch[0].row)
         words = counted(
             "two went on from event {number}: {count} reading of {by} stands beside",
@@ -184,28 +185,20 @@ def _taken_in(
     return taken
 
 
-def _can_be(possible: Possible, event: Event) -> bool:
-    with suppress(InputError):
-        possible.take(event)
-        return True
-    return False
-
-
-def _readings(branch: Sequence[KeptLine]) -> Iterator[EventText]:
+def _standing(branch: Sequence[KeptLine], created: Created, possible: Possible | None) -> Iterator[EventText]:
     """Yield the readings that a branch leaves standing, without numbers: others may have been given the same."""
-    standing = list[EventText | None]()
-    for row in (line.row for line in branch):
-        event = None
-        with suppress(PayloadError):
-            event = decode(row.kind, row.payload)
-        if isinstance(event, Recorded):
-            by, free = hand_of(row.payload), Recorded(replace(event.reading, number=None))
-            standing.append(row._replace(payload=encode(free, **(by._asdict() if by else {}))[1]))
-        elif isinstance(event, Undone) and standing:
-            standing.pop()  # which is what came last of what can be taken back
-        elif row.kind in ("skipped", "accepted", "warmed", "finished"):
-            standing.append(None)
-    return filter(None, standing)
+    state, rows = fold([Stored(0, "", created)]), {line.number: line.row for line in branch}
+    for line in branch:
+        with suppress(PayloadError, EventOrderError):
+            state = fold([stored(line.number, line.row)], state)
+    for each in state.story:
+        if isinstance(each.event, Recorded):
+            with suppress(InputError):
+                if possible is not None:
+                    possible.take(each.event)
+                row, free = rows[each.number], Recorded(replace(each.event.reading, number=None))
+                by = {name: said_by for name, said_by in hand_of(row)._asdict().items() if said_by}
+                yield row._replace(payload=encode(free, **by)[1])
 
 
 def _chained(trunk: Mapping[int, KeptLine], rows: Sequence[EventText]) -> list[KeptLine]:

@@ -93,7 +93,8 @@ _THREE = 3
 """Values of a touch, along x, y and z: a frame turns all of them together."""
 _Changed = dict[int, Reading | int | None]
 """By index; the index of the reading whose values it gets, None for one that is left out."""
-_Readings, _Mine = Sequence[Reading], Sequence[Sequence[int]]
+_Readings = Sequence[Reading]
+_Mine = Sequence[Sequence[int]]
 
 
 def _jump(readings: _Readings, mine: _Mine, accepted: Accepted) -> _Changed:

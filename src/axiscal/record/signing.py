@@ -58,10 +58,10 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
-def hand_of(text: str) -> Hand | None:
-    """Return who wrote an event, by its JSON text; None where that does not say it."""
-    found = json.loads(text)
-    return Hand(*(found[name] for name in Hand._fields)) if found.keys() >= set(Hand._fields) else None
+def hand_of(row: EventText) -> Hand:
+    """Return who wrote an event, "" where it does not say it."""
+    found = json.loads(row.payload)
+    return Hand(*(found.get(name, "") for name in Hand._fields))
 
 
 def key_file() -> Path:
@@ -115,15 +115,11 @@ def holds(row: EventText, event: Signed, before: Sequence[EventText]) -> bool:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
 
     try:
-        public, message = bytes.fromhex(event.key), _message(row.at, before, _signer(row), event.key)
+        public, message = bytes.fromhex(event.key), _message(row.at, before, hand_of(row), event.key)
         Ed25519PublicKey.from_public_bytes(public).verify(bytes.fromhex(event.signature), message)
     except (InvalidSignature, ValueError):
         return False
     return True
-
-
-def _signer(row: EventText) -> Hand:
-    return hand_of(row.payload) or Hand("", "")
 
 
 def _message(at: str, rows: Sequence[EventText], hand: Hand, key: str) -> bytes:
@@ -179,7 +175,7 @@ def signed_until(events: Sequence[Stored], rows: Sequence[EventText]) -> SignedU
     found = None
     for number, event in ((each.number, each.event) for each in events if isinstance(each.event, Signed)):
         row = rows[number - 1]
-        found = number, *_signer(row), event.key, event.signature, holds(row, event, rows[: number - 1])
+        found = number, *hand_of(row), event.key, event.signature, holds(row, event, rows[: number - 1])
         if not found[-1]:
             break
     if found is None:

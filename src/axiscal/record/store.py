@@ -40,7 +40,7 @@ from axiscal.record.lines import (
     whole_lines,
 )
 from axiscal.record.payload import PayloadError, stored
-from axiscal.record.signing import Hand, SignedUntil, hand_of, rows_of, signed_row, signed_until
+from axiscal.record.signing import SignedUntil, hand_of, rows_of, signed_row, signed_until
 
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
@@ -273,7 +273,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
         for line, end in whole_lines(behind):
             if waiting and not (line.last == waiting[0].last and line.follows(waiting[-1])):
                 waiting = []  # an entry that nobody has finished
-            if not line.follows((waiting or self.lines or [None])[-1]):
+            if not line.follows([None, *self.lines[-1:], *waiting[-1:]][-1]):
                 self._refuse_unknown(line)
                 continue
             waiting.append(line)
@@ -331,8 +331,8 @@ class Record(contextlib.AbstractContextManager["Record"]):
 
 def said_hand(row: EventText) -> str:
     """Return who wrote an event, and when, in words."""
-    hand = hand_of(row.payload) or Hand("?", "?")
-    return said("{person} on {computer}, {at}", person=hand.person, computer=hand.computer, at=row.at[:16])
+    person, computer = (name or "?" for name in hand_of(row))
+    return said("{person} on {computer}, {at}", person=person, computer=computer, at=row.at[:16])
 
 
 def content_of(rows: Sequence[EventText], campaign: str = "") -> bytes:
