@@ -56,12 +56,15 @@ def mean_along(model: Machine, box: Box, moved: Sequence[int], over: int, positi
 
 
 def _along(model: Machine, axis: int, bounds: tuple[float, float]) -> _AlongAxis:
-    """Return one axis of a mean, also where it stands."""
-    if bounds[0] == bounds[1]:
-        return _AlongAxis(np.array(bounds[:1]), np.array(bounds[:1]), np.ones((1, 1)))
-    positions, weights = _quadrature(model.knots_along(axis), bounds)
+    """Return one axis of a mean, also where it stands: by Gauss between all knots, weights summing to one."""
+    start, stop = bounds
+    if start == stop:
+        return _AlongAxis(np.array([start]), np.array([start]), np.ones((1, 1)))
+    inner = np.unique(np.concatenate([*model.knots_along(axis), np.linspace(start, stop, 5)]))
+    breaks = np.concatenate([[start], inner[(inner > start) & (inner < stop)], [stop]])
+    positions, weights = (each.ravel() for each in gauss(breaks, _GAUSS))
     nodes, shares = _lagrange(positions, bounds, model.axes[axis].rotary)
-    return _AlongAxis(nodes, positions, shares.T * weights)
+    return _AlongAxis(nodes, positions, shares.T * (weights / (stop - start)))
 
 
 def _levers_along(model: Machine, axes: Sequence[_AlongAxis], moved: Sequence[int], over: int, sign: int) -> Array:
@@ -115,15 +118,6 @@ _SHORT_TURN = 1.0
 """rad: over less, the moments of sine and cosine cancel, so polynomials stand for them; near it both hold."""
 _POLYNOMIAL_NODES = 12
 """Sine and cosine over half a radian either way to rounding."""
-
-
-def _quadrature(knots: list[Array], bounds: tuple[float, float]) -> tuple[Array, Array]:
-    """Composite Gauss-Legendre between all knots in the bounds, weights summing to one."""
-    start, stop = bounds
-    inner = np.unique(np.concatenate([*knots, np.linspace(start, stop, 5)]))
-    breaks = np.concatenate([[start], inner[(inner > start) & (inner < stop)], [stop]])
-    nodes, weights = gauss(breaks, _GAUSS)
-    return nodes.ravel(), weights.ravel() / (stop - start)
 
 
 def _lagrange(points: Array, bounds: tuple[float, float], rotary: bool) -> tuple[Array, Array]:

@@ -73,8 +73,8 @@ class Export:
 def tried_over_box(estimate: Estimate, draft: Written) -> Effect:
     """Return what files do over the box of axes; raises TableError when they would not do what they are meant to."""
     of_class("Written.notes", draft.notes, tuple)
-    for axis, step in draft.steps.items():
-        of_class(f"Written.steps[{axis!r}]", step, float, int)
+    for name, lost in draft.steps.items():
+        of_class(f"Written.steps[{name!r}]", lost, float, int)
     for name in draft.files:
         if Path(name).name != name:
             remedy = "Give files names without folders"

@@ -180,8 +180,8 @@ def _written(program: Sequence[PartLine], moves: Sequence[tuple[PartMotion, list
 
     moves : of each motion, in their order, its pieces: where it goes, after what takes up the reversal
     """
-    last, counted, left = dict[str, str](), iter(["G90"]), iter([*moves, (None, [])])
-    motion, places = next(left)
+    last, counted, left = dict[str, str](), iter(["G90"]), iter(moves)
+    motion, places = next(left, (None, list[Array]()))
     for line in program:
         if line.motion is not None or line.text.strip()[:1] not in ("", "%", "(", ";"):
             yield from counted if line.motion is None else ()
@@ -199,5 +199,5 @@ def _written(program: Sequence[PartLine], moves: Sequence[tuple[PartMotion, list
                         last[letter] = text
                 rapid = line.motion.rapid and number == len(places)
                 yield from [f"G{0 if rapid else 1} {' '.join(words)}"] if words else []
-            motion, places = next(left)
+            motion, places = next(left, (None, list[Array]()))
         yield from [line.after] if line.after else []

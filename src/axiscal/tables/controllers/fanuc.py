@@ -85,7 +85,8 @@ class PitchParameters:
 
     def from_reference(self, values: Array) -> Array:
         """Return values at the positions less that at the reference point."""
-        return values - values[self.reference - self.begin]
+        less: Array = values - values[self.reference - self.begin]
+        return less
 
     def covering(self, low: float, high: float) -> tuple[int, int]:
         """Return the numbers of the first and last point that a travel needs, by FANUC's formula."""
