@@ -26,8 +26,6 @@ _CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, incr
 """Mathematics: from the values at five points of Gauss to the cubic's coefficients."""
 _NODES = np.polynomial.legendre.leggauss(5)[0]
 """Mathematics."""
-_LOOKED = np.vander(np.linspace(-1.0, 1.0, 513), 4, increasing=True).T
-"""Places of a stretch at which a cubic is looked at, for its largest value to a hundred-thousandth."""
 _APART = 1e-9
 """Share of the way from one point to the next: rounding of a place on the first."""
 _OUTSIDE = 1e-6
@@ -91,12 +89,14 @@ class Hats:
         """Return the largest distance within the bounds between a piecewise cubic and the line through values.
 
         curve : (nodes,) the cubic at the nodes; values : (points,)
-        On each stretch the difference is one cubic, known from its five nodes.
+        On each stretch the difference is one cubic, known from its five nodes; it is largest at an end or where its
+        slope, a quadratic, vanishes.
         """
         within = self.weights.reshape(-1, 5)[:, 2]
         least = 1e-3 if np.min(within) < 1e-3 * np.max(within) else 0.0  # outside the bounds they weigh a millionth
         apart = (curve - np.interp(self.nodes, self.points, values)).reshape(-1, 5)
-        return float(np.max(np.abs(apart[within >= 0.5 * np.max(within) * least] @ _CUBIC.T @ _LOOKED)))
+        kept = apart[within >= 0.5 * np.max(within) * least]
+        return float(np.max(np.abs(_extremes(kept @ _CUBIC.T))))
 
     def at(self, place: float, values: Array) -> Array:
         """Return what lines through values (points, …) are at a place."""
@@ -108,6 +108,19 @@ class Hats:
         """Return between which point and the next one places lie, and the share of the way, (m,) each."""
         index = np.clip(np.searchsorted(self.points, places, side="right") - 1, 0, len(self.points) - 2)
         return index, (places - self.points[index]) / (self.points[index + 1] - self.points[index])
+
+
+def _extremes(cubics: Array) -> Array:
+    """Return the values of cubics on [-1, 1] where they can be largest, (n, 4).  cubics : (n, 4), rising powers."""
+    a, b, c = cubics[:, 1], 2 * cubics[:, 2], 3 * cubics[:, 3]
+    root = np.sqrt(np.maximum(b * b - 4 * a * c, 0.0))
+    q = -(b + np.where(b < 0, -root, root)) / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turns = np.stack([q / c, a / q], axis=1)
+    turns = np.where(np.isfinite(turns) & (np.abs(turns) <= 1), turns, 1.0)
+    at = np.hstack([turns, -np.ones((len(cubics), 1)), np.ones((len(cubics), 1))])
+    values: Array = np.einsum("nk,nmk->nm", cubics, at[:, :, None] ** np.arange(4))
+    return values
 
 
 @dataclass(frozen=True, slots=True, eq=False)
