@@ -171,11 +171,8 @@ class Given(ABC):
         problem = self.problem
         part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
         factors = factors_of(problem, self.theta)[part]
-        return raw_cells(problem, factors**2 * (problem.rows[:, part].T @ self.weighted))
-
-    def gain(self, columns: Array) -> Array:
-        """Return G X, (answered, n) m and rad: by what the mean m = G y moves.  columns : X (m, n), over the noise"""
-        return self._moved(self.precision(columns))
+        alike = factors**2 * (problem.rows[:, part].T @ self.weighted)
+        return np.asarray(by_blocks(alike[None], [root.T for root in problem.cell_roots])[0])
 
     def _moved(self, spread: Array) -> Array:
         """Return G X, (answered, n) m and rad.  spread : K⁻¹X (m, n)"""
@@ -303,8 +300,3 @@ def raised(problem: Problem, unknowns: Array, theta: Array, roots: Sequence[Arra
     for curves, lower in zip(problem.curves, roots, strict=True):
         result[curves.columns - start] = lower @ result[curves.columns - start]
     return result
-
-
-def raw_cells(problem: Problem, whitened: Array) -> Array:
-    """Return rests of cells, (c,) m or rad, from unknowns whose prior is that of one rest over its size."""
-    return np.asarray(by_blocks(whitened[None], [root.T for root in problem.cell_roots])[0])

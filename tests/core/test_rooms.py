@@ -38,7 +38,7 @@ def test_what_each_source_leaves_adds_up_to_the_variance(seed: int) -> None:
             np.einsum("fi,ij,fj", figures, posterior.covariance, figures), rel=1e-8
         )
         std = np.sqrt(np.diagonal(posterior.covariance))
-        gained = problem.mean + given.gain(problem.values[:, None])[:, 0]
+        gained = problem.mean + given._moved(given.weighted[:, None])[:, 0]
         assert posterior.mean / std == pytest.approx(gained / std, abs=1e-4)
         answers.append([posterior.mean / std, posterior.covariance / std / std[:, None], given.density, *sources])
     for one, other in zip(*answers, strict=True):

@@ -98,7 +98,9 @@ def surprises(observation: Observation, mean: Array, covariance: Array, readings
     ends = np.searchsorted(numbers.place, np.arange(len(readings) + 1)).tolist()
     for reading, mine in zip(readings, (slice(*each) for each in pairwise(ends)), strict=True):
         setup = setups[reading.setup]
-        variances = scatter[mine] + bent(observation.machine, setup, reading) + _drifted(setup, reading, first)
+        # its zero may have wandered since the first one that was judged
+        after = 0.0 if reading.time is None else reading.time - first.get(reading.setup, reading.time)
+        variances = scatter[mine] + bent(observation.machine, setup, reading) + wandered(setup.drift, after)
         shown = spread @ own[mine].T
         surprise, wide = values[mine] - own[mine] @ known, own[mine] @ shown + np.diag(variances)
         sizes.append(float(np.max(np.abs(surprise) / np.sqrt(np.diagonal(wide)))))
@@ -108,13 +110,6 @@ def surprises(observation: Observation, mean: Array, covariance: Array, readings
         if reading.time is not None:
             first.setdefault(reading.setup, reading.time)
     return sizes
-
-
-def _drifted(setup: Setup, reading: Reading, first: Mapping[str, float]) -> float:
-    """Return the variance by which the zero may have wandered between the first one judged and this, m² or rad²."""
-    if setup.drift == 0 or reading.time is None:
-        return 0.0
-    return float(wandered(setup.drift, reading.time - first.get(setup.name, reading.time)))
 
 
 def bent(machine: Machine, setup: Setup, reading: Reading) -> float:

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.estimation.promise.causes import contributions, passing_columns
 from axiscal.measurement.observation import Observation
@@ -21,7 +20,6 @@ from axiscal_core.model import Numbers
 from axiscal_core.problem import MOST_NUMBERS, Problem
 from axiscal_core.splines import ramp
 from axiscal_core.state import State
-from axiscal_core.terms import Term
 from axiscal_core.theta import MANY, Sizes
 
 MOST_COLUMNS = 620
@@ -66,8 +64,9 @@ def problem(
     visited = state.wide(found)[:, observation.size :]
     for term in dict.fromkeys(term for term, _ in cells):
         mine = [number for number, (of, _) in enumerate(cells) if of == term]
-        roots.append(_root_of_cells(machine.terms[term], np.array([cells[each][1] for each in mine]), usual))
-        before.append(("rest", machine.terms[term].name, visited[:, mine] @ roots[-1]))
+        of, at = machine.terms[term], np.array([cells[each][1] for each in mine])
+        roots.append(of.rest * (cell_root(of, at) if usual else np.eye(len(at))))
+        before.append(("rest", of.name, visited[:, mine] @ roots[-1]))
     scales = [*_scales(machine, lacking, inherited=inherited is not None)]
     for owner, scale, missing in scales:
         share = 1.0 if missing is None else 1 - missing[reading]
@@ -113,11 +112,6 @@ def _cells(observation: Observation, numbers: Numbers, others: int) -> list[tupl
             room -= each[rest] * kept[rest]
         found = found[kept[found[:, 0]]]
     return [(rest, cell) for rest, cell in found.tolist()]
-
-
-def _root_of_cells(term: Term, cells: NDArray[np.intp], usual: bool) -> Array:
-    """Return the root of the prior of cells of one error; apart if not usual.  cells : (q,)"""
-    return term.rest * (cell_root(term, cells) if usual else np.eye(len(cells)))
 
 
 def _scales(
