@@ -172,7 +172,7 @@ class Given(ABC):
         part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
         factors = factors_of(problem, self.theta)[part]
         alike = factors**2 * (problem.rows[:, part].T @ self.weighted)
-        return by_blocks(alike[None], [root.T for root in problem.cell_roots])[0]
+        return np.asarray(by_blocks(alike[None], [root.T for root in problem.cell_roots])[0])
 
     def _moved(self, spread: Array) -> Array:
         """Return G X, (answered, n) m and rad.  spread : K⁻¹X (m, n)"""

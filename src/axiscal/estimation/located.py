@@ -110,5 +110,5 @@ def _ambiguity(case: Case, index: int, number: int, best: Optimum, other: Optimu
         'Read "{name}" at {place} as well: there the two differ by {apart:.3g} mm. '
         "Points in one plane cannot tell a station from its mirror image; or state the station nearer"
     )
-    at = {"place": place_text(axes, poses[decisive].tolist()), "apart": to_unit(apart, "mm")}
-    return AmbiguityError(what, remedy, whose=whose, name=name, first=first, second=second, **at)
+    place, far = place_text(axes, poses[decisive].tolist()), to_unit(apart, "mm")
+    return AmbiguityError(what, remedy, whose=whose, name=name, first=first, second=second, place=place, apart=far)

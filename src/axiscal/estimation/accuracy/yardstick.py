@@ -179,8 +179,8 @@ class Yardstick:
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the volume, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
         seen = self._seen(factor, self.rows)
-        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1)
-        return spread + np.einsum("pcc->pc", self._anyway)[:, list(self.counted)].sum(axis=1)
+        anyway = np.einsum("pcc->pc", self._anyway)[:, list(self.counted)].sum(axis=1)
+        return np.asarray(np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + anyway)
 
     def _seen(self, factor: Array, rows: Array) -> Array:
         """Return H F at each pose, (3 m, r), r no more than the errors have coefficients.
