@@ -14,7 +14,7 @@ import pytest
 from axiscal.campaign.sources import Answer, Skip, Source, open_source
 from axiscal.campaign.sources import exec as exec_source
 from axiscal.campaign.sources.exec import ExecSource
-from axiscal.document.lines import LONGEST
+from axiscal.document import line_program
 from axiscal.exceptions import InputError, SourceError
 from axiscal.measurement.instruments.distance import TouchedSphere
 from axiscal.measurement.instruments.rotation import Level
@@ -183,7 +183,7 @@ def test_a_flood_is_bounded(opened: Opened, tmp_path: Path) -> None:
     for _ in range(2):
         with pytest.raises(SourceError, match=r"without being asked|no JSON object"):
             source.read(REQUEST)
-    assert len(source._lines._heard) <= 2 * LONGEST
+    assert len(source._lines._heard) <= 2 * line_program.LONGEST
     source.close()
 
 

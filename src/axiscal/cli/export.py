@@ -96,7 +96,7 @@ def export(
         agreement = agreement_words(estimation, record) if estimation.readings else ""
         if estimation.agreement.withheld and not anyway:
             remedy = "Take readings again, or write the files all the same with --anyway"
-            raise TableError(agreement, remedy, record)
+            raise TableError(agreement_words(estimation, record), remedy, record)
         offered = introduced(offered, campaign, agreement, doubts)
         _write(out, offered.files, offered.readme, campaign, offered.controller)
     made_from = "" if template is None else f" --template {quote(str(template))}"

@@ -11,7 +11,7 @@ from collections import Counter
 from typing import Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
-from axiscal.document.lines import LONGEST, Lines
+from axiscal.document.line_program import LONGEST, Lines
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.language.spoken import later, said
 from axiscal.measurement.reading import asked_values, reading_unit, units_of

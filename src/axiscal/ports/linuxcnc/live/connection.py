@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from axiscal.document.lines import Lines
+from axiscal.document.line_program import Lines
 from axiscal.exceptions import SourceError
 
 _PARTS = tuple(Path(__file__).with_name(f"{name}.py") for name in ("stance", "agent"))
