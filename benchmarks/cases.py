@@ -15,6 +15,7 @@ from axiscal.measurement.instruments.displacement import Indicator, Probe
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.planning.plan.task import Task
+from axiscal_core import criterion
 from axiscal_core.errors import Error
 from axiscal_core.machine import Machine
 from axiscal_core.normal import Normal
@@ -65,5 +66,5 @@ def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint
     sample = even_poses(whole_travel(model), 4000)
     unseen = unseen_factor(belief.factor, rows)[: model.size]
     yardstick = Yardstick(Volume(model, sample), model, unseen, unseen)
-    root = joint(model, model.size).root if joint else yardstick.root
+    root = criterion.joint(model, model.size).root if joint else yardstick.root
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))

@@ -23,7 +23,6 @@ import numpy as np
 import axiscal as ac
 from axiscal.campaign.ending import reaches
 from axiscal.description.campaign import CampaignDescription
-from axiscal.estimation.case import ends_along
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
@@ -57,7 +56,8 @@ def outcome(campaign: CampaignDescription, places: Sequence[Place] | InputError,
     if isinstance(places, InputError):
         return {"error": " ".join(str(places).split())}
     case, truth = case_of(campaign), ac.Simulator(campaign.machine, campaign.setups).drawn(machine)
-    readings = truth.measured(campaign.setups, places, ends_along(case, places), by_number(machine))
+    ends = np.cumsum(case.seconds_along(None, places)).tolist()
+    readings = truth.measured(campaign.setups, places, ends, by_number(machine))
     known = concluded(case, readings)
     size, U = np.linalg.norm(missed(known, truth), axis=1), expanded_uncertainty(known).space
     return {
@@ -73,10 +73,11 @@ def outcome(campaign: CampaignDescription, places: Sequence[Place] | InputError,
 def missed(known: Estimation, truth: VirtualMachine) -> Array:
     """Return what the estimate misses of the deviation over the volume and is promised, (m, 3) m."""
     stick, found = known.case.yardstick, list[Array]()
+    volume = stick.volume
     for side in (1.0, -1.0):
-        ways = np.full_like(stick.inside, side)
-        left = truth.deviation(stick.inside, ways) - known.estimate().deviation(stick.inside, ways)
-        found.append(left if stick.alignment is None else stick.alignment.left(stick.inside, left))
+        ways = np.full_like(volume.inside, side)
+        left = truth.deviation(volume.inside, ways) - known.estimate().deviation(volume.inside, ways)
+        found.append(left if volume.alignment is None else volume.alignment.left(volume.inside, left))
     whole = np.concatenate(found)
     counted: Array = (whole - whole.mean(axis=0) * np.array(stick.zeroed)) * np.array(stick.counted)
     return counted

@@ -16,6 +16,7 @@ from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Goal, Task
+from axiscal_core import criterion
 from axiscal_core.errors import Error
 from axiscal_core.instrument import Approach
 from axiscal_core.machine import Machine
@@ -61,7 +62,7 @@ def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint:
     observation = Observation(model, setups)
     sample, nothing = even_poses(whole_travel(model), 2000), np.zeros((model.size, 0))
     yardstick = Yardstick(Volume(model, sample), model, nothing, nothing)
-    root = joint(model, model.size).root if joint else yardstick.root
+    root = criterion.joint(model, model.size).root if joint else yardstick.root
     belief = Normal(np.zeros(observation.size), observation.prior_covariance())
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))
 

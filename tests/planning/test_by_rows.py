@@ -43,9 +43,9 @@ def dial(target: str) -> Case:
 
 def test_j_is_the_variance_over_the_squared_limit() -> None:
     """A limit that is half as wide weighs four times; of two rows J is the sum."""
-    factor = dial("readings = 12").prior.factor
+    factor, size = dial("readings = 12").prior.factor, dial("readings = 12").errors.size
     one, half, other, both = (
-        rows_root(dial(f"readings = 12\nwants = [{wants}]")).criterion(factor)
+        float(np.sum((rows_root(dial(f"readings = 12\nwants = [{wants}]")) @ factor[:size]) ** 2))
         for wants in (
             '"squareness XY 20 urad"',
             '"squareness XY 10 urad"',
