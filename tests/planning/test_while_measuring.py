@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.campaign.campaign import Campaign, plan_basis
+from axiscal.campaign.basis import plan_basis
+from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case

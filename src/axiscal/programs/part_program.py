@@ -96,11 +96,11 @@ def read_program(file: TextFile, unit: Unit = "mm") -> tuple[PartLine, ...]:
 
     unit : of lengths before G20 or G21
     """
-    reader = _Reader(file, unit)
+    reader = _InForce(file, unit)
     return tuple(reader.line(number, text) for number, text in enumerate(file.lines, 1))
 
 
-class _Reader:
+class _InForce:
     """Reads one line after the other and keeps what is in force.
 
     code : of motions; at : where the tool stands; offset, tool : those in use, "" before any

@@ -49,8 +49,10 @@ def decode(kind: str, text: str) -> events.Event:
         beside = {name: found.pop(name, "") for name in _BESIDE}  # older records could not say it
         if not all(isinstance(each, str) for each in beside.values()):
             raise ValueError(f"{beside} are no texts")
+        if kind in _KINDS and (lacking := sorted(_needed(kind) - found.keys())):
+            raise ValueError(f"it lacks {', '.join(lacking)}")
         if kind == "recorded":
-            found = {"reading": {"approach": None, "value": None} | found}  # which no record leaves out
+            found = {"reading": found}
         if kind == "asked":
             found = {"reading": found.pop("reading"), "place": found}
         event: events.Event = _reader(kind).validate_json(json.dumps(found))
@@ -59,7 +61,7 @@ def decode(kind: str, text: str) -> events.Event:
         wrong = error.errors(include_url=False)
         if any(each["type"] == "unexpected_keyword_argument" for each in wrong):
             raise _newer(kind) from None
-        where = ".".join(map(str, wrong[0]["loc"]))
+        where = ".".join(map(str, wrong[0]["loc"])).removeprefix("reading.").removeprefix("place.")
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {where}: {wrong[0]['msg']}") from error
     except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as error:
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
@@ -103,6 +105,17 @@ as_text = json.JSONEncoder(
 ).encode
 """Events and what stands beside them as JSON: one text for what is the same."""
 _KINDS: dict[str, Any] = {kind.__name__.lower(): kind for kind in get_args(events.Event)}
+
+
+_AT = {"setup", "position", "approach"}
+_WRAPPED = {"recorded": _AT | {"value", "std"}, "asked": _AT | {"reading"}}
+_LATER = {"prior_text", "usual_doubts", "fine_knots", "whole_lengths", "rest", "last", "result", "grounds"}
+"""What older records could not say."""
+
+
+def _needed(kind: str) -> set[str]:
+    """Return the fields that even the oldest record has, where the class says something instead."""
+    return _WRAPPED.get(kind) or {field.name for field in fields(_KINDS[kind])} - _LATER
 
 
 @cache

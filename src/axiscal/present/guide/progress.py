@@ -12,7 +12,8 @@ from datetime import UTC, datetime, timedelta
 from typing import Literal, NamedTuple
 
 from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words, question
-from axiscal.campaign.campaign import Campaign, rejected
+from axiscal.campaign.basis import rejected
+from axiscal.campaign.campaign import Campaign
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to

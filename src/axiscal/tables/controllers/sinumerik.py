@@ -37,7 +37,7 @@ _ENC, _CEC = "AX_EEC.INI", "NC_CEC.INI"
 _ROUNDING = 1e-6
 """Of the last decimal of a limit: what lies over it through rounding alone raises it by no digit."""
 _SIGN = "K3 of the Function Manual Extended Functions (6FC5397-1BP40) states the sign of ENC_COMP and not that of CEC"
-_WHOSE = "Say whose it is: --number X=1 for AX1, or --on-top-of X=FILE; else take it out of the file"
+_WHOSE = later("Say whose it is: --number X=1 for AX1, or --on-top-of X=FILE; else take it out of the file")
 _AGAIN = "give AX_EEC.INI and NC_CEC.INI as the control saved them"
 
 
