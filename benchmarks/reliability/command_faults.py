@@ -161,7 +161,7 @@ def _warmed(before: Path, folder: Path, command: Command) -> None:
     """
     shutil.copytree(before, folder)
     with (
-        patch.object(rendering, "_set", return_value=b""),
+        patch.object(rendering, "pdf", return_value=b""),
         redirect_stdout(StringIO()),
         redirect_stderr(StringIO()),
         chdir(folder),
