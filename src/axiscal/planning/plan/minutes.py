@@ -21,6 +21,7 @@ from axiscal.measurement.reading import Places
 from axiscal.planning.plan.exchange import Minutes, relocated
 from axiscal.planning.plan.greedy import Setups, of_best_size, openings, scores_among
 from axiscal.planning.plan.order import seconds_along, seconds_around, set_ups_in_order
+from axiscal.planning.plan.run import Ways
 from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Goal, Limits, Patience, Task, work_of_climb
 from axiscal.planning.plan.tour import Tour
@@ -59,7 +60,7 @@ def toured(task: Task, limits: Limits, sets: Iterable[Setups], patience: float) 
     coarse, first = task.coarse, dict[Setups, Tour]()
 
     def begun(setups: Setups) -> Callable[[int], Tour]:
-        return partial(_begun, task.patience > 0, limits, scores_among(coarse, setups), setups)
+        return partial(_begun, task.patience > 0, limits, *_base(coarse, setups), setups)
 
     def left(setups: Setups) -> float:
         first[setups] = first.get(setups) or begun(setups)(0)
@@ -97,7 +98,7 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
     longest, endless = np.inf if limits.budget is None else limits.budget, replace(limits, budget=None)
     best, short = None, np.inf
     for setups in sets:
-        opened = _opened(endless, scores_among(coarse, setups), setups, np.random.default_rng(_SEED))
+        opened = _opened(endless, *_base(coarse, setups), setups, np.random.default_rng(_SEED))
         if opened.seconds >= longest:
             break
         found = _grown(opened, goal, longest)
@@ -112,7 +113,7 @@ def quickest(task: Task, limits: Limits, sets: Iterable[Setups], goal: Goal, pat
     if not task.patience:
         return set_ups_in_order(task, best.places)
     setups = tuple(best.runs)
-    begun = partial(_begun, True, replace(limits, budget=longest), scores_among(coarse, setups), setups)
+    begun = partial(_begun, True, replace(limits, budget=longest), *_base(coarse, setups), setups)
     tour, *_ = _all_begun([best], begun, _BESIDE)
     tour = _shortest(tour, goal, partial(_settled, better=_WORTH)) if goal.reached(tour.places) else best
     return retoured(task, limits, setups, tour.places, patience, goal=goal)
@@ -123,7 +124,7 @@ def grown(task: Task, limits: Limits, setups: Setups, left: Places, goal: Goal, 
 
     longest : seconds
     """
-    tour = _grown(Tour(scores_among(task, setups), setups, limits, left), goal, longest)
+    tour = _grown(Tour.through(*_base(task, setups), setups, limits, left), goal, longest)
     return None if tour is None else tour.places
 
 
@@ -141,8 +142,9 @@ def retoured(
     left : in their order; better : share by which what takes their place must gain more
     goal : an accuracy that they reach, or nearly do: of the least time then
     """
-    task, scores, patient = task.among(setups), scores_among(task, setups), Patience(patience)
-    tour, settle = Tour(scores.fork(), setups, limits, left), partial(_settled, better=better)
+    task, (ways, scores) = task.among(setups), _base(task, setups)
+    patient, through = Patience(patience), partial(Tour.through, ways)
+    tour, settle = through(scores.fork(), setups, limits, left), partial(_settled, better=better)
     tour.cut()
     if goal is not None:
         tour = _grown(tour, goal, tour.budget) or tour
@@ -157,7 +159,7 @@ def retoured(
             break
         patient.take(work_of_climb(task.belief.size, task.belief.size) * len(tour.scores.places))
         moved = relocated(task, tour.places, Minutes(tour.budget, partial(seconds_around, task)))
-        climbed = Tour(scores.fork(), setups, replace(limits, budget=tour.budget), moved)
+        climbed = through(scores.fork(), setups, replace(limits, budget=tour.budget), moved)
         fits = climbed.left >= 0 and (goal is None or goal.reached(climbed.places))
         if fits:
             tour = (tour, climbed)[first_best(-np.array([each.scores.value for each in (tour, climbed)]), ALIKE)]
@@ -176,13 +178,18 @@ def stretched(task: Task, setups: Setups, left: Places, most: int, budgets: Sequ
 
     left : in their order; most : readings; budgets : rising
     """
-    whole = tour = Tour(scores_among(task, setups), setups, Limits(most), left)
+    whole = tour = Tour.through(*_base(task, setups), setups, Limits(most), left)
     cut = {budget: (tour := tour.within(budget)) for budget in reversed(budgets)}  # each from the longer one
     for budget, shorter in reversed(cut.items()):
         other = whole.within(budget) if len(shorter.scores.places) == len(left) else shorter
         other.fill(np.random.default_rng(_SEED), _POWER, 0.0)
         whole = other if other is not shorter else whole
         yield other.places
+
+
+def _base(task: Task, setups: Setups) -> tuple[Ways, Scores]:
+    scores, whole = scores_among(task, setups), np.sort(task.lattice.setups)
+    return Ways(task, scores.lattice, np.isin(whole, setups)), scores
 
 
 def _all_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> list[Tour]:
@@ -192,7 +199,7 @@ def _all_begun(tried: list[Tour], begun: Callable[[int], Tour], work: float) -> 
     return [tried[k] for k in ranked(-np.array([tour.scores.value for tour in tried]), ALIKE)]
 
 
-def _begun(settled: bool, limits: Limits, scores: Scores, setups: Setups, number: int) -> Tour:
+def _begun(settled: bool, limits: Limits, ways: Ways, scores: Scores, setups: Setups, number: int) -> Tour:
     """Return a tour that began at random candidates.
 
     settled : with swaps, from drawn gains; else what enters gains most per second
@@ -200,18 +207,18 @@ def _begun(settled: bool, limits: Limits, scores: Scores, setups: Setups, number
     """
     rng = np.random.default_rng([_SEED, number])
     power, shaken = (float(rng.uniform(*_POWERS)), _SHAKEN) if settled else (_POWER, 0.0)
-    tour = _opened(limits, scores, setups, rng)
+    tour = _opened(limits, ways, scores, setups, rng)
     tour.fill(rng, power, shaken)
     if settled:
         _settle(tour, rng, power, shaken, _BETTER)
     return tour
 
 
-def _opened(limits: Limits, scores: Scores, setups: Setups, rng: np.random.Generator) -> Tour:
+def _opened(limits: Limits, ways: Ways, scores: Scores, setups: Setups, rng: np.random.Generator) -> Tour:
     """Return a tour of a random candidate of each set-up, and of those that open what these leave open."""
-    tour = Tour(scores.fork(), setups, limits)
+    tour = Tour(ways, scores.fork(), setups, limits)
     for setup in setups[: tour.most]:
-        tour.enter(int(rng.choice(tour.of[setup])))
+        tour.enter(int(rng.choice(ways.of[setup])))
     _, opened = openings(tour.scores, setups, tour.most - len(tour.scores.places))
     for index in opened:
         tour.enter(index)
@@ -248,7 +255,7 @@ def _shortest(tour: Tour, goal: Goal, settle: Callable[[Tour], None]) -> Tour:
     """
     if not goal.surely(tour.places):
         return tour
-    mounted = sum(run.ways.mounting for run in tour.runs.values() if len(run.slots))
+    mounted = sum(run.mounting for run in tour.runs.values() if len(run.slots))
     low, high, saved = 0.0, tour.seconds - mounted, _SHORTER
     for _ in range(_TRIED):
         if high - low <= _JUST * high:

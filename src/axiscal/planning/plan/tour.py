@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import replace
 from typing import Self
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.plan.greedy import Setups
-from axiscal.planning.plan.run import Run
+from axiscal.planning.plan.run import Run, Ways
 from axiscal.planning.plan.scores import Scores
 from axiscal.planning.plan.task import Limits
 from axiscal_core.ties import ALIKE, first_best, ranked
@@ -31,20 +30,23 @@ _INSTANT = 1e-3
 class Tour:
     """Readings within a time in the order in which they are taken.
 
-    scores : gains of the candidates; of : the candidates of each set-up; runs : its readings
-    work : operations done so far
+    scores : gains of the candidates; runs : readings of each set-up; work : operations done so far
     """
 
-    def __init__(self, scores: Scores, setups: Setups, limits: Limits, places: Places | None = None) -> None:
-        self.scores, self.work, self.of = scores, 0.0, dict(scores.lattice.by_setup())
+    def __init__(self, ways: Ways, scores: Scores, setups: Setups, limits: Limits) -> None:
+        self.scores, self.ways, self.work = scores, ways, 0.0
         self.budget = np.inf if limits.budget is None else limits.budget * (1 + _ROUNDING)
-        self.most, begun = min(limits.readings or _MOST, _MOST), places or scores.lattice.within(slice(0, 0))
-        self.scores.put_all(begun)
-        mine = {setup: np.flatnonzero(begun.setups == setup) for setup in setups}
-        self.runs = {
-            setup: Run.of(scores.task, setup, scores.lattice.within(self.of[setup]), own, begun.within(own))
-            for setup, own in mine.items()
-        }
+        self.most = min(limits.readings or _MOST, _MOST)
+        self.runs = {setup: Run(ways, setup) for setup in setups}
+
+    @classmethod
+    def through(cls, ways: Ways, scores: Scores, setups: Setups, limits: Limits, places: Places) -> Self:
+        """Return the tour of places in their order.  scores : before the first, taken over"""
+        tour = cls(ways, scores, setups, limits)
+        tour.scores.put_all(places)
+        for setup, mine in places.by_setup():
+            tour.runs[setup] = tour.runs[setup].through(mine, places.within(mine))
+        return tour
 
     @property
     def left(self) -> float:
@@ -64,7 +66,11 @@ class Tour:
     def within(self, budget: float) -> Self:
         """Return a copy without the readings for which there is no time."""
         other = copy.copy(self)
-        other.scores, other.runs, other.budget = self.scores.fork(), {**self.runs}, budget
+        other.scores, other.runs, other.budget = (
+            self.scores.fork(),
+            {s: copy.copy(r) for s, r in self.runs.items()},
+            budget,
+        )
         other.cut()
         return other
 
@@ -75,7 +81,8 @@ class Tour:
 
     def shorten(self) -> None:
         """Bring each run into a shorter order."""
-        self.runs = {setup: run.shortened() for setup, run in self.runs.items()}
+        for run in self.runs.values():
+            run.shorten()
 
     def fill(self, rng: np.random.Generator, power: float, shaken: float) -> None:
         """Take in what gains most per second^power until no second is left.  shaken : of the gains' logarithms"""
@@ -89,7 +96,7 @@ class Tour:
                 self.shorten()
                 tidy = True
                 continue
-            gains = self.scores.gains * np.exp(shaken * rng.standard_normal(self.scores.count))
+            gains = self.scores.gains * np.exp(shaken * self.ways.drawn(rng))
             self.enter(first_best(np.where(fits, gains / np.maximum(extra, _INSTANT) ** power, -np.inf), ALIKE))
             tidy = False
 
@@ -105,9 +112,9 @@ class Tour:
                 return
             self.work += _CALLS + _EACH * self.scores.count * self.scores.slots
             gains, own = self.scores.without(slot)
-            setup, others = self._leaving(slot)
-            runs = {**self.runs, setup: others}
-            fits = self._extra(runs) <= self.left + self.runs[setup].seconds - others.seconds
+            run, others = self._leaving(slot)
+            runs = {**self.runs, run.setup: others}
+            fits = self._extra(runs) <= self.left + run.seconds - others.seconds
             best = first_best(np.where(fits, gains, -np.inf), ALIKE)
             if fits[best] and gains[best] > own * (1 + better):
                 self.scores.put(best, slot)
@@ -125,27 +132,31 @@ class Tour:
         for run in self.runs.values():
             seconds[run.slots] = run.saved()
         slot = first_best(-self.scores.losses() / np.maximum(seconds, _INSTANT), ALIKE)
-        setup, others = self._leaving(slot)
+        run, others = self._leaving(slot)
         self.scores.leave(slot)
-        runs = {**self.runs, setup: others}
-        self.runs = {each: replace(run, slots=run.slots - (run.slots > slot)) for each, run in runs.items()}
+        self.runs = {**self.runs, run.setup: others}
+        for each in self.runs.values():
+            each.slots = each.slots - (each.slots > slot)
 
-    def _leaving(self, slot: int) -> tuple[int, Run]:
-        """Return the set-up of a reading, and its run without it."""
-        setup = int(self.scores.places.setups[slot])
-        return setup, self.runs[setup].without(int(np.flatnonzero(self.runs[setup].slots == slot)[0]))
+    def _leaving(self, slot: int) -> tuple[Run, Run]:
+        """Return the run of a reading, and the same without it."""
+        run = self.runs[int(self.scores.places.setups[slot])]
+        return run, run.without(int(np.flatnonzero(run.slots == slot)[0]))
 
     def _put(self, index: int, slot: int) -> None:
-        scores, setup = self.scores, int(self.scores.lattice.setups[index])
-        candidate = index - int(self.of[setup][0])
-        longer = self.runs[setup].gaps[:, candidate]
-        run = self.runs[setup].inserted(int((longer <= longer.min() + _INSTANT).argmax()), slot, candidate)
-        self.runs = {**self.runs, setup: run.shortened() if len(run.slots) <= _SHORT else run}
+        run = self.runs[int(self.scores.lattice.setups[index])]
+        candidate = index - int(self.ways.of[run.setup][0])
+        longer = run.gaps()[:, candidate]
+        at = int((longer <= longer.min() + _INSTANT).argmax())
+        run.insert(at, slot, candidate)
+        if len(run.slots) <= _SHORT:
+            run.shorten()
+        scores = self.scores
         self.work += 2 * _CALLS + scores.count * (_EACH * scores.slots + 2.0 * scores.task.belief.size)
 
     def _extra(self, runs: dict[int, Run]) -> Array:
         """Return the seconds more of each candidate, infinite in other set-ups, (M,)."""
         extra = np.full(self.scores.count, np.inf)
         for setup, run in runs.items():
-            extra[self.of[setup]] = run.gaps.min(axis=0) + run.ways.reading
+            extra[self.ways.of[setup]] = run.gaps().min(axis=0) + run.reading
         return extra
