@@ -24,8 +24,8 @@ from axiscal_core.unknowns import space_of
 
 _FEWEST = 3
 """One or two slips are readings to be looked at; a file in another unit has all."""
-_FEWEST_TOLD, _MOST, _MANY = 4, 60, 400
-"""Readings below which no unit can be told, and of a set-up and of all above which more only take time."""
+_FEWEST_TOLD, _MOST = 4, 60
+"""Readings below which no unit can be told, and above which more only take time."""
 _NEXT_TO_NOTHING = 0.01
 """Of what is stated: mm for um is a thousandth, and no instrument is a hundred times better than stated."""
 
@@ -36,20 +36,19 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
     Also where all readings of a set-up are far below what is stated.
     """
     case = case_of(campaign)
-    some = drawn(readings, _MANY)
-    doubts = judged(case, timed(case, some).readings).values()
-    if len(doubts) < _FEWEST or 2 * len(doubts) <= len(some):
-        slips = {some[doubt.reading] for doubt in doubts}  # a lost decimal point is no other unit of all
-        _refuse_other_unit(case, [each for each in readings if each not in slips], file)
+    doubts = judged(case, timed(case, readings).readings).values()
+    if len(doubts) < _FEWEST or 2 * len(doubts) <= len(readings):
+        slips = {doubt.reading for doubt in doubts}  # a lost decimal point is no other unit of all
+        _refuse_other_unit(case, [each for i, each in enumerate(readings) if i not in slips], file)
         return
-    first = some[min(doubt.reading for doubt in doubts)]
+    first = readings[min(doubt.reading for doubt in doubts)]
     size = float(np.median([doubt.surprise for doubt in doubts]))
     guess = unit_guess(size, campaign.setup(first.setup).reads == "angle")
     what = (
         "{count} of {readings} readings are some {size:.0f} standard deviations from all that the "
         "stated std of the errors allow"
     )
-    at = {"count": len(doubts), "readings": len(some), "size": size}
+    at = {"count": len(doubts), "readings": len(readings), "size": size}
     what = put("{fault}, {guess}", fault=said(what, **at), guess=guess) if guess else said(what, **at)
     remedy = "Check the unit that the file names for its values, or state larger std in the machine"
     values = [reading.value for reading in readings if reading.setup == first.setup]

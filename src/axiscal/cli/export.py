@@ -140,7 +140,7 @@ def _rewrite(
     if origin.count(",") != 2:
         remedy = 'write X, Y and Z of the machine: --origin "120 mm, 80 mm, -60 mm"'
         raise TableError('"{text}" is no place', remedy, text=origin[:40])
-    x, y, z = (parse_quantity(part.strip(), "length") for part in origin.split(","))
+    x, y, z = (parse_quantity(each.strip(), "length") for each in origin.split(","))
     size, file = within(chord or _CHORD, "length", _FINEST, _COARSEST), read_text(program)
     path = out / program.name
     if path.exists() and path.samefile(program):

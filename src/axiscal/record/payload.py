@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError, with_config
 
 from axiscal.document.quoting import shown
 from axiscal.exceptions import NewerError, RecordError
-from axiscal.measurement.reading import KEPT_AS, Place, Reading
+from axiscal.measurement.reading import KEPT_AS, Place
 from axiscal.record import events
 from axiscal.record.lines import EventText
 
@@ -93,7 +93,7 @@ def _told(each: Any) -> dict[str, Any]:
     found = dict[str, Any]()
     for field in fields(each):
         value = getattr(each, field.name)
-        if isinstance(value, Place | Reading):
+        if isinstance(value, Place):  # a reading is one
             found |= _told(value)
         elif field.name != "line" and (value or field.name not in _QUIET):
             found[KEPT_AS.get(field.name, field.name)] = value
