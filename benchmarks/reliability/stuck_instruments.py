@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.promise.sick import repeats
+from axiscal.estimation.promise.slip import repeats
 from axiscal.measurement.reading import Reading
 from axiscal_core.threads import one_thread
 from benchmarks.reliability.trial import Trial

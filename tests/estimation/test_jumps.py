@@ -8,8 +8,8 @@ import pytest
 
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.promise import mistaken
-from axiscal.estimation.promise.jumps import jumped, suspects, ways_of
+from axiscal.estimation.promise import mistake
+from axiscal.estimation.promise.change_point import jumped, suspects, ways_of
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -52,12 +52,12 @@ def test_the_likeliest_jump_of_a_set_up_is_that_of_the_dense_density(kind: str) 
     each = {(s, r): _log_odds(problem, s * ways * (problem.reading >= r), places) for s in JUMPS for r in of[2:-1]}
     best = max(each, key=lambda key: each[key])
     assert found.mistake[2:4] == ((0,), best[1])
-    assert found.places == places
+    assert found.prior == pytest.approx(np.log(0.01 / places))
     assert found.mistake.log_odds == pytest.approx(each[best], rel=1e-6)
     np.testing.assert_allclose(found.make().rows[:, : len(ways)].T, best[0] * ways * (problem.reading >= best[1]))
     known = jumped(problem)
     assert known is not None
-    assert known.jumps == (found.mistake,)
+    assert known.jumps == (found.mistake._replace(log_odds=known.log_odds),)
     alone = _log_odds(problem, found.make().rows[:, : len(ways)].T, places, judged=False)
     assert known.log_odds == pytest.approx(alone, rel=1e-6)
 
@@ -69,7 +69,7 @@ def test_the_likeliest_sign_of_a_stretch_is_that_of_the_dense_density() -> None:
     wide, nought = Dense(off).judging(np.zeros(len(off.sizes))), np.zeros(len(off.values))
     turned = (np.where(off.reading >= since, -1, 1) * off.values for since in (*range(3, 10), 12))
     *gains, beside = (log_density(each, nought, wide) for each in turned)
-    assert found.mistake.log_odds == pytest.approx(max(gains) - beside + np.log(0.01 / found.places), rel=1e-6)
+    assert found.mistake.log_odds == pytest.approx(max(gains) - beside + found.prior, rel=1e-6)
     assert (found.mistake.reading, found.mistake.last) == (3 + int(np.argmax(gains)), -1) == (7, -1)
 
 
@@ -80,7 +80,7 @@ def test_of_many_places_the_likeliest_is_found_coarse_to_fine(monkeypatch: pytes
     for wrong in (_off(right, 23, 200.0), signed):
         every = [each.mistake for each in suspects(wrong)]
         with monkeypatch.context() as few:
-            few.setattr(mistaken, "_AT_ONCE", 12)
+            few.setattr(mistake, "_AT_ONCE", 12)
             found = [each.mistake for each in suspects(wrong)]
         likely = max(every, key=lambda each: each.log_odds)
         assert likely.log_odds > 20

@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 from axiscal.campaign.agreement_words import acceptance, agreement_words
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.promise.sick import flickering
+from axiscal.estimation.promise.slip import flickering
 from axiscal.record.accepted import put_right
 from tests.generators.foreign_axis import DIAL, LASER, foreign_case, foreign_readings
 

@@ -9,7 +9,8 @@ import pytest
 
 from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.promise.sick import Repeats, _step, stuck
+from axiscal.estimation.promise.mistake import Sought
+from axiscal.estimation.promise.slip import Repeats, step_shown, stuck
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import put_right
 from axiscal_core.draws import sized as weighed
@@ -39,7 +40,8 @@ def test_the_odds_of_exact_sizes_are_those_of_the_dense_density() -> None:
     density = whole - rest - 0.5 * len(again) * log(2 * np.pi)
     odds = log(0.01 / 7) - density - float(np.sum(np.log(step / problem.noise[some])))
     repeated = Repeats((0,), again, log(7.0), {0: step})
-    (found,) = stuck(problem, weighed(problem), [repeated])
+    (suspect,) = stuck(Sought.of(problem), [repeated])
+    found = suspect.weighed(weighed(problem).log_evidence)
     assert found.mistake[2:4] == ((0,), 3)
     assert found.mistake.log_odds == pytest.approx(odds, abs=0.05)
 
@@ -81,7 +83,7 @@ def test_somebody_who_vouches_for_equal_values_is_believed() -> None:
 def test_the_step_of_a_display_is_its_last_digit_or_what_its_values_are_multiples_of(
     values: list[float], step: float
 ) -> None:
-    assert _step(np.array(values) * 1e-6, 1e-6) == pytest.approx(step * 1e-6)
+    assert step_shown(np.array(values) * 1e-6, 1e-6) == pytest.approx(step * 1e-6)
 
 
 def test_readings_none_of_which_is_used_are_no_agreement_and_leave_no_uncertainty() -> None:

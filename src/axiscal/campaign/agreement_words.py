@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.agreement import NAMED, Agreement, Checks, Explained, Mistake
+from axiscal.estimation.promise.agreement import Agreement, Checks
+from axiscal.estimation.promise.mistake import NAMED, Explained, Mistake
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import WORDS, capital, joined, listed, put, quoted, said
 from axiscal.record.accepted import Accepted

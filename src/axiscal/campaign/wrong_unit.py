@@ -1,7 +1,7 @@
 """Test whether the readings of a file can be of this machine at all, and in the unit that it names.
 
 Most are beyond all that is stated, or all together far below it. Sizes that are learnt name another unit besides
-(`estimation.promise.sick`); this holds where none is, too.
+(`estimation.promise.slip`); this holds where none is, too.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated, posed
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.mistaken import as_stated_or_not, gains_of_columns, log_odds_of
+from axiscal.estimation.promise.mistake import Sought
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.draws import sized
@@ -80,7 +80,6 @@ def _uneven(known: Estimation, problem: Problem) -> list[str]:
     """Return the reversals of one number each that seem to differ from place to place."""
     errors, found = known.case.errors, list[str]()
     terms = [term for term in errors.curves if term.kind == "reversal" and term.spline.size == 1]
-    each = as_stated_or_not(problem) if terms else []
     poses = np.array([known.readings[reading].pose for reading in problem.reading])
     for term in terms:
         whole = problem.rows[:, problem.rows.shape[1] - problem.answered + term.columns.start]
@@ -89,8 +88,7 @@ def _uneven(known: Estimation, problem: Problem) -> list[str]:
         low, high = errors.axes[term.axis].travel
         along = (2 * poses[:, term.axis] - low - high) / (high - low)
         columns = whole * along ** np.arange(1, _POWERS + 1)[:, None]
-        gains = [gains_of_columns(given, columns[None], problem.values, [1.0])[0] for given in each]
-        if log_odds_of(each, np.array(gains))[0] > 0:
+        if Sought.of(problem).log_odds_of_columns(columns) > 0:
             found.append(term.name)
     return found
 

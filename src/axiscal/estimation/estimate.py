@@ -16,12 +16,12 @@ from axiscal.estimation.case import Case, timed
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
 from axiscal.estimation.located import history, located, refuse_mirrors
-from axiscal.estimation.promise.agreement import Framed, Turned
-from axiscal.estimation.promise.causes import at_feed
-from axiscal.estimation.promise.mistaken import with_feed
+from axiscal.estimation.promise.agreement import Another
+from axiscal.estimation.promise.feed import at_feed, with_feed
+from axiscal.estimation.promise.mistake import Explained
 from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import problem
-from axiscal.estimation.promise.sick import repeats
+from axiscal.estimation.promise.slip import repeats
 from axiscal.estimation.stations import progressed
 from axiscal.language.stages import stage
 from axiscal.measurement.instruments.distance import Nest
@@ -75,7 +75,7 @@ def posed(case: Case, readings: Sequence[Reading]) -> Problem:
     return with_feed(plain, circles) if circles else plain
 
 
-def framed(case: Case, readings: Sequence[Reading]) -> Iterator[Framed]:
+def framed(case: Case, readings: Sequence[Reading]) -> Iterator[Another]:
     """Yield the readings as a problem for each set-up whose three values may be along the machine's own x, y, z.
 
     They are other values only where its workpiece turns from reading to reading.
@@ -85,12 +85,12 @@ def framed(case: Case, readings: Sequence[Reading]) -> Iterator[Framed]:
         mine = [reading for reading in readings if reading.setup == setup.name]
         turns = any(machine.axes[k].rotary and machine.axes[k].workpiece_side for k in setup.moves)
         if mine and turns and isinstance(setup, Nest):
-            yield index, posed(case, in_workpiece(machine, readings, setup.name))
+            yield Explained("frame", 0.0, (index,)), posed(case, in_workpiece(machine, readings, setup.name))
 
 
-def turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:
+def turned(case: Case, readings: Sequence[Reading]) -> Iterator[Another]:
     """Yield the readings as a problem for each choice of rotary axes that count the other way than described."""
     axes = [axis.name for axis in case.description.machine.axes if axis.rotary]
     for count in range(1, len(axes) + 1):
         for chosen in combinations(axes, count):
-            yield chosen, posed(case.turned(chosen), readings)
+            yield Explained("direction", 0.0, (), axes=chosen), posed(case.turned(chosen), readings)

@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.causes import at_feed
+from axiscal.estimation.promise.feed import at_feed
 from axiscal.language.spoken import listed
 from axiscal.present.result import Finding
 from axiscal.units import format_quantity, said_quantity

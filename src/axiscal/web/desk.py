@@ -15,7 +15,7 @@ from axiscal.campaign.agreement_words import agreement_words, change_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.campaign.sources import virtual_in
-from axiscal.estimation.promise.agreement import Explained
+from axiscal.estimation.promise.mistake import Explained
 from axiscal.evaluation.check import Check
 from axiscal.exceptions import AxiscalError, OvertakenError, RecordError, TableError
 from axiscal.language.spoken import said

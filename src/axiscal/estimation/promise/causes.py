@@ -5,25 +5,20 @@ How much passes says `axiscal_core.causes`. Without what usually goes wrong a ze
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.reading import Places, Reading
-from axiscal.measurement.reading_rows import places_of, times_of
+from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import feet_of
 from axiscal.measurement.type_b import Read, TypeB
 from axiscal.numerics import Array
 from axiscal_core.causes import WAY, WAYS, OfOneSetup, absent, drift
 from axiscal_core.eigen import of_rank
 from axiscal_core.theta import Kind
-
-_ONE_WAY = 0.5
-"""Share by which one way round prevails: with a quarter of circles the other way a lag is told from squareness."""
 
 
 def passing_columns(
@@ -52,45 +47,6 @@ def passing_columns(
             ways = (of_rank(drift(read.clock[zero], 0.0, setup.drift)) for zero in read.zeros)
             found += (("drift", setup.name, read.wide(*each)) for each in zip(read.zeros, ways, strict=True))
     return found, lacking
-
-
-class AtFeed(NamedTuple):
-    """What servos do to a circle of a ball bar, which runs at feed.
-
-    setup : its name; both : whether it went round both ways: by one way alone a lag is squareness
-    lag : (1, m) m of all numbers, of a noise; late : (q, m) what is missing of reversals, of as much as is stated
-    """
-
-    setup: str
-    both: bool
-    lag: Array
-    late: Array
-
-
-def at_feed(observation: Observation, readings: Sequence[Reading]) -> Iterator[AtFeed]:
-    """Yield what servos do to each circle: axes that lag differently, and reversals that come some way after the turn.
-
-    At a feed v axes lag by v τ. Along a bar at angle φ that shows ± v Δτ sin φ cos φ, the sign that of the way round.
-    """
-    places, times = places_of(observation.setups, readings), np.nan_to_num(times_of(readings))
-    last = np.cumsum(observation.counts[places.setups])
-    for index, chosen in places.by_setup():
-        setup = observation.setups[index]
-        if setup.site != "bar":
-            continue
-        which = np.arange(len(places))[chosen]
-        turns = turning(observation, index, places.poses[which], places.approaches[which])
-        seen = [turn for turn in turns if np.any(turn.effects)]
-        if len(seen) != 2:  # of three, on a circle
-            continue
-        order, numbers = np.argsort(times[which], kind="stable"), last[which] - 1
-        one, other = (turn.effects[0] / np.abs(turn.effects).max() for turn in seen)
-        missing = [turn.missing(places.poses[which], order, way)[0] for turn in seen for way in range(len(WAYS))]
-        lag, late = np.zeros((1, last[-1])), np.zeros((len(missing), last[-1]))
-        lag[0, numbers] = setup.noise * one * np.abs(other)
-        late[:, numbers] = 2 / WAY * np.array(missing)
-        ways = lag[0, numbers] * one * seen[0].sides * other * seen[1].sides
-        yield AtFeed(setup.name, bool(abs(ways.sum()) < _ONE_WAY * np.abs(ways).sum()), lag, late)
 
 
 def growing(observation: Observation, index: int, poses: Array) -> list[Array]:

@@ -21,9 +21,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.estimation.promise.agreement import SEVERAL, Agreement, Framed, Tried, Turned, agreement
-from axiscal.estimation.promise.jumps import at_turns, jumped, likelier
-from axiscal.estimation.promise.sick import Repeats, sick, stuck
+from axiscal.estimation.promise.agreement import Agreement, Another, agreement, always_told
+from axiscal.estimation.promise.change_point import jumped, likelier
+from axiscal.estimation.promise.mistake import SEVERAL, Tried
+from axiscal.estimation.promise.slip import Repeats
 from axiscal.numerics import Array
 from axiscal_core.draws import sized
 from axiscal_core.left_out import Judged, LeftOut, taken_out
@@ -153,14 +154,14 @@ class Sorted:
     @one_thread()
     def posterior(
         self,
-        turned: Iterable[Turned] = (),
-        framed: Iterable[Framed] = (),
+        turned: Iterable[Another] = (),
+        framed: Iterable[Another] = (),
         repeated: Iterable[Repeats] = (),
         volume: Array | None = None,
     ) -> Posterior:
         """Return the posterior.
 
-        turned, framed : as for `agreement`; repeated : as for `stuck`
+        turned, framed : as for `agreement`; repeated : what may be stuck
         volume : G (e, e) of errors z, where zᵀG z is the mean square of the deviation over the volume
         """
         mine, found, left = self.mine.problem, self.mine.found, self.mine.left
@@ -171,11 +172,9 @@ class Sorted:
         z = np.array([each.z for each in left.values()])
         out = len(np.unique(self.problem.reading)) - len(left)
         every = (self.problem, sized(self.problem)) if out >= SEVERAL else None
-        others = ((axes, other.only(kept)) for axes, other in turned)
-        frames = ((setup, other.only(kept)) for setup, other in framed)
-        turns = self.jumps or at_turns(mine, found, self.sure)
-        told = (*turns, *stuck(mine, found, repeated), *sick(mine, found, self.problem))
-        agreed = agreement(mine, found, z, out, others, frames, every, told)
+        others, frames = (((wrong, other.only(kept)) for wrong, other in each) for each in (turned, framed))
+        told = always_told(mine, found, self.problem, repeated, None if self.jumps else self.sure) if left else ()
+        agreed = agreement(mine, found, z, out, every, (*self.jumps, *told), frames, others)
         known = dict(zip(self.problem.cells, cells.tolist(), strict=True))
         of_sizes = self.sizes, found.effective
         drawn = tuple(Drawn(each.problem, each.found.thetas, each.found.weights / len(judged)) for each in judged)

@@ -18,7 +18,7 @@ from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.promise.agreement import Mistake
+from axiscal.estimation.promise.mistake import Mistake
 from axiscal.language.spoken import counted, decimals, listed, said
 from axiscal.measurement.reading import reading_text, reading_unit, reading_units, shown_coordinate, units_of
 from axiscal.planning.promise import foreseen
