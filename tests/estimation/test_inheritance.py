@@ -8,11 +8,12 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, read_campaign
-from axiscal.estimation.carried_over import carried_over
+from axiscal.estimation.inheritance import carried_over
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
 from tests.generators.recorded import write_record
 from tests.generators.texts import Said, Std, campaign_text, machine_text, setup_text
 
@@ -72,30 +73,23 @@ def curve(errors: Machine, name: str, unknowns: Array, at: Array) -> Array:
 def test_at_the_knots_of_today_the_curve_is_the_one_of_before(before: int, today: int) -> None:
     """Its rest is that of before; an error that is new is as stated and of nothing else."""
     old, new = model(before, rest="2 um"), model(today, PITCH)
-    across, unknowns = carried_over(old, new), np.random.default_rng(2).standard_normal(old.size)
+    unknowns, own = np.random.default_rng(2).standard_normal(old.size), new.by_name["EBX"].columns
     knots, columns = new.by_name["EXX"].spline.control_positions, new.by_name["EXX"].columns
-    taken = across.matrix @ unknowns
-    assert taken[columns] == pytest.approx(curve(old, "EXX", unknowns, knots))
-    assert not taken[new.by_name["EBX"].columns].any()
-    assert across.rests[columns] == pytest.approx((2e-6) ** 2, abs=0)
-    assert not across.rests[new.by_name["EBX"].columns].any()
-    assert across.known == {"EXX"}
-    found = across.prior(unknowns, np.eye(old.size), np.zeros((new.size, new.size)))
-    own = new.by_name["EBX"].columns
+    found = carried_over(Normal.of_factor(unknowns, np.zeros((old.size, 1))), old, new)
+    assert found.mean[columns] == pytest.approx(curve(old, "EXX", unknowns, knots))
+    assert not found.mean[own].any()
     assert found.covariance[own, own] == pytest.approx(new.covariance()[own, own], abs=1e-20)
     assert not found.covariance[own, columns].any()
+    if today < before:
+        assert found.covariance[columns, columns] == pytest.approx((2e-6) ** 2 * np.eye(today), abs=1e-20)
 
 
 def test_what_finer_knots_hold_beyond_those_of_before_is_the_part_that_they_cannot_reach() -> None:
-    old, new = model(4), model(9, PITCH)
-    across = carried_over(old, new)
-    columns, beyond = new.by_name["EXX"].columns, across.beyond()
-    held = across.matrix[columns]
+    old, new = model(4, rest="1e-06 um"), model(9, PITCH)
+    columns, held = new.by_name["EXX"].columns, new.by_name["EXX"].taken_from(old.by_name["EXX"])
     left = np.eye(9) - held @ np.linalg.inv(held.T @ held) @ held.T
     prior = new.covariance()[columns, columns]
-    expected = np.zeros((new.size, new.size))
-    expected[columns, columns] = left @ prior @ left.T
-    assert np.abs(beyond @ beyond.T - expected).max() < 1e-10 * prior.max()
-    assert np.abs(held.T @ beyond[columns]).max() < 1e-9 * np.sqrt(prior.max())
-    assert np.trace(expected) > 1e-3 * np.trace(prior)
-    assert carried_over(new, old).beyond().shape[1] == 0
+    found = carried_over(Normal.of_factor(np.zeros(old.size), np.zeros((old.size, 1))), old, new)
+    assert np.abs(found.covariance[columns, columns] - left @ prior @ left.T).max() < 1e-10 * prior.max()
+    assert np.abs(held.T @ found.covariance[columns, columns] @ held).max() < 1e-9 * prior.max()
+    assert np.trace(found.covariance[columns, columns]) > 1e-3 * np.trace(prior)

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.usual import usual_machine
 from axiscal.estimation.case import Case
-from axiscal.estimation.promise.problem import Inherited, problem
+from axiscal.estimation.promise.problem import problem
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
+from axiscal_core.normal import Normal
 from axiscal_core.problem import Problem
 from axiscal_core.theta import Sizes
 from axiscal_core.usual import sizes_of
@@ -82,7 +83,7 @@ def asked(kind: str, count: int, seed: int = 0, stds: bool = False, inherits: bo
     return stated(case, readings_of(case, count, seed, stds), inherited(case, seed) if inherits else None)
 
 
-def stated(case: Case, readings: Sequence[Reading], left: Inherited | None = None) -> Problem:
+def stated(case: Case, readings: Sequence[Reading], left: Normal | None = None) -> Problem:
     """Return the problem of readings with what usually goes wrong."""
     described = case.description
     sizes = sizes_of(
@@ -91,14 +92,14 @@ def stated(case: Case, readings: Sequence[Reading], left: Inherited | None = Non
     return problem(case.observation, readings, sizes, left)
 
 
-def inherited(case: Case, seed: int) -> Inherited:
+def inherited(case: Case, seed: int) -> Normal:
     """Return a prior as an earlier campaign might leave it: correlated, and not about nought."""
     rng, prior = np.random.default_rng((seed, 2)), case.observation.prior_covariance()
     size = case.errors.size
     stds = np.sqrt(np.diagonal(prior)[:size])
     mixed = np.eye(size) + 0.3 * rng.standard_normal((size, size)) / np.sqrt(size)
     root = 0.3 * stds[:, None] * mixed
-    return Inherited(0.5 * stds * rng.standard_normal(size), root @ root.T)
+    return Normal.of_factor(0.5 * stds * rng.standard_normal(size), root)
 
 
 def plain(case: Case, readings: Sequence[Reading], sizes: Sizes) -> Problem:

@@ -17,7 +17,6 @@ from axiscal.errors.volume import Alignment, Volume, even_poses
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.intervals import as_shown
 from axiscal.estimation.promise.causes import contributions
-from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.candidates import corners, spread
 from axiscal.measurement.instruments.distance import TURNS
 from axiscal.measurement.observation import Observation
@@ -89,7 +88,7 @@ class Case:
     """
 
     description: CampaignDescription
-    inherited: Inherited | None = None
+    inherited: Normal | None = None
     both: frozenset[str] = frozenset()
     about: Array | None = None
     yardsticks: Memo = field(default_factory=partial(Memo, _YARDSTICKS), repr=False)

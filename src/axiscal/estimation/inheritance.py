@@ -7,30 +7,33 @@ Between two campaigns each error keeps a share ρ of its value. The stated prior
 from __future__ import annotations
 
 import json
+import math
 
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, description_of, with_mounted
-from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
 from axiscal.record.events import Created, Mounted, Recorded, Warmed
 from axiscal.record.payload import PayloadError, decode
 from axiscal_core.machine import Machine
+from axiscal_core.normal import Normal
+
+_ALIKE = 1e-9
+"""Of the whole: what is less is rounding."""
 
 
 def case_of(description: CampaignDescription) -> Case:
     """Return the case of a campaign, with the prior that an earlier campaign leaves it."""
     if not description.prior_text:
         return Case(description)
-    stated = Case(description)
-    found = inherited(description.prior_text, stated.errors)
-    return Case(description, drifted(found, stated.errors.covariance(), description.kept))
+    last, errors, kept = last_estimation(description.prior_text), description.machine, description.kept
+    found = carried_over(last.printed.belief, last.case.errors, errors)
+    root = np.hstack([kept * found.factor, math.sqrt(1 - kept**2) * errors.root()])
+    return Case(description, Normal.of_factor(kept * found.mean, root))
 
 
 def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
@@ -57,19 +60,19 @@ def last_estimation(text: str) -> Estimation:
     return concluded(case_of(description), readings)
 
 
-def inherited(text: str, errors: Machine) -> Inherited:
-    """Return what the campaign in a heritage text knew; errors that it did not have are as their prior states.
+def carried_over(belief: Normal, before: Machine, errors: Machine) -> Normal:
+    """Return a belief over the errors of one description as one over those of another: curves at the knots of today's.
 
-    Its curves are read at the knots of today's; what these hold and its own could not is as the prior states.
+    Of M, which takes them there, (1 − M M⁺) L is what today's prior, L Lᵀ, holds and the other knots cannot. That, and
+    an error that is new, is as stated; the rest of a curve is that of before.
     """
-    last = last_estimation(text)
-    before, belief = last.case.errors, last.printed.belief
-    across = carried_over(before, errors)
-    factor, beyond = belief.factor[: before.size], across.beyond()
-    unknown = np.diag(across.rests) + beyond @ beyond.T
-    return across.prior(belief.mean[: before.size], factor @ factor.T, unknown)
-
-
-def drifted(found: Inherited, stated: Array, kept: float) -> Inherited:
-    """Return the result after each error kept a share ρ.  stated : (size, size) C₀."""
-    return Inherited(kept * found.mean, kept**2 * found.covariance + (1 - kept**2) * stated)
+    size, matrix = errors.size, np.zeros((errors.size, before.size))
+    beyond, rests, others = errors.root(), np.zeros(size), {term.name: term for term in before.terms}
+    for term in errors.terms:
+        if term.name in others:
+            own, other = term.columns, others[term.name]
+            matrix[own, other.columns] = held = term.taken_from(other)
+            beyond[own] -= held @ np.linalg.pinv(held, rcond=_ALIKE) @ beyond[own]
+            rests[own] = term.loosened(other.rest)
+    root = np.hstack([matrix @ belief.factor[: before.size], beyond, np.diag(np.sqrt(rests))])
+    return Normal.of_factor(matrix @ belief.mean[: before.size], root)

@@ -15,7 +15,6 @@ from axiscal.estimation.accuracy.expanded import asked
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.known_rows import known_rows
-from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, quoted, said
 from axiscal.measurement.setup import Setup
@@ -27,6 +26,7 @@ from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.instrument import TOOL
+from axiscal_core.normal import Normal
 
 _KINDS = ("interferometer", "ballbar", "dial", "sphere")
 """Those whose set-ups follow from the machine alone, and of which nothing has to be looked up first."""
@@ -74,7 +74,7 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     more = list(_not_there(case.description))
     for _ in range(min(_TOGETHER, len(more))):
         left = case.yardstick.left  # to see which one takes most away, the others need not be looked at again
-        alone = replace(case, inherited=Inherited(np.zeros(len(left)), left @ left.T))
+        alone = replace(case, inherited=Normal.of_factor(np.zeros(len(left)), left))
         setup = min(more, key=lambda each: _missed(_of(alone, (each,))))
         more.remove(setup)
         added.append(setup.name)

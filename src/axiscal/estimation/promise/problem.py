@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from axiscal_core.columns import Scale, priors_of
 from axiscal_core.criterion import Goal
 from axiscal_core.machine import Machine
 from axiscal_core.model import Numbers
+from axiscal_core.normal import Normal
 from axiscal_core.problem import MOST_NUMBERS, Problem
 from axiscal_core.splines import ramp
 from axiscal_core.state import State
@@ -31,24 +32,17 @@ _ROUNDING = 1e-12
 """A lever of this size is rounding: m/rad, 1, or rad/rad."""
 
 
-@dataclass(frozen=True, eq=False)
-class Inherited:
-    """The prior of the errors where an earlier campaign left one: mean (size,), covariance (size, size)."""
-
-    mean: Array
-    covariance: Array
-
-
 def problem(
     observation: Observation,
     readings: Sequence[Reading],
     sizes: Sizes,
-    inherited: Inherited | None = None,
+    inherited: Normal | None = None,
     usual: bool = True,
 ) -> Problem:
     """Return readings as a problem.
 
     observation : before any cell is visited; sizes : that vary
+    inherited : the prior of the errors where an earlier campaign left one
     usual : with what readings alone usually suffer, else with what is stated of it
     """
     sizes = replace(sizes, share=min(1.0, len(readings) / MANY))
