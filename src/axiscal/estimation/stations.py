@@ -3,9 +3,7 @@
 The whitened unknowns are z in x = m₀ + F₀ z, with m₀, F₀ F₀ᵀ the prior. The mode minimises ½ zᵀz + ½ Σ (yᵢ −
 fᵢ(x))²/σᵢ².
 
-A station has possible places in closed form, and a mirror image. The square of n = |p − s| + z is linear in s, z and
-|s|² − z². It reads −2 pᵀs + 2 n z + (|s|² − z²) = n² − |p|². Five points that are not in a plane settle it. Seen from
-points in one plane, a station and its mirror image in that plane are alike.
+Seen from points in one plane, a station and its mirror image in that plane are alike.
 """
 
 from __future__ import annotations
@@ -106,57 +104,15 @@ def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[
     """Return the case linearised about the mode that its plausible readings show; as it was where that is linear.
 
     A distance or a tracker is linear only about its assumed place. If that is 100 mm or 20 mrad off, good readings look
-    bad. So the mode is found before readings are doubted: from closed form and from the prior. What stands on the table
-    is turned by little and has one optimum: the prior leads there.
+    bad. So the mode is found before readings are doubted: from the prior, and from each station's mirror image.
     """
     some = drawn([reading for index, reading in enumerate(readings) if index not in implausible], MOST)
     if float(np.max(indices(case.knowledge, some), initial=0.0)) <= GAUSSIAN:
         return case
     problem, prior = BentReadings(case, some), case.prior.mean
-    touched = all(setup.artefact is not None and setup.length is None for setup in case.description.setups)
-    starts = [prior] if touched else [prior, closed_form(case, some, prior)]
+    images = (mirrored(case, some, prior, index) for index in range(len(case.description.setups)))
+    starts = [prior, *(start for each in images for start in each)]
     return case.linear_about(min((polished(problem, start) for start in starts), key=lambda found: found.cost).point)
-
-
-_SOUND = 1e-6
-"""Share of the largest singular value below which points are as good as in a plane."""
-
-
-def closed_form(case: Case, readings: Sequence[Reading], point: Array) -> Array:
-    """Return a point (k,) with stations and dead paths of distances where they alone fit the readings best.
-
-    Those of too few points, or of points in a plane, stay.
-    """
-    found = point.copy()
-    for index, setup in enumerate(case.description.setups):
-        seen_by = [reading for reading in readings if reading.setup == setup.name]
-        if len(seen_by) < 6:
-            continue
-        own = dict(zip((u.name for u in setup.unknowns), case.observation.unknowns_of(index).tolist(), strict=True))
-        tip = tips(case, seen_by)
-        for number, (columns, stated) in enumerate(zip(case.station_columns(index), setup.standing, strict=False)):
-            zero = own.get(f"zero_{number + 1}" if setup.stations else "zero")
-            shown = np.array([reading.values[number] for reading in seen_by])
-            solved = _one_station(tip - np.array(stated), shown, with_zero=zero is not None)
-            if solved is not None:
-                found[list(columns)] = solved[:3]
-                found[[] if zero is None else [zero]] = solved[3]
-    return found
-
-
-def _one_station(places: Array, shown: Array, *, with_zero: bool) -> Array | None:
-    """Return s, and z or something else after it, (4,); None of points in a plane.
-
-    places : (m, 3) from where it is stated to stand; shown : (m,) distances less nominal ones, m
-    """
-    lengths = shown + np.linalg.norm(places, axis=1)
-    table = np.column_stack([-2 * places, 2 * lengths, np.ones(len(lengths))])
-    table = table if with_zero else np.delete(table, 3, axis=1)
-    scale = np.linalg.norm(table, axis=0)
-    if not scale.all() or np.linalg.svd(table / scale, compute_uv=False)[-1] < _SOUND:
-        return None
-    solved = np.linalg.lstsq(table / scale, lengths**2 - np.sum(places**2, axis=1), rcond=None)[0] / scale
-    return np.asarray(solved[:4], dtype=float)
 
 
 def mirrored(case: Case, readings: Sequence[Reading], point: Array, index: int) -> list[Array]:
