@@ -32,7 +32,7 @@ class _Without:
         self.problem, self.nought = problem, np.zeros(len(problem.values))
         self.alone, self.judging = (each(np.zeros(0)) for each in (Dense(problem).covariance, Dense(problem).judging))
 
-    def agrees(self, found: Suspect, values: Array, places: int = 1, log_det: float = 0.0) -> None:
+    def agrees(self, found: Suspect, values: Array) -> None:
         """Assert odds of 1 % before: at a few sizes with the causes of type B that judge, then without; and the tail.
 
         values : (m,) without the mistake
@@ -40,7 +40,7 @@ class _Without:
         tried = found.weighed(sized_of(self.problem).log_evidence)
         for odds, wide in ((found.mistake.log_odds, self.judging), (tried.mistake.log_odds, self.alone)):
             gain = log_density(values, self.nought, wide) - log_density(self.problem.values, self.nought, wide)
-            assert odds == pytest.approx(np.log(0.01 / places) + log_det + gain, rel=1e-5, abs=1e-5)
+            assert odds == pytest.approx(np.log(0.01) + gain, rel=1e-5, abs=1e-5)
         tail = stats.chi2(len(values)).sf(values @ np.linalg.inv(self.judging) @ values)
         assert tried.p == pytest.approx(tail, rel=1e-4, abs=1e-12)
 
@@ -84,12 +84,16 @@ def test_an_axis_that_counts_the_other_way_is_as_probable_as_its_covariance() ->
 @pytest.mark.parametrize("since", [0, 1, 5])
 def test_another_unit_divides_the_density_by_its_factor_for_each_number(factor: float, since: int) -> None:
     """Values drawn from the model and multiplied from a reading on: all of them at once, or from any later place."""
-    problem = _exact("axis")
-    drawn = np.linalg.cholesky(_Without(problem).judging) @ np.random.default_rng(2).standard_normal(9)
+    problem, wide = _exact("axis"), _Without(_exact("axis")).judging
+    drawn, nought = np.linalg.cholesky(wide) @ np.random.default_rng(2).standard_normal(9), np.zeros(9)
     off = replace(problem, values=np.where(problem.reading >= since, factor * drawn, drawn))
-    found = {(each.mistake.factor, each.mistake.reading): each for each in larger_units(Sought.of(off))}
+    tried = {(each.mistake.factor, each.mistake.reading): each for each in larger_units(off, sized_of(off))}
+    gain = log_density(drawn, nought, wide) - log_density(off.values, nought, wide)
     log_det = -int(np.sum(problem.reading >= since)) * np.log(factor)
-    _Without(off).agrees(found[factor, since or -1], drawn, 1 if since == 0 else COUNTS["axis"] - 1, log_det)
+    places, tail = 1 if since == 0 else COUNTS["axis"] - 1, stats.chi2(9).sf(drawn @ np.linalg.inv(wide) @ drawn)
+    found = tried[factor, since or -1]
+    assert found.mistake.log_odds == pytest.approx(np.log(0.01 / places) + gain + log_det, rel=1e-5, abs=1e-5)
+    assert found.p == pytest.approx(min(tail, 1 - tail), rel=1e-4, abs=1e-12)
 
 
 def _explaining(log_odds: float, p: float = 1.0, setup: int = 0) -> Tried:

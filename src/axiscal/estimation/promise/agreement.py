@@ -164,7 +164,7 @@ def agreement(
     stated, tried = chi_square_tail(len(whole.values), weighed.drawn.stated.misfit), [*told]
     mine = Sought.of(problem, found.drawn.stated)
     if stated < CONTRADICTS:  # sizes that are learnt hide another unit, and another frame
-        tried += weigh(larger_units(Sought.of(whole, weighed.drawn.stated)), weighed.log_evidence)
+        tried += larger_units(whole, weighed)
         tried += weigh((mine.as_another(*each) for each in framed), found.log_evidence)
     if min(p, stated) < CONTRADICTS:  # the same of a sign: a square out by a sign is a large squareness
         tried += weigh(signs(mine), found.log_evidence)

@@ -117,13 +117,18 @@ class Suspect(NamedTuple):
 
     def weighed(self, right: float) -> Tried:
         """Return it with the sizes integrated out.  right : log p of the readings if nothing is wrong"""
-        other, log_evidence, p = self.make(), 0.0, 1.0
-        if len(other.values):
-            found = sized(other)
-            log_evidence, p = found.log_evidence, tail_of(other, found)
+        other = self.make()
+        if not len(other.values):
+            return Tried(self.mistake._replace(log_odds=self.prior - right), 1.0)
+        found = sized(other)
         if self.rival is not None:
-            right = float(np.logaddexp(right, self.prior + sized(self.rival()).log_evidence))
-        return Tried(self.mistake._replace(log_odds=self.prior + log_evidence - right), p)
+            groups = np.unique(other.groups[np.isin(other.setup, self.mistake.setups)])
+            noise = np.exp(np.max(found.weights @ found.thetas[:, groups[groups >= 0]], initial=-np.inf))
+            nearer = noise**2 < self.mistake.factor  # to what was written
+            right = np.inf if nearer else np.logaddexp(right, self.prior + sized(self.rival()).log_evidence)
+        return Tried(
+            self.mistake._replace(log_odds=float(self.prior + found.log_evidence - right)), tail_of(other, found)
+        )
 
 
 def likeliest(suspects: Iterable[Suspect], least: float = -LOG_NAMED) -> list[Suspect]:

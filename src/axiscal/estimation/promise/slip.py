@@ -1,8 +1,8 @@
 """Values that are not what the machine makes: of another sign, unit or place, of another set-up, or of no machine.
 
 - sign: all of a set-up. swapped: two set-ups with as many numbers exchange theirs.
-- unit: f times too large from some reading on; of all that are too small, a noise f times below what is stated is a
-  rival, as probable as any mistake.
+- unit: f times too large from some reading on, at the sizes as stated. Of all that are f times too small, a noise f
+  times below what is stated is a rival, as probable as any mistake.
 - shifted: each value belongs to the place behind or before, as if a line was missed. The one that is left is anywhere
   among the others. A reading that seems bad may be one of these, so it counts.
 - still: a set-up shows one digit, anywhere within w, or d neighbouring ones, each as likely. So its n readings have,
@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.promise.mistake import (
+    CONTRADICTS,
     INCH,
     PRIOR,
     SEVERAL,
@@ -40,7 +41,7 @@ from axiscal.estimation.promise.mistake import (
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal_core.draws import Weighed
-from axiscal_core.from_scipy import normal_share
+from axiscal_core.from_scipy import chi_square_tail, normal_share
 from axiscal_core.problem import Problem
 from axiscal_core.spaces import sums_of
 
@@ -79,27 +80,31 @@ def exchanges(sought: Sought) -> Iterator[Suspect]:
             yield sought.with_values(Explained("swapped", 0.0, (first, second)), 0.0, values / problem.noise)
 
 
-def larger_units(sought: Sought) -> Iterator[Suspect]:
-    """Yield the likeliest reading of each set-up from which on values are too large."""
-    problem = sought.problem
-    for setup, mine in sought.of_setups():
+def larger_units(problem: Problem, found: Weighed) -> Iterator[Tried]:
+    """Yield the likeliest reading of each set-up from which on values are too large, where sizes as stated fit then.
+
+    Sizes that are learnt fit any machine that is far worse than stated.
+    """
+    given = found.drawn.stated
+    for setup in np.unique(problem.setup).tolist():
+        mine = problem.setup == setup
         readings = np.unique(problem.reading[mine])
         starts = np.searchsorted(problem.reading, readings)
         since = np.count_nonzero(mine) - np.searchsorted(np.flatnonzero(mine), starts)
-        sums = [each.to_the_end() for each in sums_of(sought.each, (mine * problem.values)[None], starts)]
-        fisher, pulled = (np.array(each).reshape(len(sums), -1) for each in zip(*sums, strict=True))
+        (sums,) = sums_of([given], (mine * problem.values)[None], starts)
+        fisher, pulled = (each.ravel() for each in sums.to_the_end())
         # All of them may be in another unit as well as those from any later reading on.
         places = np.where(readings == readings[0], 1, max(len(readings) - 1, 1))
         for factor in (1000.0, 1 / 1000.0, INCH, 1 / INCH):
             over = 1 - 1 / factor
-            prior = math.log(PRIOR) - since * math.log(factor) - np.log(places)
-            log_odds = prior + sought.log_odds(over * pulled - over**2 * fisher / 2)
-            best = int(np.argmax(log_odds))
-            wrong = mine & (problem.reading >= readings[best])
-            first = int(readings[best]) if best else -1
-            told = Explained("unit", float(log_odds[best]), (setup,), first, factor)
-            values = np.where(wrong, problem.values / factor, problem.values)
-            yield Suspect(told, float(prior[best]), partial(replace, problem, values=values))
+            squares = given.misfit - 2 * over * pulled + over**2 * fisher
+            gains = (given.misfit - squares) / 2 - since * math.log(factor) - np.log(places)
+            best = int(np.argmax(gains))
+            tail = chi_square_tail(len(problem.values), float(squares[best]))
+            odds, first = math.log(PRIOR) + found.log_stated + float(gains[best]), int(readings[best]) if best else -1
+            # Divided by enough all readings agree, and then by far too well.
+            if 2 * (p := min(tail, 1 - tail)) >= CONTRADICTS:
+                yield Tried(Explained("unit", odds, (setup,), first, factor), p)
 
 
 def smaller_unit(sought: Sought, setup: int) -> Iterator[Suspect]:
