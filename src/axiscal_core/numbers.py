@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from axiscal_core.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
 from axiscal_core.problem import Problem
 from axiscal_core.refusals import Array
-from axiscal_core.spaces import Answered, Given, Slope, factors_of, raised, turned, variances_of
+from axiscal_core.spaces import Given, Slope, factors_of, raised, turned, variances_of
 
 
 class Numbers:
@@ -29,24 +29,6 @@ class Numbers:
             self._squares[size] = columns @ columns.T
         self._fixed = self._squares.pop(-1, np.zeros((len(problem.values),) * 2))
         self._curved = [problem.rows[:, curves.columns].transpose(1, 0, 2).copy() for curves in problem.curves]
-        self._roots = np.zeros((problem.answered,) * 2)
-        for start, root in problem.roots:
-            part = slice(start - problem.own, start - problem.own + len(root))
-            self._roots[part, part] = root @ root.T
-
-    def prior_covariance(self, theta: Array, roots: Sequence[Array]) -> Array:
-        """Return the prior covariance of the answered unknowns, (answered, answered) m² and rad²."""
-        every = factors_of(self.problem, theta)
-        factors = every[self.problem.own :]
-        result: Array = self._roots * factors
-        result *= factors[:, None]
-        for curves, lower in zip(self.problem.curves, roots, strict=True):
-            at = curves.columns - self.problem.own
-            sized = lower * factors[at][:, :, None]
-            result[at[:, :, None], at[:, None, :]] = sized @ sized.transpose(0, 2, 1)
-        for scale, factor in zip(self.problem.scales, every[self.problem.first :], strict=False):
-            result[scale.part, scale.part] += factor**2 * np.outer(scale.ramp, scale.ramp)
-        return result
 
     def _shown(self, theta: Array, roots: Sequence[Array]) -> list[Array]:
         """Return the columns of curves with their priors applied, (f, m, k) each."""
@@ -135,15 +117,11 @@ class InNumbers(Given):
         noises = np.unique(groups[groups >= 0])
         return noises.tolist(), np.where(groups == noises, 2 * variances_of(self.problem, self.theta)[:, None], 0.0)
 
-    def without_causes(self) -> Answered:
-        """Return the posterior of the answered unknowns."""
-        problem = self.problem
-        shown = turned(problem, problem.rows, self.theta, self.roots, problem.first)
-        mean = problem.mean + problem.raw(shown.T @ self.weighted, self.theta, self.roots)
-        known = problem.raw(solution(self.root, shown).T, self.theta, self.roots)
-        covariance = self.space.prior_covariance(self.theta, self.roots)
-        covariance -= known @ known.T
-        return Answered(mean, covariance)
+    def unlearnt(self) -> tuple[Array, Array]:
+        """Return 1 − RᵀK⁻¹R and RᵀK⁻¹y, R the rows of these unknowns of variance one."""
+        rows = turned(self.problem, self.problem.rows, self.theta, self.roots, self.problem.first)
+        known = solution(self.root, rows)
+        return np.eye(known.shape[1]) - known.T @ known, rows.T @ self.weighted
 
     def blocks(self, part: NDArray[np.intp]) -> Array:
         """Return the blocks of K⁻¹."""

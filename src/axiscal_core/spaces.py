@@ -122,8 +122,15 @@ class Given(ABC):
         """Return log L, gradient and information."""
 
     @abstractmethod
+    def unlearnt(self) -> tuple[Array, Array]:
+        """Return the block of Q⁻¹ of scales and answered unknowns, which stand last, and their u."""
+
     def without_causes(self) -> Answered:
         """Return the posterior of the answered unknowns without causes of type B."""
+        problem, (left, u) = self.problem, self.unlearnt()
+        half = problem.raw(left, self.theta, self.roots)
+        covariance = problem.raw(half.T, self.theta, self.roots)
+        return Answered(problem.mean + problem.raw(u, self.theta, self.roots), covariance)
 
     @abstractmethod
     def precision(self, columns: Array) -> Array:

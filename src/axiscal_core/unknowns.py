@@ -14,7 +14,6 @@ from axiscal_core.numbers import Numbers
 from axiscal_core.problem import MOST_NUMBERS, Problem
 from axiscal_core.refusals import Array
 from axiscal_core.spaces import (
-    Answered,
     Given,
     Slope,
     factors_of,
@@ -170,13 +169,10 @@ class InUnknowns(Given):
         raw = raised(problem, self.solved[:, None], self.theta, self.roots)[:, 0]
         return float(space.totals[index] - 2 * raw @ space.products[index] + raw @ space.squares[index] @ raw)
 
-    def without_causes(self) -> Answered:
-        """Return the posterior of the answered unknowns: they stand last, so the trailing triangle is enough."""
-        problem = self.problem
-        first = problem.first
-        half = problem.raw(inverse_of_product(self.root[first:, first:]), self.theta, self.roots)
-        covariance = problem.raw(half.T, self.theta, self.roots)
-        return Answered(problem.mean + problem.raw(self.solved[first:], self.theta, self.roots), covariance)
+    def unlearnt(self) -> tuple[Array, Array]:
+        """Return them by the trailing triangle."""
+        first = self.problem.first
+        return inverse_of_product(self.root[first:, first:]), self.solved[first:]
 
     def blocks(self, part: NDArray[np.intp]) -> Array:
         """Return the blocks of K⁻¹ of some readings."""

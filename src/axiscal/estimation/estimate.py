@@ -43,7 +43,7 @@ def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
     case = progressed(case, times.readings, implausible) if case.bends else case
     sure = [index for index, reading in enumerate(times.readings) if reading.accepted]
     kept = sorted_out(posed(case, times.readings), implausible, sure)
-    implausible = {index: each for index, each in implausible.items() if index not in kept.mine.problem.reading}
+    implausible = {index: each for index, each in implausible.items() if index not in kept.judged[0].problem.reading}
     bad = {index: Doubt(index, each.z) for index, each in kept.bad.items()}
     known = located(history(case.rescaled(kept.sizes), times.readings, [*implausible, *bad]))
     at, taken = case.linear_as(known.case), known.normal

@@ -113,13 +113,17 @@ class Estimation:
 
     @cached_property
     def checks(self) -> Checks:
-        """The check readings beside what all other readings promise of them."""
+        """The check readings beside what all other readings promise of them.
+
+        One bad check is a slip; two of a few (0.1 % of 5) are what the model lacks.
+        """
         left = {} if self.posterior is None else self.posterior.left_out
-        away = {index: each.z for index, each in left.items()}
-        doubted = ({i: doubt.surprise for i, doubt in each.items()} for each in (self.bad, self.implausible))
         drawn = {i for i, reading in enumerate(self.readings) if reading.check}
-        kinds = ((CheckReading(i, z) for i, z in each.items() if i in drawn) for each in (away, *doubted))
-        return Checks.sorted_out(*kinds)
+        slip = len(drawn & {*self.bad}) == 1
+        found = {i: CheckReading(i, each.z) for i, each in left.items()}
+        found |= {i: CheckReading(i, each.surprise, False, slip) for i, each in self.bad.items()}
+        found |= {i: CheckReading(i, each.surprise, False, True) for i, each in self.implausible.items()}
+        return Checks(tuple(found[i] for i in sorted(drawn & {*found})))
 
     @remembered
     def estimate(self) -> Estimate:

@@ -34,14 +34,13 @@ def predict_poses(estimation: Estimation, wanted: Sequence[RawReading], file: Pa
     Raises ReadingError with file and line for an unknown axis or a position outside the travel.
     """
     machine = estimation.case.description.machine
-    found = []
-    for raw in wanted:
+    poses, approaches = np.zeros((2, len(wanted), len(machine.axes)))
+    for i, raw in enumerate(wanted):
         try:
-            found.append(pose_and_sides(machine, in_radii(raw.position, machine.axes), raw.approach))
+            poses[i] = _pose(machine, in_radii(raw.position, machine.axes), [*raw.position, *raw.approach])
         except ReadingError as failure:
             raise failure.placed(file, raw.line) from None
-    poses = np.array([pose for pose, _ in found]).reshape(len(found), len(machine.axes))
-    approaches = np.array([approach for _, approach in found]).reshape(poses.shape)
+        approaches[i] = [raw.approach.get(axis.name, 0) for axis in machine.axes]
     return tcp_prediction(estimation, poses, approaches)
 
 
@@ -65,27 +64,20 @@ def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> t
     return mean, np.sqrt(variances)
 
 
-def pose_and_sides(
-    machine: Machine, position: Mapping[str, float], approach: Mapping[str, int]
-) -> tuple[list[float], list[float]]:
-    """Return pose and approach, (q,) each; raises ReadingError for an axis that is not there, or a place outside.
+def _pose(machine: Machine, position: Mapping[str, float], named: Sequence[str]) -> list[float]:
+    """Return a pose, (q,); raises ReadingError for an axis that is not there, or a place outside.
 
-    position, approach : by axis, m or rad; one that is left out stands in the middle of its travel
+    position : by axis, m or rad; one that is left out stands in the middle of its travel; named : axes
     """
-    names = [axis.name for axis in machine.axes]
-    for name in (*position, *approach):
-        if name not in names:
-            what = 'the machine has no axis "{name}"'
-            raise ReadingError(what, "Its axes are {known}", name=name, known=", ".join(names))
-    pose = []
-    for axis in machine.axes:
-        low, high = axis.travel
-        at = position.get(axis.name, (low + high) / 2)
-        if not low - _SLACK <= at <= high + _SLACK:
+    if unknown := [name for name in named if name not in machine.axis_names]:
+        what = 'the machine has no axis "{name}"'
+        raise ReadingError(what, "Its axes are {known}", name=unknown[0], known=", ".join(machine.axis_names))
+    pose = [position.get(axis.name, sum(axis.travel) / 2) for axis in machine.axes]
+    for at, axis in zip(pose, machine.axes, strict=True):
+        if not axis.travel[0] - _SLACK <= at <= axis.travel[1] + _SLACK:
             what, shown = "{axis} = {shown} is outside the travel", f"{to_unit(at, axis.unit):g} {axis.unit}"
             raise ReadingError(what, "{axis} goes from {travel}", axis=axis.name, shown=shown, travel=travel_text(axis))
-        pose.append(at)
-    return pose, [float(approach.get(name, 0)) for name in names]
+    return pose
 
 
 def expectation(known: Estimation, place: Place) -> Band:

@@ -16,7 +16,7 @@ A line is where an axis was read, or is to be read, while the others stand still
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -292,11 +292,6 @@ def through_the_volume(description: CampaignDescription, axis: int, readings: Se
 
 def _places(readings: Sequence[Reading], axis: int) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
     """Return the positions read from +, from − and from both, each once, in rising order."""
-    plus, minus = (_once(reading.pose[axis] for reading in readings if reading.approach[axis] == k) for k in (1, -1))
-    begin, end = (np.searchsorted(minus, np.add(plus, off)) for off in (-_SAME, _SAME))
-    return plus, minus, tuple(place for place, near in zip(plus, end > begin, strict=True) if near)
-
-
-def _once(positions: Iterable[float]) -> tuple[float, ...]:
-    at = sorted(positions)
-    return tuple(here for here, before in zip(at, [-np.inf, *at], strict=False) if here - before > _SAME)
+    each = ({round(r.pose[axis] / _SAME): r.pose[axis] for r in readings if r.approach[axis] == k} for k in (1, -1))
+    plus, minus = (dict(sorted(found.items())) for found in each)
+    return (*plus.values(),), (*minus.values(),), tuple(at for place, at in plus.items() if place in minus)

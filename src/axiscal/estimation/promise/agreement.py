@@ -109,19 +109,9 @@ class CheckReading(NamedTuple):
 
 @dataclass(frozen=True)
 class Checks:
-    """Checks beside what is promised of them."""
+    """Checks beside what is promised of them, in the order of their readings."""
 
     each: tuple[CheckReading, ...] = ()
-
-    @classmethod
-    def sorted_out(cls, *kinds: Iterable[CheckReading]) -> Checks:
-        """Return checks by their readings.  kinds : used, bad, implausible
-
-        One bad check is a slip; two of a few (0.1 % of 5) are what the model lacks.
-        """
-        used, bad, implausible = (list(each) for each in kinds)
-        bad = [each._replace(used=False, slip=len(bad) == 1) for each in bad]
-        return cls(tuple(sorted([*used, *bad, *(each._replace(used=False, slip=True) for each in implausible)])))
 
     @property
     def as_promised(self) -> int:

@@ -16,7 +16,7 @@ errors of the stated size could be as large:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -126,15 +126,14 @@ class Drawn:
 
 @dataclass(frozen=True, eq=False)
 class Sorted:
-    """Readings of a problem without the bad ones: mine; of bad ones that may be details of the machine: with_details
+    """Readings of a problem without the bad ones; then with those that may be details of the machine: each counts alike
 
     sizes, bad : as of a posterior; sure : are not taken out
     jumps : that readings tell, which nobody has accepted
     """
 
     problem: Problem
-    mine: Judged
-    with_details: Judged | None
+    judged: tuple[Judged, ...]
     sizes: dict[_Owned, float]
     bad: dict[int, LeftOut]
     sure: frozenset[int] = frozenset()
@@ -148,8 +147,7 @@ class Sorted:
             apart = np.setdiff1d(problem.reading, judged.problem.reading).tolist()
             return Judged.of(problem, apart, judged.found.drawn)
 
-        details = None if self.with_details is None else again(self.with_details)
-        return replace(self, problem=problem, mine=again(self.mine), with_details=details)
+        return replace(self, problem=problem, judged=tuple(again(each) for each in self.judged))
 
     @one_thread()
     def posterior(
@@ -164,8 +162,7 @@ class Sorted:
         turned, framed : as for `agreement`; repeated : what may be stuck
         volume : G (e, e) of errors z, where zᵀG z is the mean square of the deviation over the volume
         """
-        mine, found, left = self.mine.problem, self.mine.found, self.mine.left
-        judged = [self.mine] if self.with_details is None else [self.mine, self.with_details]
+        judged, mine, found, left = self.judged, self.judged[0].problem, self.judged[0].found, self.judged[0].left
         over = np.zeros((0, 0)) if volume is None else volume
         mean, covariance, shared, degrees, cells = _moments(judged, over)
         kept = np.isin(self.problem.reading, [*left])
@@ -195,14 +192,18 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
             _, beside = taken_out(Judged(moved.problem, moved.found), accepted)
             if jumps := likelier(moved, (beside.problem, beside.found), (mine.problem, mine.found)):
                 every, bad = Judged(among, moved.without), {i: bad[i] for i in bad if i not in among.reading}
-                return Sorted(problem, every, None, every.sizes, bad, accepted, jumps)
+                return Sorted(problem, (every,), every.sizes, bad, accepted, jumps)
     details = [i for i, each in bad.items() if _may_be_a_detail(problem, i, each)]
     details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
     if not details:
-        return Sorted(problem, mine, None, mine.sizes, bad, accepted)
+        return Sorted(problem, (mine,), mine.sizes, bad, accepted)
     others = [i for i in bad if i not in details]
-    with_details = Judged.of(problem, [*apart, *others]) if others else first
-    return Sorted(problem, mine, with_details, _half_and_half(mine.sizes, with_details.sizes), bad, accepted)
+    both = mine, Judged.of(problem, [*apart, *others]) if others else first
+    pairs = {key: np.array([size, both[1].sizes[key]]) for key, size in mine.sizes.items()}
+    sizes = {
+        key: float(np.sqrt(np.prod(each) if key[0] == "length" else np.mean(each**2))) for key, each in pairs.items()
+    }
+    return Sorted(problem, both, sizes, bad, accepted)
 
 
 def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:
@@ -222,14 +223,6 @@ def _told_again(problem: Problem, index: int, kept: Sequence[int], bad: Sequence
     alike = np.abs(shown @ shown[mine].T) >= _SAME * np.outer(sizes, sizes[mine])
     others = np.any(alike, axis=1) & np.isin(problem.reading, bad) & ~mine
     return bool(np.all(np.any(alike[np.isin(problem.reading, kept)], axis=0)) and not np.any(others))
-
-
-def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -> dict[_Owned, float]:
-    """Return sizes of two answers that count one half each."""
-    return {
-        key: float(np.sqrt(size * other[key] if key[0] == "length" else (size**2 + other[key] ** 2) / 2))
-        for key, size in one.items()
-    }
 
 
 def _moments(judged: Sequence[Judged], volume: Array) -> tuple[Array, Array, Array, float, Array]:
