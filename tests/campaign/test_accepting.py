@@ -17,7 +17,8 @@ from axiscal.campaign.agreement_words import (
 )
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.agreement import Agreement, Checks, Explained
+from axiscal.estimation.promise.agreement import Agreement, Checks
+from axiscal.estimation.promise.mistake import Explained
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import Accepted

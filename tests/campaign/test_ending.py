@@ -25,7 +25,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.promise.agreement import Explained
+from axiscal.estimation.promise.mistake import Explained
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import reached_unread
 from axiscal.present.answer_of_campaign import answered

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from axiscal import __version__
 from axiscal.document.durable import write_whole
 from axiscal.language.spoken import LANGUAGES, WORDS, joined, listed, put, said, speaking
-from axiscal.present.answer import AnswerDocument, Outcome
+from axiscal.present.answer import Outcome
 from axiscal.present.curves import constant_figures, curve_figures
 from axiscal.present.rendering import pdf
 from axiscal.present.result import AgreementFigures, ConstantFigures, HistoryRow, Result, ResultWords, SetupUse
@@ -29,7 +28,6 @@ from axiscal_core.units import like
 
 UNITS = {"m": "um", "rad": "urad"}
 """In which a deviation is shown."""
-_Document = TypeVar("_Document", bound=AnswerDocument)
 _LARGER, _FAR_LARGER = 1.5, 6.0
 """From the first on a size is called larger than stated, for a dozen readings say little of less; then a mistake."""
 
@@ -59,12 +57,11 @@ def result_of(known: Known, title: str) -> Result:
     machine, now, before = known.case.machine, known.normal, known.case.prior
     drawn = [(term, machine.axes[term.axis]) for term in machine.curves if term.spline.size > 1]
     first, no_row = [said(WORDS["verdicts"]["measured"])], dict[str, str]()
-    return _part(
-        Result,
+    return Result.model_construct(
         machine=title,
         identity={"begun": datetime.now(UTC).date().isoformat()},
-        agreement=_part(AgreementFigures, contradict=False, text=""),
-        answer=_part(Outcome, verdict="measured"),
+        agreement=AgreementFigures.model_construct(contradict=False, text=""),
+        answer=Outcome.model_construct(verdict="measured"),
         words=ResultWords(first=first, rows=_figures(known), sentences=[*_sentences(known)], names=no_row),
         setups=[*_instruments(known)],
         errors={
@@ -74,11 +71,6 @@ def result_of(known: Known, title: str) -> Result:
         history=[] if known.readings is None else [*_history(known, known.readings)],
         versions={"axiscal": __version__},
     )
-
-
-def _part(of: type[_Document], **own: Any) -> _Document:
-    """Return a document of which nobody here knows the rest."""
-    return cast("_Document", of.model_construct(**own))
 
 
 def _figures(known: Known) -> list[list[str]]:
@@ -110,32 +102,27 @@ def _sentences(known: Known) -> Iterator[str]:
         yield said("Sizes that much larger contradict what is stated: look at the unit of the readings first.")
 
 
-def _unit(term: object) -> str:
-    """Return "m" or "rad", what a number of an error is; "" of a basis of one's own, which does not say."""
-    if isinstance(term, Term):
-        return "rad" if term.angular else "m"
-    basis = getattr(term, "basis", None)
-    if isinstance(basis, Offset):
-        return "rad" if basis.twist[3:].any() else "m"
-    return ""
-
-
 def _constants(known: Known) -> Iterator[tuple[str, ConstantFigures]]:
     """Give each unknown that is on no curve with its standard deviation, now and before."""
-    machine, now, before = known.case.machine, known.normal.std, known.case.prior.std
-    names, units = dict(enumerate(known.names)), dict[int, str]()
-    for term in machine.parts:
-        columns = term.columns
-        if not isinstance(term, Term) or term.spline.size == 1:
-            units |= dict.fromkeys(range(columns.start, columns.stop), _unit(term))
-            names |= {columns.start: term.name} if columns.stop - columns.start == 1 else {}
-    own = ((each, name) for each in known.case.instruments for name in each.own)
-    for i, (each, name) in enumerate(own, machine.size):
-        of = like(type(each).unknowns.get(name))
-        if before[i] > 0:
-            units[i] = of[0] if len(of) == 1 else ""
-    for i, unit in units.items():
-        yield names[i], constant_figures("", UNITS.get(unit, ""), known.mean[i], now[i], before[i])
+    now, before, size = known.normal.std, known.case.prior.std, known.case.machine.size
+    for i, (name, unit) in enumerate(_columns(known)):
+        if unit is not None and (i < size or before[i] > 0):
+            yield name, constant_figures("", UNITS.get(unit, ""), known.mean[i], now[i], before[i])
+
+
+def _columns(known: Known) -> Iterator[tuple[str, str | None]]:
+    """Give the name of each unknown and its unit: "" of a basis of one's own, which does not say, None on a curve."""
+    for part in known.case.machine.parts:
+        count, basis, unit = part.columns.stop - part.columns.start, getattr(part, "basis", None), ""
+        if isinstance(part, Term):
+            unit = None if part.spline.size > 1 else "rad" if part.angular else "m"
+        elif isinstance(basis, Offset):
+            unit = "rad" if basis.twist[3:].any() else "m"
+        yield from ((part.name if count == 1 else f"{part.name}[{i}]", unit) for i in range(count))
+    for each in known.case.instruments:
+        for name in each.own:
+            of = like(type(each).unknowns.get(name))
+            yield f"{each.name}.{name}", of[0] if len(of) == 1 else ""
 
 
 def _instruments(known: Known) -> Iterator[SetupUse]:
@@ -165,8 +152,7 @@ def _history(known: Known, readings: Readings) -> Iterator[HistoryRow]:
         units = [UNITS[unit] for unit in case.instruments[case.setups.index(name)].units]
         value, *others = (to_unit(x, unit) for x, unit in zip(shown_by[of == i].tolist(), units, strict=True))
         came = (f"{a.name}{'+' if side > 0 else '-'}" for a, side in zip(axes, places.sides[i], strict=True) if side)
-        yield _part(
-            HistoryRow,
+        yield HistoryRow.model_construct(
             reading=i + 1,
             setup=name,
             position={a.name: to_unit(x, a.unit) for a, x in zip(axes, pose.tolist(), strict=True)},

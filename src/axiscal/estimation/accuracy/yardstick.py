@@ -111,12 +111,7 @@ class Yardstick:
     @cached_property
     def _unseen_shift(self) -> float:
         """The part of tr(V C_∞ Vᵀ) that is a constant shift in the other directions, m²."""
-        return float(np.sum((self.shifts @ self.unseen) ** 2))
-
-    @cached_property
-    def shifts(self) -> Array:
-        """E[H] in the directions in which a constant shift counts but for what of it is unseen, (3, size)."""
-        return self._counts * (self.volume.moments.mean - self._shift)
+        return float(np.sum((self._counts * (self.volume.moments.mean - self._shift) @ self.unseen) ** 2))
 
     def measure(self, belief: Normal) -> Accuracy:
         """Return the figures of a belief."""
