@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import accumulate
@@ -135,8 +135,13 @@ class Case:
             times = sizes.get(("noise", setup.name), 1.0)  # one step of a coarse display, read again, tells of no noise
             setups.append(replace(setup, noise=setup.noise * (max(times, 1.0) if setup.coarse else times)))
         described = replace(self.description, machine=machine, setups=tuple(setups))
-        before = self.sized_from or self
-        return replace(self, description=described, both=frozenset(), sized_from=before)
+        return replace(self, description=described, both=frozenset(), sized_from=self.sized_from or self)
+
+    def _found_at(self, places: Iterable[tuple[float, ...] | None]) -> Case:
+        """Return the case with its set-ups found where they are said to stand, None of one that is not."""
+        pairs = zip(self.description.setups, places, strict=True)
+        setups = tuple(replace(setup, found=place) for setup, place in pairs)
+        return replace(self, description=replace(self.description, setups=setups))
 
     @property
     def bends(self) -> bool:
@@ -147,11 +152,8 @@ class Case:
     def located(self, mean: Array) -> Case | None:
         """Return the case about the stations of distances and the turns of trackers as found; None if these stay."""
         found = [self._found(index, mean) for index in range(len(self.description.setups))]
-        if found == [setup.found for setup in self.description.setups]:
-            return None
-        pairs = zip(self.description.setups, found, strict=True)
-        setups = tuple(replace(setup, found=place) for setup, place in pairs)
-        return replace(self, description=replace(self.description, setups=setups), both=frozenset())
+        stays = found == [setup.found for setup in self.description.setups]
+        return None if stays else replace(self._found_at(found), both=frozenset())
 
     def turned(self, names: Sequence[str]) -> Case:
         """Return the case of a machine of which some axes, by name, count the other way."""
@@ -169,9 +171,7 @@ class Case:
 
     def linear_as(self, other: Case) -> Case:
         """Return the case with readings linearised where another case of the same set-ups has them."""
-        pairs = zip(self.description.setups, other.description.setups, strict=True)
-        setups = tuple(replace(mine, found=theirs.found) for mine, theirs in pairs)
-        return replace(self, description=replace(self.description, setups=setups), about=other.about)
+        return replace(self._found_at(setup.found for setup in other.description.setups), about=other.about)
 
     def linear_about(self, mean: Array) -> Case:
         """Return the case with readings linearised about a mean.  mean : (size,) of all unknowns, cells last"""

@@ -99,19 +99,13 @@ def turning(observation: Observation, index: int, poses: Array, approaches: Arra
 
     poses, approaches : (r, q)
     """
-    setup, machine, found = observation.setups[index], observation.machine, list[Turning]()
-    terms = [
-        (number, term)
-        for number, term in enumerate(observation.errors.curves)
-        if term.axis in setup.moves and term.kind == "reversal" and term.linear and len(setup.sides) > 1
-    ]
-    if not terms:
-        return []
-    levers = observation.levers(index, setup.places(poses))
-    for number, term in terms:
-        sides, size = approaches[:, term.axis], 0.5 * float(np.sqrt(term.covariance[0, 0]))
-        effects = size * sides * levers[:, number]
-        found.append(Turning(term.name, term.axis, machine.axes[term.axis].overrun, sides, effects))
+    setup, levers, found = observation.setups[index], None, list[Turning]()
+    for number, term in enumerate(observation.errors.curves if len(setup.sides) > 1 else ()):
+        if term.axis in setup.moves and term.kind == "reversal" and term.linear:
+            levers = observation.levers(index, setup.places(poses)) if levers is None else levers
+            sides, overrun = approaches[:, term.axis], observation.machine.axes[term.axis].overrun
+            effects = 0.5 * float(np.sqrt(term.covariance[0, 0])) * sides * levers[:, number]
+            found.append(Turning(term.name, term.axis, overrun, sides, effects))
     return found
 
 
