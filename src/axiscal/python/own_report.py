@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from axiscal import __version__
 from axiscal.document.durable import write_whole
 from axiscal.language.spoken import LANGUAGES, WORDS, joined, listed, put, said, speaking
-from axiscal.present.answer import Outcome
+from axiscal.present.answer import AnswerDocument, Outcome
 from axiscal.present.curves import constant_figures, curve_figures
 from axiscal.present.rendering import pdf
 from axiscal.present.result import AgreementFigures, ConstantFigures, HistoryRow, Result, ResultWords, SetupUse
@@ -28,6 +29,7 @@ from axiscal_core.units import like
 
 UNITS = {"m": "um", "rad": "urad"}
 """In which a deviation is shown."""
+_Document = TypeVar("_Document", bound=AnswerDocument)
 _LARGER, _FAR_LARGER = 1.5, 6.0
 """From the first on a size is called larger than stated, for a dozen readings say little of less; then a mistake."""
 
@@ -57,11 +59,12 @@ def result_of(known: Known, title: str) -> Result:
     machine, now, before = known.case.machine, known.normal, known.case.prior
     drawn = [(term, machine.axes[term.axis]) for term in machine.curves if term.spline.size > 1]
     first, no_row = [said(WORDS["verdicts"]["measured"])], dict[str, str]()
-    return Result.model_construct(
+    return _part(
+        Result,
         machine=title,
         identity={"begun": datetime.now(UTC).date().isoformat()},
-        agreement=AgreementFigures.model_construct(contradict=False, text=""),
-        answer=Outcome.model_construct(verdict="measured"),
+        agreement=_part(AgreementFigures, contradict=False, text=""),
+        answer=_part(Outcome, verdict="measured"),
         words=ResultWords(first=first, rows=_figures(known), sentences=[*_sentences(known)], names=no_row),
         setups=[*_instruments(known)],
         errors={
@@ -71,6 +74,11 @@ def result_of(known: Known, title: str) -> Result:
         history=[] if known.readings is None else [*_history(known, known.readings)],
         versions={"axiscal": __version__},
     )
+
+
+def _part(of: type[_Document], **own: Any) -> _Document:
+    """Return a document of which nobody here knows the rest."""
+    return cast("_Document", of.model_construct(**own))
 
 
 def _figures(known: Known) -> list[list[str]]:
@@ -152,7 +160,8 @@ def _history(known: Known, readings: Readings) -> Iterator[HistoryRow]:
         units = [UNITS[unit] for unit in case.instruments[case.setups.index(name)].units]
         value, *others = (to_unit(x, unit) for x, unit in zip(shown_by[of == i].tolist(), units, strict=True))
         came = (f"{a.name}{'+' if side > 0 else '-'}" for a, side in zip(axes, places.sides[i], strict=True) if side)
-        yield HistoryRow.model_construct(
+        yield _part(
+            HistoryRow,
             reading=i + 1,
             setup=name,
             position={a.name: to_unit(x, a.unit) for a, x in zip(axes, pose.tolist(), strict=True)},
