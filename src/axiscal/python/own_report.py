@@ -121,7 +121,8 @@ def _constants(known: Known) -> Iterator[tuple[str, ConstantFigures]]:
 def _columns(known: Known) -> Iterator[tuple[str, str | None]]:
     """Give the name of each unknown and its unit: "" of a basis of one's own, which does not say, None on a curve."""
     for part in known.case.machine.parts:
-        count, basis, unit = part.columns.stop - part.columns.start, getattr(part, "basis", None), ""
+        unit: str | None = ""
+        count, basis = part.columns.stop - part.columns.start, getattr(part, "basis", None)
         if isinstance(part, Term):
             unit = None if part.spline.size > 1 else "rad" if part.angular else "m"
         elif isinstance(basis, Offset):
