@@ -6,13 +6,24 @@ import math
 import tomllib
 from collections.abc import Mapping
 from itertools import combinations, product
-from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
-from axiscal.description.fields import Cone, Direction, Ends, Name, Placed, Printable, Scale, Span, Spot, Turned
+from axiscal.description.fields import (
+    Cone,
+    Direction,
+    Ends,
+    Name,
+    Placed,
+    Printable,
+    Scale,
+    Span,
+    Spot,
+    Turned,
+    refuse_same_name,
+)
 from axiscal.document import Document, Length, shown
 from axiscal.document.toml_table import Table
 from axiscal.document.validation import Beside, EachAs, ReadAs
@@ -134,14 +145,8 @@ class ArtefactTable(Table):
 
 def read_artefacts(tables: list[ArtefactTable], document: Document) -> Mapping[str, Artefact]:
     """Return the artefacts by name; raises DescriptionError at the line that is wrong."""
-    found: dict[str, Artefact] = {}
-    for number, table in enumerate(tables):
-        if table.name in found:
-            what = 'two artefacts are called "{artefact}"'
-            fault = DescriptionError(what, "Give each a name of its own", artefact=table.name)
-            raise document.fault(fault, "artefacts", number, "name")
-        found[table.name] = table.artefact()
-    return MappingProxyType(found)
+    refuse_same_name([table.name for table in tables], document, "artefacts", 'two artefacts are called "{name}"')
+    return {table.name: table.artefact() for table in tables}
 
 
 def unused_artefacts(text: str) -> str | None:

@@ -207,6 +207,14 @@ Warm = Annotated[float, QuantityOf("temperature", *WARM)]
 """What keys may say, in SI, with their bounds."""
 
 
+def refuse_same_name(names: Sequence[str], document: Document, key: str, what: str) -> None:
+    """Raise DescriptionError at the second table of a name.  key : of the tables; what : is wrong then"""
+    for number, name in enumerate(names):
+        if name in names[:number]:
+            fault = DescriptionError(what, "Give each a name of its own", name=name)
+            raise document.fault(fault, key, number, "name")
+
+
 def nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
     """Return where the nodes of a map lie along an axis; raises DescriptionError or UnitError."""
     if len(given) == 3 and isinstance(given[2], int) and given[2] > 1:
