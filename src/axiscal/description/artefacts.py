@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from axiscal.description.fields import (
+    AS_TUPLE,
     Cone,
     Direction,
     Ends,
@@ -70,17 +71,16 @@ class GridTable(Table):
     """grid: balls of a plate, in rows and columns."""
 
     origin: Spot = Field(examples=['["0 mm", "0 mm", "50 mm"]'])
-    count: list[int] = Field(examples=["[5, 5]"])
-    pitch: list[Length] = Field(examples=['["80 mm", "80 mm"]'])
-    along: list[Direction] = Field(default=[(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)], examples=['["x", "y"]'])
+    count: Annotated[tuple[int, int], AS_TUPLE] = Field(examples=["[5, 5]"])
+    pitch: Annotated[tuple[Length, Length], AS_TUPLE] = Field(examples=['["80 mm", "80 mm"]'])
+    along: Annotated[tuple[Direction, Direction], AS_TUPLE] = Field(
+        default=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), examples=['["x", "y"]']
+    )
 
 
 def _grid(grid: GridTable, known: Beside) -> tuple[Ball, ...]:
     if known.data.get("balls"):
         raise DescriptionError("balls and grid exclude one another", "Give one of them")
-    if len(grid.count) != 2 or len(grid.pitch) != 2 or len(grid.along) != 2:
-        remedy = 'Write count = [5, 5], pitch = ["80 mm", "80 mm"], along = ["x", "y"]'
-        raise DescriptionError("a grid has two directions", remedy)
     if min(grid.count) < 2 or grid.count[0] * grid.count[1] > MOST_BALLS:
         what = "a grid of {rows} by {columns} balls"
         remedy = "Give 2 to {most} balls in rows of 2 and more, or a row as balls"

@@ -263,19 +263,8 @@ def _part(given: Mapping[str, Any], known: Beside) -> PartVolume:
     return PartVolume((given.get("x", width), given.get("y", width), given["z"]), radius, turns)
 
 
-def _readings(number: int) -> int:
-    if number <= 0:
-        raise DescriptionError("{text} is not above zero", "Give something such as readings = 40", text=number)
-    if number > MOST_READINGS:
-        remedy = "Give at most {most}"
-        raise DescriptionError("{text} readings are too many", remedy, text=shown(number), most=MOST_READINGS)
-    return number
-
-
 def _checks(checks: int, known: Beside) -> int:
     readings, remedy = known.data.get("readings"), "Leave checks out for the usual number"
-    if checks < 0:
-        raise DescriptionError("{text} is below zero", remedy, text=checks)
     if readings is not None and checks >= readings:
         what = "{checks} checks leave none of {readings} readings to plan"
         raise DescriptionError(what, remedy, checks=checks, readings=readings)
@@ -315,8 +304,8 @@ class TargetTable(Table):
         (), examples=['["positioning X 5 um", "backlash X", "volume 20 um"]']
     )
     U: Annotated[float, ReadAs(Wanted, _expanded, by=True)] | None = Field(None, examples=['"12 um"'])
-    readings: Annotated[int, ReadAs(int, _readings)] | None = Field(None, examples=["40"])
-    checks: Annotated[int, ReadAs(int, _checks, by=True)] | None = Field(None, examples=["5"])
+    readings: int | None = Field(None, gt=0, le=MOST_READINGS, examples=["40"])
+    checks: Annotated[int, ReadAs(Annotated[int, Field(ge=0)], _checks, by=True)] | None = Field(None, examples=["5"])
     budget: Duration | None = Field(None, examples=['"90 min"'])
     volume: Spans = Field(default={}, examples=['{ X = ["50 mm", "550 mm"] }'])
     part: Annotated[PartVolume, ReadAs(Annotated[dict[str, Size], EachAs(_SIZES, _size)], _part, by=True)] | None = (
