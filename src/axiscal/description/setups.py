@@ -31,7 +31,7 @@ from axiscal.measurement.instruments.displacement import (
     Probe,
     Straightedge,
 )
-from axiscal.measurement.instruments.distance import Tracker, of_each
+from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.setup import SQUARE, Nodes, Setup, Unknown, Vector
 from axiscal.units import format_quantity, to_unit
@@ -124,10 +124,9 @@ class _Reader(SiteReader):
             setup = self._on_square(setup)
         setup = seen(self, setup) if setup.chart is None else self._charted(setup)
         if kind.site in ("sight", "bar") and not setup.standing:
-            what = "it is not said where {thing} is"
+            what = 'it is not said where the station of "{setup}" is'
             remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
-            thing = "the tracker" if kind is Tracker else "the {instrument}'s other end"
-            raise self.misstated("instrument", what, remedy, thing=said(thing, instrument=kind.instrument))
+            raise self.misstated("instrument", what, remedy, setup=setup.name)
         with self.at_key("instrument" if setup.base is None else "base"):
             setup.check()
             if isinstance(setup, Foreign):

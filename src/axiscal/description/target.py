@@ -101,7 +101,10 @@ def _want(_: int, text: str, given: Beside) -> Want:
     if name is None:
         word = re.split(r"\s[+-]?[0-9.]", plain)[0]
         near = nearest(word, known)
-        remedy = said("Perhaps {word} is meant", word=f'"{known[near].name}"') if near else _examples(known)
+        firsts = {row.kind: f'"{row.name}"' for row in reversed(known.values())}
+        named = ", ".join(reversed(firsts.values()))
+        remedy = said("Ask for rows such as {names}, each with a limit or without", names=named)
+        remedy = said("Perhaps {word} is meant", word=f'"{known[near].name}"') if near else remedy
         raise DescriptionError("{text} is no row of an answer for this machine", remedy, text=shown(text))
     row, rest = known[name], " ".join(text.split())[len(name) :].strip()
     return Want(row, within(rest, dimension(row, given.context.machine), FINEST) if rest else None)
@@ -113,14 +116,6 @@ def _once(wants: list[Want]) -> tuple[Want, ...]:
         if rows.count(row) > 1:
             raise DescriptionError("{row} is asked for twice", "Ask for it once", row=shown(row.name))
     return tuple(wants)
-
-
-def _examples(known: Mapping[str, RowName]) -> str:
-    firsts = dict[Kind, str]()
-    for row in known.values():
-        firsts.setdefault(row.kind, row.name)
-    names = ", ".join(f'"{name}"' for name in firsts.values())
-    return said("Ask for rows such as {names}, each with a limit or without", names=names)
 
 
 Criterion = Literal["volume", "rows", "joint", "worst"]

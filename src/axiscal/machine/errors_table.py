@@ -110,7 +110,7 @@ def _smoothness(given: Any) -> float:
 
 
 def _joints(texts: list[str], known: Beside) -> Along:
-    of = next(iter(_ways(known)), "length")
+    of: Dimension = next(iter(_ways(known)), "length")
     return tuple(within(text, of, -_LONGEST, _LONGEST) for text in texts)
 
 
