@@ -6,13 +6,25 @@ import math
 import tomllib
 from collections.abc import Mapping
 from itertools import combinations, product
-from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
-from axiscal.description.fields import Cone, Direction, Ends, Name, Placed, Printable, Scale, Span, Spot, Turned
+from axiscal.description.fields import (
+    AS_TUPLE,
+    Cone,
+    Direction,
+    Ends,
+    Name,
+    Placed,
+    Printable,
+    Scale,
+    Span,
+    Spot,
+    Turned,
+    refuse_same_name,
+)
 from axiscal.document import Document, Length, shown
 from axiscal.document.toml_table import Table
 from axiscal.document.validation import Beside, EachAs, ReadAs
@@ -59,17 +71,16 @@ class GridTable(Table):
     """grid: balls of a plate, in rows and columns."""
 
     origin: Spot = Field(examples=['["0 mm", "0 mm", "50 mm"]'])
-    count: list[int] = Field(examples=["[5, 5]"])
-    pitch: list[Length] = Field(examples=['["80 mm", "80 mm"]'])
-    along: list[Direction] = Field(default=[(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)], examples=['["x", "y"]'])
+    count: Annotated[tuple[int, int], AS_TUPLE] = Field(examples=["[5, 5]"])
+    pitch: Annotated[tuple[Length, Length], AS_TUPLE] = Field(examples=['["80 mm", "80 mm"]'])
+    along: Annotated[tuple[Direction, Direction], AS_TUPLE] = Field(
+        default=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), examples=['["x", "y"]']
+    )
 
 
 def _grid(grid: GridTable, known: Beside) -> tuple[Ball, ...]:
     if known.data.get("balls"):
         raise DescriptionError("balls and grid exclude one another", "Give one of them")
-    if len(grid.count) != 2 or len(grid.pitch) != 2 or len(grid.along) != 2:
-        remedy = 'Write count = [5, 5], pitch = ["80 mm", "80 mm"], along = ["x", "y"]'
-        raise DescriptionError("a grid has two directions", remedy)
     if min(grid.count) < 2 or grid.count[0] * grid.count[1] > MOST_BALLS:
         what = "a grid of {rows} by {columns} balls"
         remedy = "Give 2 to {most} balls in rows of 2 and more, or a row as balls"
@@ -134,14 +145,8 @@ class ArtefactTable(Table):
 
 def read_artefacts(tables: list[ArtefactTable], document: Document) -> Mapping[str, Artefact]:
     """Return the artefacts by name; raises DescriptionError at the line that is wrong."""
-    found: dict[str, Artefact] = {}
-    for number, table in enumerate(tables):
-        if table.name in found:
-            what = 'two artefacts are called "{artefact}"'
-            fault = DescriptionError(what, "Give each a name of its own", artefact=table.name)
-            raise document.fault(fault, "artefacts", number, "name")
-        found[table.name] = table.artefact()
-    return MappingProxyType(found)
+    refuse_same_name([table.name for table in tables], document, "artefacts", 'two artefacts are called "{name}"')
+    return {table.name: table.artefact() for table in tables}
 
 
 def unused_artefacts(text: str) -> str | None:

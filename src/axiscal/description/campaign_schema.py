@@ -10,6 +10,7 @@ from pydantic import Field
 
 from axiscal.description.artefacts import ArtefactTable
 from axiscal.description.fields import (
+    AS_TUPLE,
     Active,
     Bar,
     Base,
@@ -76,15 +77,12 @@ def stated_drift(text: str, kind: type[Setup]) -> float:
 
 def _type_b(name: str, text: str, known: Beside) -> float:
     """Return the size of a cause that no reading shows."""
-    instrument = known.data.get("instrument")
-    rows = () if instrument is None else instrument.type_b
-    causes = {row.name: row for row in rows if row.name not in ("temperature", "expansion")}  # which have keys
+    if (kind := known.data.get("instrument")) is None:
+        return 0.0
+    causes = {row.name: row for row in kind.type_b if row.name not in ("temperature", "expansion")}  # which have keys
     if name not in causes:
-        what, named = (
-            "{name} is not known of an instrument such as this {instrument}",
-            getattr(instrument, "instrument", ""),
-        )
-        raise DescriptionError(what, meant(name, causes), name=shown(name), instrument=named)
+        what = "{name} is not known of an instrument such as this {instrument}"
+        raise DescriptionError(what, meant(name, causes), name=shown(name), instrument=kind.instrument)
     return within(text, dimension_of(causes[name].unit), 0.0)
 
 
@@ -134,13 +132,9 @@ def _stations(said: Sequence[Vector], known: Beside) -> tuple[Vector, ...]:
     if known.data.get("station") is not None:
         what = "it is said twice where it stands"
         raise DescriptionError(what, "Keep station for one tracer, stations for those that read at once")
-    if not 2 <= len(said) <= MOST:
-        what = "{count} stations cannot be read at once here"
-        what = what if len(said) != 1 else "{count} station cannot be read at once here"
+    if not 2 <= len(set(said)) == len(said) <= MOST:
         remedy = "Name two to {most}; one alone is station, more are set-ups of their own"
-        raise DescriptionError(what, remedy, count=len(said), most=MOST)
-    if len(set(said)) < len(said):
-        raise DescriptionError("two of the stations are the same place", "Give each tracer its own")
+        raise DescriptionError("these are not two or more different places", remedy, most=MOST)
     return tuple(said)
 
 
@@ -194,15 +188,15 @@ class SetupTable(Table):
     turn: Turn | None = Field(None, examples=['"90 deg"'])
     mounted: int = Field(1, ge=1, examples=["2"])
     reach: Spans = Field(default={}, examples=['{ X = ["150 mm", "450 mm"] }'])
-    map: Annotated[dict[str, Nodes], EachAs(dict[str, list[str | int]], nodes)] = Field(
-        default={}, examples=['{ X = ["20 mm", "280 mm", 5], Y = ["20 mm", "280 mm", 5] }']
-    )
-    along: Annotated[tuple[Vector, Vector], ReadAs(list[Spot], line_ends)] | None = Field(
+    map: Annotated[
+        dict[str, Nodes], EachAs(dict[str, Annotated[tuple[QuantityText, QuantityText, int], AS_TUPLE]], nodes)
+    ] = Field(default={}, examples=['{ X = ["20 mm", "280 mm", 5], Y = ["20 mm", "280 mm", 5] }'])
+    along: Annotated[tuple[Vector, Vector], ReadAs(Annotated[tuple[Spot, Spot], AS_TUPLE], line_ends)] | None = Field(
         None, examples=['[["0 mm", "0 mm", "0 mm"], […]]']
     )
     length: Bar | None = Field(None, examples=['"150 mm"'])
-    lengths: dict[str, Annotated[tuple[Vector, Vector], ReadAs(list[Spot], line_ends)]] = Field(
-        default={}, examples=['{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }']
+    lengths: dict[str, Annotated[tuple[Vector, Vector], ReadAs(Annotated[tuple[Spot, Spot], AS_TUPLE], line_ends)]] = (
+        Field(default={}, examples=['{ low = [["0 mm", "0 mm", "0 mm"], ["100 mm", "0 mm", "0 mm"]] }'])
     )
     stroke: Annotated[float, ReadAs(Length, _stroke, by=True)] | None = Field(None, examples=['"1 mm"'])
     plane: Annotated[tuple[Vector, Vector], ReadAs(str | list[str | list[float | int]], plane_ways)] | None = Field(

@@ -8,8 +8,9 @@ from collections.abc import Callable, Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from pydantic import Strict
 
-from axiscal.document import Document, QuantityText, meant, shown
+from axiscal.document import Document, Length, QuantityText, meant, shown
 from axiscal.document.ports import names
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
@@ -58,15 +59,6 @@ def unit_vector(value: str | Sequence[float]) -> Vector:
     return x, y, z
 
 
-def spot(given: Sequence[str]) -> Vector:
-    """Return a place, m; raises DescriptionError or UnitError."""
-    if len(given) != 3:
-        remedy = 'Give three lengths such as ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
-        raise DescriptionError("{text} is not a place", remedy, text=shown(list(given)))
-    x, y, z = (parse_quantity(text, "length") for text in given)
-    return x, y, z
-
-
 def two_ends(given: Sequence[str], read: Callable[[str], float]) -> Ends:
     """Return two ends that increase; raises DescriptionError, and what reading one does."""
     ends = [read(text) for text in given]
@@ -81,14 +73,11 @@ def span(given: Sequence[str]) -> Ends:
     return two_ends(given, lambda text: parse_quantity(text, "length"))
 
 
-def line_ends(ends: Sequence[Vector]) -> tuple[Vector, Vector]:
+def line_ends(ends: tuple[Vector, Vector]) -> tuple[Vector, Vector]:
     """Return both ends of a line, m; raises DescriptionError."""
-    if len(ends) != 2:
-        remedy = 'Give two places such as [["-300 mm", "-250 mm", "0 mm"], ["300 mm", "250 mm", "500 mm"]]'
-        raise DescriptionError("a line has two ends, and here are {count}", remedy, count=len(ends))
     if math.dist(*ends) < _SHORTEST:
         raise DescriptionError("the ends of the line are one place", "Give two places that are apart")
-    return ends[0], ends[1]
+    return ends
 
 
 def arc_ends(given: Sequence[str]) -> Ends:
@@ -113,7 +102,10 @@ def plane_ways(given: str | Sequence[str | Sequence[float]]) -> tuple[Vector, Ve
     return (x, y, z), (u, v, w)
 
 
-Spot = Annotated[Vector, ReadAs(list[QuantityText], spot)]
+AS_TUPLE = Strict(False)
+"""Marks a tuple: files have lists."""
+Spot = Annotated[tuple[Length, Length, Length], AS_TUPLE]
+"""A place, m."""
 Span = Annotated[Ends, ReadAs(list[QuantityText], span)]
 Direction = Annotated[Vector, ReadAs(str | list[float | int], unit_vector)]
 
@@ -207,14 +199,21 @@ Warm = Annotated[float, QuantityOf("temperature", *WARM)]
 """What keys may say, in SI, with their bounds."""
 
 
-def nodes(name: str, given: Sequence[str | int], known: Beside) -> Nodes:
+def refuse_same_name(names: Sequence[str], document: Document, key: str, what: str) -> None:
+    """Raise DescriptionError at the second table of a name.  key : of the tables; what : is wrong then"""
+    for number, name in enumerate(names):
+        if name in names[:number]:
+            fault = DescriptionError(what, "Give each a name of its own", name=name)
+            raise document.fault(fault, key, number, "name")
+
+
+def nodes(name: str, given: tuple[str, str, int], known: Beside) -> Nodes:
     """Return where the nodes of a map lie along an axis; raises DescriptionError or UnitError."""
-    if len(given) == 3 and isinstance(given[2], int) and given[2] > 1:
-        low, high = (coordinate(str(end), known.context.machine.axis(name)) for end in given[:2])
-        if low < high:
-            return low, high, given[2]
-    remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
-    raise DescriptionError("{text} is no side of a map", remedy, text=shown(list(given)))
+    low, high = ends_on(given[:2], known.context.machine.axis(name))
+    if given[2] < 2:
+        remedy = 'Write the first node, the last, and how many: ["20 mm", "280 mm", 5]'
+        raise DescriptionError("{text} is no side of a map", remedy, text=shown([*given]))
+    return low, high, given[2]
 
 
 CONTROLS = "axiscal.exporters"

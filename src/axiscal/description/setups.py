@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.fields import WAYS
+from axiscal.description.fields import WAYS, refuse_same_name
 from axiscal.description.sights import (
     lack_of,
-    refuse_both,
-    refuse_of_length,
     refuse_short_stroke,
     refuse_stray_keys,
     refuse_unreachable,
@@ -19,7 +18,7 @@ from axiscal.description.sights import (
 )
 from axiscal.description.sites import STROKE, SiteReader, Surroundings
 from axiscal.description.stated_type_b import with_drift, with_material
-from axiscal.document import Document, meant, shown
+from axiscal.document import meant, shown
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.language.spoken import joined, said
@@ -32,7 +31,7 @@ from axiscal.measurement.instruments.displacement import (
     Probe,
     Straightedge,
 )
-from axiscal.measurement.instruments.distance import Tracker, of_each
+from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.written import Foreign
 from axiscal.measurement.setup import SQUARE, Nodes, Setup, Unknown, Vector
 from axiscal.units import format_quantity, to_unit
@@ -54,44 +53,34 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
             stated = Stated(document, table, ("setups", number))
             if table.choose_from is not None:
                 _refuse_choice(stated, table.choose_from)
-            refuse_both(stated)
-            refuse_of_length(stated)
             if around.anew:
                 refuse_stray_keys(stated)
-            printed = around.printer and table.instrument is Probe
-            kind = PrinterProbe if printed else table.instrument
-            halved = table.lengths and not around.whole_lengths
-            kind, each_one = (HalvedLength, _halved(table)) if halved else (kind, each_alone(table))
-            setups += [_Reader(document, each, stated.keys, around, kind).setup() for each in each_one]
+            halved = bool(table.lengths) and not around.whole_lengths
+            kind = PrinterProbe if around.printer and table.instrument is Probe else table.instrument
+            kind = HalvedLength if halved else kind
+            for each in each_alone(table, halved):
+                setups.append(_Reader(document, each, stated.keys, around, kind).setup())
     with faults.noted():
-        _refuse_same_name(setups, document)
+        refuse_same_name([setup.name for setup in setups], document, "setups", 'two set-ups are called "{name}"')
     faults.refuse()
     return tuple(setups)
 
 
-def each_alone(table: SetupTable) -> list[SetupTable]:
+def each_alone(table: SetupTable, halved: bool = False) -> list[SetupTable]:
     """Return a set-up at each place from which a plan may choose, called by it, in mm, or for each length; else itself.
 
-    A length is one reading, at its second end.
+    A length is one reading, at its second end; halved, as records of before have it, one at each end, with its part of
+    the noise.
     """
-    if table.lengths:
-        named = ((f"{table.name} {name}", ends) for name, ends in table.lengths.items())
-        return [table.model_copy(update={"lengths": {}, "name": name, "along": ends}) for name, ends in named]
-    if table.choose_from is None:
-        return [table]
-    key, tables = "station" if table.artefact is None else "at", list[SetupTable]()
-    for number, place in enumerate(table.choose_from):
+    key, noise = "station" if table.artefact is None else "at", table.noise or table.instrument.usual.noise
+    each = list[dict[str, Any]]()
+    for name, ends in table.lengths.items():
+        part = {"noise": noise / math.sqrt(2.0), "raster": {"along": math.dist(*ends)}} if halved else {}
+        each.append({"name": f"{table.name} {name}", "lengths": {}, "along": ends, **part})
+    for number, place in enumerate(table.choose_from or ()):
         where = ", ".join(f"{to_unit(value, 'mm'):g}" for value in place)
-        name = f"{table.name} at {where}"
-        tables.append(table.model_copy(update={"name": name, key: place, "mounted": table.mounted + number}))
-    return tables
-
-
-def _halved(table: SetupTable) -> list[SetupTable]:
-    """Return a set-up for each length as records of before read it: at both ends, each with its part of the noise."""
-    noise = (table.instrument.usual.noise if table.noise is None else table.noise) / math.sqrt(2.0)
-    steps = ((each, {"along": math.dist(*each.along)}) for each in each_alone(table) if each.along)
-    return [each.model_copy(update={"noise": noise, "raster": raster}) for each, raster in steps]
+        each.append({"name": f"{table.name} at {where}", key: place, "mounted": table.mounted + number})
+    return [table.model_copy(update=update) for update in each] or [table]
 
 
 def _refuse_choice(stated: Stated[SetupTable], places: Sequence[Vector]) -> None:
@@ -109,20 +98,11 @@ def _refuse_choice(stated: Stated[SetupTable], places: Sequence[Vector]) -> None
             raise DescriptionError("these are not two or more different places", "Name each place once")
 
 
-def _refuse_same_name(setups: Sequence[Setup], document: Document) -> None:
-    seen: set[str] = set()
-    for number, setup in enumerate(setups):
-        if setup.name in seen:
-            what, remedy = 'two set-ups are called "{setup}"', "Give each a name of its own"
-            raise document.fault(DescriptionError(what, remedy, setup=setup.name), "setups", number, "name")
-        seen.add(setup.name)
-
-
 class _Reader(SiteReader):
     """Reads one table."""
 
     def setup(self) -> Setup:
-        table, machine, kind = self.table, self.around.machine, self.kind
+        table, kind = self.table, self.kind
         setup = self.sited()
         with self.at_key("direction"):
             self._refuse_direction(setup)
@@ -142,18 +122,17 @@ class _Reader(SiteReader):
         setup = with_material(self, setup)
         if kind is Straightedge and table.artefact is not None:
             setup = self._on_square(setup)
-        setup = seen(self, machine, setup) if setup.chart is None else self._charted(setup)
+        setup = seen(self, setup) if setup.chart is None else self._charted(setup)
         if kind.site in ("sight", "bar") and not setup.standing:
-            what = "it is not said where {thing} is"
+            what = 'it is not said where the station of "{setup}" is'
             remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
-            thing = "the tracker" if kind is Tracker else "the {instrument}'s other end"
-            raise self.misstated("instrument", what, remedy, thing=said(thing, instrument=kind.instrument))
+            raise self.misstated("instrument", what, remedy, setup=setup.name)
         with self.at_key("instrument" if setup.base is None else "base"):
             setup.check()
             if isinstance(setup, Foreign):
                 setup = replace(setup, curved=setup.curved_by())
-        lack = lack_of(setup, machine, table.reach, table.moves is not None)
-        if lack is not None and self.around.asking:
+        lack = lack_of(setup, table)
+        if lack is not None and (self.around.asking or kind.site == "length"):
             raise self.misstated("instrument", *lack)
         return replace(setup, lacks=lack)
 
@@ -161,11 +140,11 @@ class _Reader(SiteReader):
         """Return a set-up that has a chart, with the stroke of what is held in touch."""
         stroke = STROKE if self.table.stroke is None else self.table.stroke
         with self.at_key("artefact" if setup.artefact else "length" if setup.length else "along"):
-            refuse_unreachable(self.around.machine, setup)
+            refuse_unreachable(setup)
         if setup.contact != "held":
             return setup
         with self.at_key("length" if setup.length else "instrument"):
-            refuse_short_stroke(self.around.machine, setup, stroke)
+            refuse_short_stroke(setup, stroke)
         return replace(setup, stroke=stroke)
 
     def _refuse_direction(self, setup: Setup) -> None:
@@ -173,16 +152,16 @@ class _Reader(SiteReader):
         given, lined = self.table.direction, isinstance(setup.chart, Line)
         if lined and given is not None and self.kind is Interferometer:
             raise DescriptionError("the direction of a laser along a line is that of the line", "Take direction out")
-        if self.kind.directed and given is None and not lined:
+        if self.kind.directed and given is None and not lined and self.kind.site != "length":
             what = '"direction" is missing: the {instrument} reads in one direction'
             raise DescriptionError(what, WAYS, instrument=self.kind.instrument)
 
     def _reach(self, moves: tuple[int, ...]) -> tuple[tuple[float, float], ...]:
-        spans = [axis.travel for axis in self.around.machine.axes]
+        spans = [axis.travel for axis in self.machine.axes]
         for name, (low, high) in self.table.reach.items():
             with self.at_key("reach", name):
                 index = self._moving(name, moves, "{axis} has a reach, but does not move in this set-up")
-                if high - low < _SHORTEST_REACH * self.around.machine.axes[index].overrun:
+                if high - low < _SHORTEST_REACH * self.machine.axes[index].overrun:
                     raise DescriptionError("{text} is too short", "Give ends farther apart", text=name)
                 spans[index] = low, high
         return tuple(spans)
@@ -199,81 +178,48 @@ class _Reader(SiteReader):
 
     def _moving(self, name: str, moves: tuple[int, ...], what: str) -> int:
         """Return the index of an axis that moves; raises DescriptionError for another.  what : is wrong then"""
-        index = self.around.machine.index(name)
+        index = self.machine.index(name)
         if index not in moves:
             raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=name)
         return index
 
     def _raster(self, setup: Setup) -> tuple[float, ...]:
         """Return the steps of the axes; those of a chart are its own."""
-        steps, margin = [0.0] * len(self.around.machine.axes), (setup.base or 0.0) / 2
-        for name, step in self.table.raster.items():
+        steps, margin, table = [0.0] * len(self.machine.axes), (setup.base or 0.0) / 2, self.table
+        along = ["along"] if table.along else ["azimuth", "elevation"] if table.length else []
+        turning = [self.machine.axes[k].name for k in setup.moves if self.machine.axes[k].rotary]
+        known = ["arc"] if table.plane else along + turning
+        for name, step in table.raster.items():
             with self.at_key("raster", name):
-                if setup.chart is not None:
-                    self._refuse_no_coordinate(name, setup)
-                    continue
-                index = self._moving(name, setup.moves, "{axis} has a raster, but does not move in this set-up")
-                _refuse_no_multiple(step, self.around.machine.axes[index], self.table.reach.get(name), margin)
-                steps[index] = step
+                if setup.chart is None:
+                    index = self._moving(name, setup.moves, "{axis} has a raster, but does not move in this set-up")
+                    _refuse_no_multiple(step, self.machine.axes[index], table.reach.get(name), margin)
+                    steps[index] = step
+                elif self.around.anew and name not in known:
+                    what, remedy = "{axis} has a raster, and readings of this set-up go along {known}", "Take it out"
+                    raise DescriptionError(what, remedy, axis=name, known=joined(known) or said("no axis"))
         return tuple(steps)
 
-    def _refuse_no_coordinate(self, name: str, setup: Setup) -> None:
-        """Raise DescriptionError for a step along what is no coordinate of a chart."""
-        table, axes = self.table, [self.around.machine.axes[k] for k in setup.moves]
-        known = ["along"] if table.along else ["azimuth", "elevation"] if table.length else []
-        known = ["arc"] if table.plane else known + [axis.name for axis in axes if axis.rotary]
-        if self.around.anew and name not in known:
-            what, remedy = "{axis} has a raster, and readings of this set-up go along {known}", "Take it out here"
-            raise DescriptionError(what, remedy, axis=name, known=joined(known) or said("no axis"))
-
     def _unknowns(self, setup: Setup) -> tuple[Unknown, ...]:
-        given, moves, kind = self.table.unknowns, setup.moves, self.kind
-        if setup.unknowns:
-            return setup.unknowns if given is None else self._chosen(given, setup.unknowns)
-        if given is None:
-            turns = any(self.around.machine.axes[index].rotary for index in moves)
-            unknowns = tuple(unknown for unknown in kind.usual.unknowns if turns or unknown.name not in TOOL)
-        else:
-            unknowns = tuple(self._unknown(name, std) for name, std in given.items())
-        if kind.directed and "slope" in (unknown.name for unknown in unknowns):
-            with self.at_key(*(["moves"] if given is None else ["unknowns", "slope"])):
-                self._refuse_slope(moves, given is None)
-        return unknowns
-
-    def _chosen(self, given: Mapping[str, float], placed: Sequence[Unknown]) -> tuple[Unknown, ...]:
-        """Return those of the unknowns of its place that are named, with their std as given; whose they are stays."""
-        known = {unknown.name: unknown for unknown in placed}
-        for name in given:
-            if name not in known:
-                what, remedy = "{name} is not an unknown of this {instrument}", "Known are {known}"
-                told = {"name": shown(name), "instrument": self.kind.instrument, "known": ", ".join(known)}
-                raise self.misstated(("unknowns", name), what, remedy, **told)
-        return tuple(replace(known[name], std=std) for name, std in given.items())
-
-    def _unknown(self, name: str, std: float) -> Unknown:
-        kind, kinds = self.kind, self.kind.unknown_reads
-        if name not in kinds and not (name == "slope" and kind.reads == "angle"):  # refused for its own reason
-            what = "{name} is not an unknown of a set-up with a {instrument}"
-            length = kind.site == "length" and name == "zero"
-            remedy = "Take it out: a length is the difference of two places" if length else meant(name, kinds)
-            raise self.misstated(("unknowns", name), what, remedy, name=shown(name), instrument=kind.instrument)
-        return Unknown(name, std)
-
-    def _refuse_slope(self, moves: tuple[int, ...], by_default: bool) -> None:
-        kind = self.kind
-        if kind.reads == "angle":
-            what = "an unknown slope turns the line of a displacement, and the {instrument} reads an angle"
-            raise DescriptionError(what, "Take slope out", instrument=kind.instrument)
-        moving = [self.around.machine.axes[index].name for index in moves if not self.around.machine.axes[index].rotary]
-        if len(moving) != 1:
+        """Return what it leaves open: its own, or what its place does; of these whose they are stays."""
+        given, kind = self.table.unknowns, self.kind
+        turns = any(self.machine.axes[index].rotary for index in setup.moves)
+        own = setup.unknowns or tuple(each for each in kind.usual.unknowns if turns or each.name not in TOOL)
+        if given is not None:
+            placed = {unknown.name: unknown for unknown in setup.unknowns}
+            known = placed or kind.unknown_reads
+            for name in (each for each in given if each not in known):
+                what = "{name} is not an unknown of a set-up with a {instrument}"
+                told = {"name": shown(name), "instrument": kind.instrument}
+                raise self.misstated(("unknowns", name), what, meant(name, known), **told)
+            own = tuple(replace(placed.get(name, Unknown(name, std)), std=std) for name, std in given.items())
+        moving = [self.machine.axes[k].name for k in setup.moves if not self.machine.axes[k].rotary]
+        if any(unknown.name == "slope" for unknown in own) and kind.directed and len(moving) != 1:
             what = "an unknown slope needs exactly one linear axis that moves; here {axes} move"
-            if by_default:
-                what = (
-                    "the {instrument}'s usual unknown slope needs exactly one linear axis that moves; here {axes} move"
-                )
             remedy = 'Name one in moves, such as moves = ["X"], or give unknowns without slope'
-            axes = ", ".join(moving) or said("none")
-            raise DescriptionError(what, remedy, instrument=kind.instrument, axes=axes)
+            axes, where = joined(moving) or said("none"), "moves" if given is None else ("unknowns", "slope")
+            raise self.misstated(where, what, remedy, axes=axes)
+        return own
 
     def _on_square(self, setup: Setup) -> Setup:
         """Return a set-up whose straightedge is a leg of a square: the turn of the square replaces the slope."""
@@ -298,12 +244,8 @@ def _refuse_no_multiple(step: float, axis: Axis, reach: tuple[float, float] | No
     """
     ends = axis.travel if reach is None else reach
     low, high = ends[0] + margin, ends[1] - margin
-    if math.ceil(low / step - 1e-9) * step <= high + 1e-9 * axis.length:
-        return
-    size = format_quantity(step, axis.unit)
-    if reach is not None:
-        what, remedy = "no multiple of {text} lies in the reach of {axis}", "Give a smaller step, or a longer reach"
-        raise DescriptionError(what, remedy, text=size, axis=axis.name)
-    what = "no multiple of {text} lies in the travel of {axis}"
-    remedy = "Give a smaller step; the axis goes from {travel}"
-    raise DescriptionError(what, remedy, text=size, axis=axis.name, travel=travel_text(axis))
+    if math.ceil(low / step - 1e-9) * step > high + 1e-9 * axis.length:
+        what = "no multiple of {text} lies in the travel of {axis}"
+        what = what if reach is None else "no multiple of {text} lies in the reach of {axis}"
+        remedy, travel = "Give a smaller step; the axis goes from {travel}", travel_text(axis)
+        raise DescriptionError(what, remedy, text=format_quantity(step, axis.unit), axis=axis.name, travel=travel)

@@ -12,12 +12,12 @@ import numpy as np
 
 from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.fields import within_travel
-from axiscal.description.sights import reached_arc, refuse_gap
+from axiscal.description.sights import lacking, reached_arc, refuse_gap
 from axiscal.document import Document, shown
 from axiscal.document.quoting import meant
 from axiscal.document.validation import Stated
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import listed, said
+from axiscal.language.spoken import said
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import CONE, Artefact
 from axiscal.measurement.charts.kinds import FINEST_PLACE, Balls, Bar, Circle, Line
@@ -116,43 +116,37 @@ class SiteReader(Stated[SetupTable]):
         return self._standing(moves, self._parked(moves))
 
     def _line(self, ends: tuple[Vector, Vector]) -> Setup:
-        step, park = self._step("along"), self._park()
         overrun = 0.0 if self.kind.site == "length" else self._overrun()  # nobody says how ends of a length are met
         far = math.dist(*ends)
-        along = Coordinate(0.0, far, step, overrun, finest=FINEST_PLACE)
-        line = Line(self._room(None), park, (along,), np.array(ends))
+        along = Coordinate(0.0, far, self._step("along"), overrun, finest=FINEST_PLACE)
+        line = Line(Room.empty(self.machine), self._park(), (along,), np.array(ends))
         poses = line.poses(np.array([[0.0], [far]]))
-        for end, there in enumerate(line.feasible(poses)):
-            if not there:
-                what = "the second end of the line is out of travel"
-                what = what if end else "the first end of the line is out of travel"
-                lacks = lacking(self.machine, poses[end])
-                raise self.misstated("along", what, "Let it end within the travels: {lacking}", lacking=lacks)
+        if len(out := poses[~line.feasible(poses)]):
+            raise self.misstated("along", "an end of the line is out of travel", lacking(line, out))
         placed = {"chart": line, "direction": self.table.direction or tuple(line.direction.tolist())}
         if issubclass(self.kind, Length):
-            placed |= {
-                "chart": replace(line, coordinates=(Coordinate(far, far, far),)),
-                "start": tuple(poses[0].tolist()),
-            }
-        return self._standing(linear_axes(self.machine), park, **placed)
+            second = replace(line, coordinates=(Coordinate(far, far, far),))
+            placed |= {"chart": second, "start": tuple(poses[0].tolist())}
+        return self._standing(linear_axes(self.machine), line.park, **placed)
 
     def _bar(self, length: float) -> Setup:
         centre, owned, artefact, balls = self._centre()
         zero, table = Unknown("zero", OPEN_LENGTH, f"bar of {format_quantity(length, 'mm', 6)}"), self.table
-        where = self._room(artefact), self._park()
-        bar, overrun = (np.array(centre), length, *self._cone(artefact)), self._overrun() / length
+        rates = np.array([table.turning.get(axis.name, 0.0) for axis in self.machine.axes])
+        turning = tuple(np.flatnonzero(rates).tolist()) if table.plane else self._turned_by_moves()
+        where = Room.among(self.machine, artefact), self._park(turning)
+        bar, overrun = (np.array(centre), length, *_free(artefact)), self._overrun() / length
         if table.plane:
-            rates = np.array([table.turning.get(axis.name, 0.0) for axis in self.machine.axes])
-            arc, turning = Coordinate(0.0, math.tau, self._step("arc"), overrun), tuple(np.flatnonzero(rates).tolist())
+            arc = Coordinate(0.0, math.tau, self._step("arc"), overrun)
             chart: Bar = self._on_arc(Circle(*where, (arc,), *bar, plane=np.array(table.plane), rates=rates))
         else:
-            turning, quarter = self._turned_by_moves(), math.pi / 2
+            quarter = math.pi / 2
             azimuth = Coordinate(0.0, math.tau, self._step("azimuth"), overrun, endless=True)
             elevation = Coordinate(-quarter, quarter, self._step("elevation"), overrun)
             chart = Bar(*where, (azimuth, elevation, *self._turns(turning)), *bar, turning)
-        moving = sorted({*linear_axes(self.machine), *turning})
         placed = {"chart": chart, "contact": "held", "unknowns": (zero, *owned, *self.around.tool), "station": centre}
-        return self._standing(moving, self._park(moving), length=length, artefact=artefact, balls=balls, **placed)
+        placed |= {"length": length, "artefact": artefact, "balls": balls}
+        return self._standing(sorted({*linear_axes(self.machine), *turning}), where[1], **placed)
 
     def _centre(self) -> tuple[Vector, tuple[Unknown, ...], Artefact | None, tuple[int, ...]]:
         place = self.table.station
@@ -172,19 +166,16 @@ class SiteReader(Stated[SetupTable]):
         return place, tuple(Unknown(f"station_{axis}", CUP, owner) for axis in "xyz"), None, ()
 
     def _on_arc(self, circle: Circle) -> Circle:
-        if self.table.arc is None:
-            with self.at_key("plane"):
+        """Return a circle over the arc that is stated, else over the longest one that is reached."""
+        asked = self.table.arc
+        with self.at_key("plane" if asked is None else "arc"):
+            if asked is None:
                 return circle.over(*reached_arc(circle, self.table.name))
-        with self.at_key("arc"):
-            circle = circle.over(*self.table.arc)
-            refuse_gap(circle, self.table.name)
-        return circle
+            refuse_gap(circle, asked, self.table.name)
+            return circle.over(*asked)
 
     def _overrun(self) -> float:
         return max(axis.overrun for axis in self.machine.axes if not axis.rotary)
-
-    def _cone(self, artefact: Artefact | None) -> tuple[Array, float]:
-        return (np.array([0.0, 0.0, 1.0]), CONE) if artefact is None else (np.array(artefact.free), artefact.cone)
 
     def _held(self) -> Setup:
         artefact, balls = self._artefact()
@@ -196,19 +187,18 @@ class SiteReader(Stated[SetupTable]):
         turns = self._turns(turning)
         for k, turn in zip(turning, turns, strict=True):
             if turn.step > 0 and len(turn.values) < 2:
-                axis, what = self.machine.axes[k], "a raster of {text} has less than two places on {axis}"
-                remedy, text = (
-                    "Give a smaller step, or leave {axis} out of moves",
-                    format_quantity(turn.step, axis.unit),
-                )
-                raise self.misstated(("raster", axis.name), what, remedy, text=text, axis=axis.name)
+                name, what = self.machine.axes[k].name, "{axis} has less than two places on its raster"
+                raise self.misstated(("raster", name), what, "Give a smaller step, or take it out", axis=name)
         number = (Coordinate(0.0, len(balls) - 1.0, 1.0),) if len(balls) > 1 or not turning else ()
         park, contact = self._park(turning), self.kind.usual.contact
         back = 0.0 if contact == "held" else self.table.retract or RETRACT
         even = self.kind.all_round  # both sides of approach: none is come from
         coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.machine.axes])
-        rooms, spots = tuple(self._room(artefact, ball) for ball in balls), artefact.points[list(balls)]
-        where = rooms[0], park, (*number, *turns), spots, rooms, *self._cone(artefact), turning
+        rooms, spots = (
+            tuple(Room.among(self.machine, artefact, (ball,)) for ball in balls),
+            artefact.points[list(balls)],
+        )
+        where = rooms[0], park, (*number, *turns), spots, rooms, *_free(artefact), turning
         chart, moves = Balls(*where, back, coming, self._touching(artefact)), {*turning, *linear_axes(self.machine)}
         unknowns = (*_unknowns_at(artefact, balls), *self.around.tool)
         placed = {"chart": chart, "contact": contact, "unknowns": unknowns, "artefact": artefact, "balls": balls}
@@ -287,8 +277,10 @@ class SiteReader(Stated[SetupTable]):
     def _step(self, key: str) -> float:
         return self.table.raster.get(key, 0.0)
 
-    def _room(self, artefact: Artefact | None, *touching: int) -> Room:
-        return Room.among(self.machine, artefact, touching)
+
+def _free(artefact: Artefact | None) -> tuple[Array, float]:
+    """Return where balls are free, (3,), and the cone about it, rad; upwards where there is no artefact."""
+    return (np.array([0.0, 0.0, 1.0]), CONE) if artefact is None else (np.array(artefact.free), artefact.cone)
 
 
 def _unknowns_at(artefact: Artefact, balls: tuple[int, ...]) -> tuple[Unknown, ...]:
@@ -300,17 +292,3 @@ def _unknowns_at(artefact: Artefact, balls: tuple[int, ...]) -> tuple[Unknown, .
     whole += [Unknown(f"turn_{axis}", artefact.turned, artefact.standing) for axis in "xyz"]
     whole += [Unknown("scale", artefact.scale, artefact.name)] if artefact.scale > 0 else []
     return (*whole, *(Unknown(f"{ball}_{axis}", artefact.calibrated, artefact.name) for ball, axis in each))
-
-
-def lacking(machine: Machine, pose: Array) -> str:
-    """Say by how much the axes of a pose leave their travels."""
-    lacks = []
-    for axis, at in zip(machine.axes, pose, strict=True):
-        low, high = axis.travel
-        short = max(low - at, at - high)
-        if short > 0:
-            length = format_quantity(short, axis.unit, 3)
-            lacks.append(said("{axis} lacks {length}", axis=axis.name, length=length))
-    if lacks:
-        return listed(", ", lacks)
-    return said("every axis is within its travel, but the tool meets a stem or what is to be kept out")

@@ -101,7 +101,10 @@ def _want(_: int, text: str, given: Beside) -> Want:
     if name is None:
         word = re.split(r"\s[+-]?[0-9.]", plain)[0]
         near = nearest(word, known)
-        remedy = said("Perhaps {word} is meant", word=f'"{known[near].name}"') if near else _examples(known)
+        firsts = {row.kind: f'"{row.name}"' for row in reversed(known.values())}
+        named = ", ".join(reversed(firsts.values()))
+        remedy = said("Ask for rows such as {names}, each with a limit or without", names=named)
+        remedy = said("Perhaps {word} is meant", word=f'"{known[near].name}"') if near else remedy
         raise DescriptionError("{text} is no row of an answer for this machine", remedy, text=shown(text))
     row, rest = known[name], " ".join(text.split())[len(name) :].strip()
     return Want(row, within(rest, dimension(row, given.context.machine), FINEST) if rest else None)
@@ -113,14 +116,6 @@ def _once(wants: list[Want]) -> tuple[Want, ...]:
         if rows.count(row) > 1:
             raise DescriptionError("{row} is asked for twice", "Ask for it once", row=shown(row.name))
     return tuple(wants)
-
-
-def _examples(known: Mapping[str, RowName]) -> str:
-    firsts = dict[Kind, str]()
-    for row in known.values():
-        firsts.setdefault(row.kind, row.name)
-    names = ", ".join(f'"{name}"' for name in firsts.values())
-    return said("Ask for rows such as {names}, each with a limit or without", names=names)
 
 
 Criterion = Literal["volume", "rows", "joint", "worst"]
@@ -263,19 +258,8 @@ def _part(given: Mapping[str, Any], known: Beside) -> PartVolume:
     return PartVolume((given.get("x", width), given.get("y", width), given["z"]), radius, turns)
 
 
-def _readings(number: int) -> int:
-    if number <= 0:
-        raise DescriptionError("{text} is not above zero", "Give something such as readings = 40", text=number)
-    if number > MOST_READINGS:
-        remedy = "Give at most {most}"
-        raise DescriptionError("{text} readings are too many", remedy, text=shown(number), most=MOST_READINGS)
-    return number
-
-
 def _checks(checks: int, known: Beside) -> int:
     readings, remedy = known.data.get("readings"), "Leave checks out for the usual number"
-    if checks < 0:
-        raise DescriptionError("{text} is below zero", remedy, text=checks)
     if readings is not None and checks >= readings:
         what = "{checks} checks leave none of {readings} readings to plan"
         raise DescriptionError(what, remedy, checks=checks, readings=readings)
@@ -315,8 +299,8 @@ class TargetTable(Table):
         (), examples=['["positioning X 5 um", "backlash X", "volume 20 um"]']
     )
     U: Annotated[float, ReadAs(Wanted, _expanded, by=True)] | None = Field(None, examples=['"12 um"'])
-    readings: Annotated[int, ReadAs(int, _readings)] | None = Field(None, examples=["40"])
-    checks: Annotated[int, ReadAs(int, _checks, by=True)] | None = Field(None, examples=["5"])
+    readings: int | None = Field(None, gt=0, le=MOST_READINGS, examples=["40"])
+    checks: Annotated[int, ReadAs(Annotated[int, Field(ge=0)], _checks, by=True)] | None = Field(None, examples=["5"])
     budget: Duration | None = Field(None, examples=['"90 min"'])
     volume: Spans = Field(default={}, examples=['{ X = ["50 mm", "550 mm"] }'])
     part: Annotated[PartVolume, ReadAs(Annotated[dict[str, Size], EachAs(_SIZES, _size)], _part, by=True)] | None = (

@@ -7,7 +7,6 @@ from typing import Literal
 
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import said
 from axiscal_core.errors import COMPONENTS, Error
 
 Shape = Literal["curve", "pitch", "step", "plane"]
@@ -37,7 +36,7 @@ def error_named(text: str) -> Error:
         return Error(f"{found['component']}0{found['axis']}", 0.0)
     if _MOTION.fullmatch(text):
         return Error(text, 0.0, period=1.0 if text.endswith("_pitch") else None)
-    raise DescriptionError("{text} is not the name of an error", _likely(text) or said(_REMEDY), text=shown(text))
+    raise DescriptionError("{text} is not the name of an error", _REMEDY, text=shown(text))
 
 
 def reference_in(text: str) -> str | None:
@@ -50,21 +49,6 @@ def shape_of(error: Error) -> Shape:
     """Return what kind of curve it is."""
     suffix = error.name.partition("_")[2]
     return "plane" if error.sides else "pitch" if suffix == "pitch" else "step" if suffix == "step" else "curve"
-
-
-def _likely(text: str) -> str | None:
-    """Return a hint when only the case, or blanks, stand between the text and a name."""
-    bare = "".join(text.split()).upper()
-    for suffix in ("reversal", "pitch", "step"):
-        bare = bare.replace(f"_{suffix.upper()}", f"_{suffix}").replace(f"-{suffix.upper()}", f"_{suffix}")
-    if bare != text and (_LOCATION.fullmatch(bare) or _MOTION.fullmatch(bare)):
-        return said("Perhaps {word} is meant; names are written in capitals", word=bare)
-    if bare.endswith("_reversal") and _LOCATION.fullmatch(bare.removesuffix("_reversal")):
-        what = (
-            "A location error is a constant and has no reversal value; only component errors such as EXX_reversal have"
-        )
-        return said(what)
-    return None
 
 
 def side_name(component: int, axis: str) -> str:

@@ -81,13 +81,16 @@ def _each(given: Any, known: Beside) -> list[Any]:
     return given if isinstance(given, list) else [given] * count
 
 
+def _ways(known: Beside) -> list[Dimension]:
+    """Return whether the axes of an error turn; of a name that is none nothing."""
+    error = known.data.get("name")
+    return ["angle" if axis[0] in ROTARY_LETTERS else "length" for axis in (error.axes if error else ())]
+
+
 def _along(given: Any, known: Beside) -> Along:
     """Return a length along the axis of an error, or along each of two, m or rad."""
     texts = [quantity_text(text) for text in _each(given, known)]
-    if (error := known.data.get("name")) is None:
-        return ()
-    of: list[Dimension] = ["angle" if axis[0] in ROTARY_LETTERS else "length" for axis in error.axes]
-    return tuple(within(text, each, _SHORTEST, _LONGEST) for text, each in zip(texts, of, strict=True))
+    return tuple(within(text, of, _SHORTEST, _LONGEST) for text, of in zip(texts, _ways(known), strict=False))
 
 
 def _knots(given: Any, known: Beside) -> Along:
@@ -106,18 +109,8 @@ def _smoothness(given: Any) -> float:
     return math.nan if given == AVERAGED else float(given)
 
 
-def _harmonics(count: int) -> int:
-    if not 1 <= count <= MOST_HARMONICS:
-        raise DescriptionError("{text} is not possible", "Write 1 to {most}", text=shown(count), most=MOST_HARMONICS)
-    return count
-
-
 def _joints(texts: list[str], known: Beside) -> Along:
-    if not 1 <= len(texts) <= _MOST_JOINTS:
-        remedy = 'Name 1 to {most} places: at = ["500 mm", "1000 mm"]'
-        raise DescriptionError("it is not said where the pieces of the scale meet", remedy, most=_MOST_JOINTS)
-    error = known.data.get("name")
-    of: Dimension = "angle" if error is not None and error.axis[0] in ROTARY_LETTERS else "length"
+    of: Dimension = next(iter(_ways(known)), "length")
     return tuple(within(text, of, -_LONGEST, _LONGEST) for text in texts)
 
 
@@ -136,9 +129,9 @@ class ErrorTable(Table):
     period: Annotated[Along, ReadAs(Any, _along, by=True)] | None = Field(None, examples=['"5 mm"'])
     smoothness: Annotated[float, ReadAs(Any, _smoothness)] | None = Field(None, examples=["1.5"])
     sure: Sure | None = Field(None, examples=['"well"'])
-    harmonics: Annotated[int, ReadAs(int, _harmonics)] | None = Field(None, examples=["2"])
+    harmonics: int | None = Field(None, ge=1, le=MOST_HARMONICS, examples=["2"])
     at: Annotated[Along, ReadAs(list[QuantityText], _joints, by=True)] | None = Field(
-        None, examples=['["500 mm", "1000 mm"]']
+        None, min_length=1, max_length=_MOST_JOINTS, examples=['["500 mm", "1000 mm"]']
     )
     scale: Annotated[float, QuantityOf("angle", 0.0, _LARGEST_SCALE)] | None = Field(None, examples=['"30 um/m"'])
 
@@ -298,8 +291,7 @@ def _knot_count(table: ErrorTable, axis: Axis, index: int) -> int | None:
         count = 1 + max(FEWEST_INTERVALS, _intervals(axis.length, table.length[index] / parts))
     fewest = FEWEST_CYCLIC_KNOTS if axis.cyclic else 2
     if not fewest <= count <= MOST_KNOTS:
-        what = "{error}: {count:.0f} knots are too few"
-        what = what if count < fewest else "{error}: {count:.0f} knots are too many"
+        what = "{error}: {count:.0f} knots are not possible"
         remedy = "Between {least} and {most} knots are possible; give knots, spacing or length accordingly"
         raise DescriptionError(what, remedy, error=name.name, count=count, least=fewest, most=MOST_KNOTS)
     return int(count)

@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, Strict
 
 from axiscal.document import QuantityText, meant, shown
 from axiscal.document.toml_table import Table
@@ -85,26 +85,24 @@ def _along(linear: Dimension, rotary: Dimension, least: float, most: float) -> R
     return ReadAs(QuantityText, made, by=True)
 
 
-def _span(texts: list[str], known: Beside) -> Span:
+def _span(texts: tuple[str, str], known: Beside) -> Span:
     """Return two ends that increase, m or rad; raises DescriptionError or UnitError."""
     dimension: Dimension = "angle" if _turns(known) else "length"
-    if len(texts) != 2:
-        raise DescriptionError("{given} has not two ends", 'Write ["0 mm", "600 mm"]', given=shown(texts))
     most = _FAR if _turns(known) else LONGEST_TRAVEL
     low, high = (within(text, dimension, -most, most) for text in texts)
     if high - low < 1e-6:
         remedy = "Write the two ends of the travel, the lower one first"
-        raise DescriptionError("travel {given} is empty or reversed", remedy, given=shown(texts))
+        raise DescriptionError("travel {given} is empty or reversed", remedy, given=shown([*texts]))
     return low, high
 
 
-def _travel(texts: list[str], known: Beside) -> Span:
+def _travel(texts: tuple[str, str], known: Beside) -> Span:
     """Return the travel: at most one turn of a rotary axis."""
     low, high = _span(texts, known)
     if _turns(known) and high - low > math.tau + 1e-9:
         what = "travel {given} is more than one turn ({span})"
         remedy = 'The errors repeat after a turn: give one, such as ["0 deg", "360 deg"]'
-        raise DescriptionError(what, remedy, given=shown(texts), span=format_quantity(high - low, "deg"))
+        raise DescriptionError(what, remedy, given=shown([*texts]), span=format_quantity(high - low, "deg"))
     return low, high
 
 
@@ -113,26 +111,25 @@ def _overrun(text: str, known: Beside) -> float:
     return within(text, "angle" if _turns(known) else "length", _LEAST_OVERRUN, _LARGEST_OVERRUN * (high - low))
 
 
-def _origin(texts: list[float], known: Beside) -> Three:
+def _origin(point: Three, known: Beside) -> Three:
     """Return a point on the axis line of a rotary axis; a linear axis has none."""
-    if not _turns(known) or len(texts) != 3:
+    if not _turns(known):
         remedy = 'Origins belong to rotary axes A B C, such as ["0 mm", "0 mm", "-150 mm"]'
         raise DescriptionError("this is no point on the line of a rotary axis", remedy)
-    x, y, z = texts
-    return x, y, z
+    return point
 
 
-def _limits(texts: list[str], known: Beside) -> tuple[int, int] | None:
+def _limits(texts: tuple[str, str], known: Beside) -> tuple[int, int] | None:
     """Return the whole turns below and above the travel that the limits of a full-turn axis reach into."""
     if (travel := known.data.get("travel")) is None:
         return None
     low, high = _span(texts, known)
     if not (_turns(known) and abs(travel[1] - travel[0] - math.tau) <= 1e-9):
         what, remedy = "{text} are limits of an axis whose travel is not one turn", "Take them out"
-        raise DescriptionError(what, remedy, text=shown(texts))
+        raise DescriptionError(what, remedy, text=shown([*texts]))
     if low > travel[0] + 1e-9 or high < travel[1] - 1e-9:
         what, remedy = "limits {text} do not hold the travel", "Write how far the control lets it turn"
-        raise DescriptionError(what, remedy, text=shown(texts))
+        raise DescriptionError(what, remedy, text=shown([*texts]))
     below, above = (math.ceil(beyond / math.tau - 1e-9) for beyond in (travel[0] - low, high - travel[1]))
     return below, above
 
@@ -143,7 +140,9 @@ def _shows(word: str, known: Beside) -> bool:
     return word == "diameter"
 
 
-_Ends = list[QuantityText]
+_AS_TUPLE = Strict(False)
+"""Marks a tuple: files have lists."""
+_Ends = Annotated[tuple[QuantityText, QuantityText], _AS_TUPLE]
 _Coordinate = Annotated[float, QuantityOf("length", -LONGEST_TRAVEL, LONGEST_TRAVEL)]
 
 
@@ -165,9 +164,9 @@ class AxisTable(Table):
     acceleration: Annotated[float, _along("acceleration", "rotation_acceleration", 1e-9, 1e6)] = Field(
         0.0, examples=['"2 m/s^2"']
     )
-    origin: Annotated[Three, ReadAs(list[_Coordinate], _origin, by=True)] = Field(
-        (0.0, 0.0, 0.0), examples=['["0 mm", "0 mm", "-150 mm"]']
-    )
+    origin: Annotated[
+        Three, ReadAs(Annotated[tuple[_Coordinate, _Coordinate, _Coordinate], _AS_TUPLE], _origin, by=True)
+    ] = Field((0.0, 0.0, 0.0), examples=['["0 mm", "0 mm", "-150 mm"]'])
     overrun: Annotated[float, ReadAs(QuantityText, _overrun, by=True)] | None = Field(None, examples=['"2 mm"'])
     limits: Annotated[tuple[int, int] | None, ReadAs(_Ends, _limits, by=True)] = Field(
         None, examples=['["-720 deg", "1080 deg"]']

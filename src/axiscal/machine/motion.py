@@ -66,11 +66,12 @@ def travel_seconds(machine: Machine, start: Array, stop: Array) -> Array:
         axes, of = [machine.axes[k] for k in group], (..., list(group))
         moved = np.abs(stop[of] - start[of])
         parts = turn_parts(moved[..., [axis.rotary for axis in axes]].max(axis=-1, initial=0.0))
-        total += parts * _straight_seconds(axes, moved / parts[..., None])
+        total += parts * straight_seconds(axes, moved / parts[..., None])
     return total
 
 
-def _straight_seconds(axes: Sequence[Axis], moved: Array) -> Array:
+def straight_seconds(axes: Sequence[Axis], moved: Array) -> Array:
+    """Return the time of straight moves from rest to rest, (...,) s.  moved : (..., axes) m or rad"""
     slowness = (moved / np.array([axis.speed for axis in axes])).max(axis=-1)
     sluggishness = (moved / np.array([axis.acceleration for axis in axes])).max(axis=-1)
     cruising = slowness + np.divide(sluggishness, slowness, out=np.zeros_like(slowness), where=slowness > 0)

@@ -68,9 +68,9 @@ def read_truth(path: str | Path) -> dict[str, TruthCurve]:
 def _point(row: Row, name: Error, before: list[tuple[float, float]]) -> tuple[float, float]:
     """Return where a line says an error's value, and that; 0 of a constant.  before : the error's points above"""
     position, value = row.of("position"), row.of("value")
-    if not value.text:
-        remedy = "write the value of the error, or take out the line"
-        raise row.fail("{name} has no value here", remedy, name=name.name)
+    if not value.text or (not position.text and (name.kind == "motion" or before)):
+        remedy = "write both; only a constant, given in one line, goes without a position"
+        raise row.fail("{name} has no position or no value here", remedy, name=name.name)
     cells = [(value, name.angular)] + [(position, name.axis[0] in "ABC")] * bool(position.text)
     for cell, angular in cells:
         if cell.column.dimension != ("angle" if angular else "length"):
@@ -78,9 +78,6 @@ def _point(row: Row, name: Error, before: list[tuple[float, float]]) -> tuple[fl
             remedy = "the {stem} of {name} is an angle: deg, urad or arcsec" if angular else remedy
             named = {"column": cell.column.name, "name": name.name, "stem": cell.column.stem}
             raise cell.fail("'{column}' does not fit {name}", remedy, **named)
-    if not position.text and (name.kind == "motion" or before):
-        remedy = "write the position; only a constant, given in one line, goes without"
-        raise row.fail("{name} has no position here", remedy, name=name.name)
     at = position.quantity() if position.text else 0.0
     if before and at <= before[-1][0]:
         what = "position {text} of {name} does not lie beyond the one before it"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import drawn_back
-from axiscal.machine.motion import approach_seconds
+from axiscal.machine.motion import approach_seconds, straight_seconds
 from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -69,7 +69,9 @@ def way_seconds(machine: Machine, setup: Setup, start: Array, stop: Array, appro
     away = np.any(np.asarray(start) != np.asarray(stop), axis=-1)
     off, above = (_drawn_back(machine, np.asarray(each), setup.retract) for each in (start, stop))
     there = approach_seconds(machine, off, above, approach, setup.driving)
-    return there + np.where(away, 2 * _off_seconds(machine, setup), 0.0)
+    # off a ball and back all linear axes may have to go, and the slowest one says how long
+    linear = [axis for axis in machine.axes if not axis.rotary]
+    return there + np.where(away, 2 * straight_seconds(linear, np.full(len(linear), setup.retract)), 0.0)
 
 
 def _drawn_back(machine: Machine, poses: Array, far: float) -> Array:
@@ -77,16 +79,6 @@ def _drawn_back(machine: Machine, poses: Array, far: float) -> Array:
     flat = poses.reshape(-1, poses.shape[-1])
     drawn = drawn_back(machine, flat, far)
     return np.where(np.isfinite(drawn), drawn, flat).reshape(poses.shape)
-
-
-def _off_seconds(machine: Machine, setup: Setup) -> float:
-    """Return the time of the way off a ball, as the slowest linear axis goes it from rest to rest."""
-    axes = [axis for axis in machine.axes if not axis.rotary]
-    speed, acceleration = min(axis.speed for axis in axes), min(axis.acceleration for axis in axes)
-    far = setup.retract
-    if far >= speed**2 / acceleration:
-        return far / speed + speed / acceleration
-    return float(2 * np.sqrt(far / acceleration))
 
 
 def sides_of(chart: Chart, there: Array, approach: Array) -> Array:

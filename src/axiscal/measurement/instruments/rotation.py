@@ -16,6 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import joined
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
@@ -48,51 +49,40 @@ class Rotation(Setup):
         return np.cross(np.array(self.direction), self.ways(poses))
 
     def check(self) -> None:
-        """Raise DescriptionError where feet have no slope to read."""
+        """Raise DescriptionError where feet have no slope to read: the way has no shape, or its rest no known slope."""
         if self.base is None:
             return
-        self._refuse_other_moves()
-        base, axis = self.base, self.machine.axes[self.moves[0]]
+        base, machine = self.base, self.machine
+        moving = [machine.axes[index] for index in self.moves]
+        if len(moving) != 1 or moving[0].rotary:
+            what, named = "a base is stepped along one straight way, and here {axes} move", [a.name for a in moving]
+            remedy = 'Name the linear axis whose way it is, such as moves = ["X"]'
+            raise DescriptionError(what, remedy, axes=joined(named))
+        (axis,), park = moving, np.array([self.park])
         if base >= axis.length:
             what = "a base of {base} is not shorter than the travel of {axis}"
             remedy, travel = "Both feet stand within the travel, which is {travel}", travel_text(axis)
             raise DescriptionError(what, remedy, base=format_quantity(base, "mm", 6), axis=axis.name, travel=travel)
-        slope_seen = self._across(np.array([self.park]))[0]
-        if abs(np.linalg.norm(slope_seen) - 1) > _ALONG:
+        if abs(np.linalg.norm(self._across(park)[0]) - 1) > _ALONG:
             what = "feet that are stepped along {axis} show its slope, and that is no turn about this direction"
             remedy = "Give a direction across the way; for the roll of a carriage take base out: the level rides on it"
             raise DescriptionError(what, remedy, axis=axis.name)
-        self._refuse_unseen()
-
-    def _refuse_other_moves(self) -> None:
-        moving = [self.machine.axes[index] for index in self.moves]
-        if len(moving) != 1 or moving[0].rotary:
-            named = ", ".join(axis.name for axis in moving)
-            what = "a base is stepped along one straight way, and here {axes} moves"
-            what = what if len(moving) == 1 else "a base is stepped along one straight way, and here {axes} move"
-            raise DescriptionError(what, 'Name the linear axis whose way it is, such as moves = ["X"]', axes=named)
-
-    def _refuse_unseen(self) -> None:
-        """Raise DescriptionError where the way has no shape, or a rest whose slope over this base nobody knows."""
-        machine, base = self.machine, self.base or 0.0
-        park = np.array([self.park])
         (seen,) = np.abs(Observation(machine, (self,)).numbers(Places.of_setup(0, park, np.zeros_like(park))).rows)
         levelled = any(unknown.name == "zero" for unknown in self.unknowns)
         shown = [term for term in machine.terms if seen[term.columns].max(initial=0.0) > _UNSEEN]
-        axis = machine.axes[self.moves[0]].name
-        if all(function.kind == "location" and levelled for function in shown):
+        if all(term.kind == "location" and levelled for term in shown):
             what = "the machine states no straightness error of {axis} that a slope about this direction could show"
-            error = f"E{'X' if axis[0] == 'Z' else 'Z'}{axis}"
-            raise DescriptionError(what, "Add one under [errors], such as {error}", axis=axis, error=error)
-        for function in shown:
-            cell = max(side.cell for side in function.sides if side.axis == self.moves[0])
-            if function.rest > 0 and base < cell * (1 - 1e-9):
-                short, long = format_quantity(base, "mm", 6), format_quantity(cell, "mm", 4)
+            error = f"E{'X' if axis.name[0] == 'Z' else 'Z'}{axis.name}"
+            raise DescriptionError(what, "Add one under [errors], such as {error}", axis=axis.name, error=error)
+        for term in shown:
+            cell = max(side.cell for side in term.sides if side.axis == self.moves[0])
+            if term.rest > 0 and base < cell * (1 - 1e-9):
                 what = (
                     "a base of {short} is shorter than {long}, within which the rest of {function} has no known slope"
                 )
                 remedy = "Use a longer base, give that error more knots, or take its rest out"
-                raise DescriptionError(what, remedy, short=short, long=long, function=function.name)
+                short, long = format_quantity(base, "mm", 6), format_quantity(cell, "mm", 4)
+                raise DescriptionError(what, remedy, short=short, long=long, function=term.name)
 
 
 class Level(Rotation):
