@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import NoReturn
@@ -36,48 +36,46 @@ from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
 
-@dataclass(frozen=True, slots=True)
-class Logged:
-    """The readings of a log in its order, and what is to be said of it."""
-
-    readings: tuple[RawReading, ...]
-    said: tuple[str, ...]
+_AS_WRITTEN = "Give the file as the control wrote it"
 
 
-def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> Logged:
-    """Return the readings of a log.  folder : where the programs were written, with their lists
+def logged_readings(
+    file: Path, folder: Path, campaign: CampaignDescription
+) -> tuple[tuple[RawReading, ...], tuple[str, ...]]:
+    """Return the readings of a log in its order, and what is to be said of it.
 
+    folder : where the programs were written, with their lists
     Raises ReadingError for a log of another plan, for lines missing, doubled or out of order, and for touches off the
     ball.
     """
-    log = read_touch_log(file)
-    planned = _planned(log, file, folder)
-    runs = [(number, tuple(each)) for number, each in groupby(log.touches, key=lambda touch: touch.reading)]
-    faults, readings, found = Faults(), list[RawReading](), list(log.said)
-    first = dict[int, int]()
-    for number, touched in runs:
-        if first.setdefault(number, touched[0].line) < touched[0].line:
+    log, first = read_touch_log(file), dict[int, int]()
+    planned, faults, readings, told = _planned(log, file, folder), Faults(), list[RawReading](), list(log.said)
+    for number, run in groupby(log.touches, key=lambda touch: touch.reading):
+        touched = list(run)
+        line, numbers = touched[0].line, [touch.touch for touch in touched]
+        if first.setdefault(number, line) < line:
             what = "reading {number} was touched in the lines from {earlier} on, and here again"
             remedy = "Take out the lines of the run that does not count"
-            raise ReadingError(what, remedy, file, touched[0].line, number=number, earlier=first[number])
+            raise ReadingError(what, remedy, file, line, number=number, earlier=first[number])
         with faults.noted():
             if number not in planned:
-                what = "the plan has no reading {number}"
-                raise ReadingError(what, _AS_WRITTEN, file, touched[0].line, number=number)
-            if _whole(number, touched, bool(log.said), file):
-                readings.append(_reading(number, touched, planned[number], campaign, file))
+                raise ReadingError("the plan has no reading {number}", _AS_WRITTEN, file, line, number=number)
+            if numbers == [*range(1, TOUCHES + 1)]:
+                readings.append(_logged(touched, planned[number], campaign, file))
+            elif log.said and numbers == [*range(1, len(numbers) + 1)] and len(numbers) < TOUCHES:
+                told.append(f"reading {number} has {len(numbers)} of {TOUCHES} touches and is left out")
             else:
-                found.append(f"reading {number} has {len(touched)} of {TOUCHES} touches and is left out")
+                what = "reading {number} has the touches {seen} where 1 to {most} were expected"
+                remedy = "Lines are missing, doubled or moved. Give the file as the control wrote it"
+                seen = ", ".join(map(str, numbers[:12]))
+                raise ReadingError(what, remedy, file, line, number=number, seen=seen, most=TOUCHES)
     faults.refuse()
     begun, there = {reading.setup for reading in readings}, {reading.number for reading in readings}
-    lacking = [number for number, each in planned.items() if each.setup in begun and number not in there]
+    lacking = [str(number) for number, each in planned.items() if each.setup in begun and number not in there]
     if lacking:
-        numbers = joined([str(number) for number in lacking], most=12)
-        found.append(said("of the readings that are planned {numbers} do not stand in the log", numbers=numbers))
-    return Logged(tuple(readings), tuple(f"{file}: {each}." for each in found))
-
-
-_AS_WRITTEN = "Give the file as the control wrote it"
+        what = "of the readings that are planned {numbers} do not stand in the log"
+        told.append(said(what, numbers=joined(lacking, most=12)))
+    return tuple(readings), tuple(f"{file}: {each}." for each in told)
 
 
 def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, RawReading]:
@@ -87,38 +85,19 @@ def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, RawReading]:
         what = "this is the log of plan {code}, and {folder} has no programs of that plan ({list})"
         remedy = "Say by --programs into which folder plan --log wrote the programs"
         raise ReadingError(what, remedy, file, code=log.code, folder=folder, list=names.name)
-    lists = [folder / Path(name).name for name in read_text(names).lines if name.strip()]
-    files = [*map(read_text, lists)]
-    code = plan_code(["\n".join(each.lines) for each in files])
-    if code != log.code:
+    files = [read_text(folder / Path(name).name) for name in read_text(names).lines if name.strip()]
+    if plan_code(["\n".join(each.lines) for each in files]) != log.code:
         what = "the lists of plan {code} have been changed, or written anew for another plan"
         raise ReadingError(what, "Write the programs of that plan into a folder of their own", names, code=log.code)
-    planned = dict[int, RawReading]()
-    for table in map(table_of, files):
-        planned |= {int(row.of("reading").text): raw_pose(table, row) for row in table.rows}
-    return planned
+    rows = ((table, row) for table in map(table_of, files) for row in table.rows)
+    return {int(row.of("reading").text): raw_pose(table, row) for table, row in rows}
 
 
-def _whole(number: int, touched: Sequence[LoggedTouch], broken: bool, file: Path) -> bool:
-    """Return whether all touches of a reading are there, in their order; raises ReadingError if nothing explains a gap.
-
-    broken : the log says of itself that a run ended early
-    """
-    numbers = [touch.touch for touch in touched]
-    if numbers == list(range(1, TOUCHES + 1)):
-        return True
-    if broken and numbers == list(range(1, len(numbers) + 1)) and len(numbers) < TOUCHES:
-        return False
-    seen = ", ".join(map(str, numbers[:12]))
-    what = "reading {number} has the touches {seen} where 1 to {most} were expected"
-    remedy = "Lines are missing, doubled or moved. Give the file as the control wrote it"
-    raise ReadingError(what, remedy, file, touched[0].line, number=number, seen=seen, most=TOUCHES)
-
-
-def _reading(
-    number: int, touched: Sequence[LoggedTouch], planned: RawReading, campaign: CampaignDescription, file: Path
+def _logged(
+    touched: Sequence[LoggedTouch], planned: RawReading, campaign: CampaignDescription, file: Path
 ) -> RawReading:
-    machine, line = campaign.machine, touched[0].line
+    """Return the reading of all touches of a ball, where it was planned; raises ReadingError."""
+    machine, number, line = campaign.machine, touched[0].reading, touched[0].line
     try:
         setup = campaign.setup(planned.setup)
         pose = np.array(placed_pose(setup, machine, in_radii(planned.position, machine.axes)))
@@ -130,9 +109,7 @@ def _reading(
         raise ReadingError(what, failure.remedy, file, line, number=number, fault=failure.what) from None
     moving = {machine.axes[k].name for k in setup.moves}
     sides = {name: side for name, side in planned.approach.items() if name in moving}
-    return RawReading(
-        setup.name, planned.position, sides, value, None, "length", line, others=tuple(others), number=number
-    )
+    return replace(planned, approach=sides, value=value, line=line, others=tuple(others), number=number, rounding={})
 
 
 _OFF = 1e-4
