@@ -35,7 +35,6 @@ from axiscal.units import format_quantity
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
-
 _AS_WRITTEN = "Give the file as the control wrote it"
 
 
