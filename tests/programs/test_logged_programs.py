@@ -179,7 +179,7 @@ def test_a_touch_that_meets_nothing_ends_the_program_and_is_said(
         (lambda text: text.replace("END 3", "END 4"), "took 4 readings, and 3 of them"),
         (lambda text: text.replace(" Y", " Q", 1), "is no line of a log"),
         (lambda text: text.replace("AXISCAL LOG 1", "AXISCAL LOG 2"), "is no line of a log"),
-        (lambda text: text.partition("\n")[2], "stands outside of any run"),
+        (lambda text: text.partition("\n")[2], "is no line of a log, or in no run of it"),
         (lambda text: text.replace(" MM", " INCH"), "is no line of a log"),
         (lambda text: "", "this is no log of a measuring program"),
     ],

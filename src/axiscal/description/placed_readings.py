@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 
@@ -253,44 +252,31 @@ def _refuse_unknown_axis(names: Mapping[str, object], machine: Machine) -> None:
 
 
 def _coordinate(setup: Setup, axis: Axis, index: int, position: _ByAxis, rounding: _ByAxis) -> float:
-    moves = index in setup.moves
-    if axis.name not in position:
-        if moves:
-            what = '{axis} moves in the set-up "{setup}", and its position is not given'
-            remedy = "Say where it stood, anywhere from {travel}"
-            raise ReadingError(what, remedy, axis=axis.name, setup=setup.name, travel=travel_text(axis))
-        return setup.park[index]
-    value, unit = position[axis.name], axis.unit
-    slack, (low, high) = _STILL[False] if setup.base else 1e-9 * axis.length, setup.span(axis, index)
+    """Return where an axis stands; raises ReadingError for a place that it has none of, or none in this set-up."""
+    moves, park = index in setup.moves, setup.park[index]
+    if axis.name not in position and not moves:
+        return park
+    value, (low, high) = position.get(axis.name, math.nan), setup.span(axis, index)
+    slack = _STILL[False] if setup.base else 1e-9 * axis.length
     slack = max(slack, min(rounding.get(axis.name, 0.0), _DIGIT))
-    if not low - slack <= value <= high + slack:
-        _refuse_outside(setup, axis, index, value)
-    if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:
-        park = format_quantity(setup.park[index], unit, 9)
-        what = '{axis} = {value}, but the set-up "{setup}" parks it at {park}'
-        remedy = "Park it there in the description, or add {axis} to its moves"
-        raise ReadingError(
-            what, remedy, axis=axis.name, value=format_quantity(value, unit, 9), setup=setup.name, park=park
-        )
-    return min(max(value, low), high)
-
-
-def _refuse_outside(setup: Setup, axis: Axis, index: int, value: float) -> NoReturn:
-    """Raise ReadingError that names the limit: the travel, or the reach of the set-up."""
     reach = axis.travel if setup.reach is None else setup.reach[index]
     within = reach != axis.travel and axis.travel[0] <= value <= axis.travel[1]
-    low, high = limit = reach if within else axis.travel
-    what, remedy = "{axis} = {shown} is outside the travel", "{axis} goes from {travel}"
-    if low <= value <= high:
-        what = "at {axis} = {shown} a foot of the {instrument} stands outside the travel"
-        what = "at {axis} = {shown} a foot of the {instrument} stands outside the reach" if within else what
-        remedy = "Give where the middle of its base of {base} stood; {axis} goes from {travel}"
-    elif within:
-        what = '{axis} = {shown} is within the travel and outside the reach of the set-up "{setup}"'
-        remedy = "Its reach is {travel}: correct the reading, or the reach in campaign.toml"
-    shown, base = (format_quantity(each, axis.unit, 9) for each in (value, setup.base or 0.0))
-    whose = {"axis": axis.name, "setup": setup.name, "instrument": setup.instrument, "base": base, "shown": shown}
-    raise ReadingError(what, remedy, None, None, travel=travel_text(replace(axis, travel=limit)), **whose)
+    limit = reach if within else axis.travel
+    texts = {name: format_quantity(each, axis.unit, 9) for name, each in (("shown", value), ("park", park))}
+    told = texts | {"axis": axis.name, "setup": setup.name, "travel": travel_text(replace(axis, travel=limit))}
+    if axis.name not in position:
+        what = '{axis} moves in the set-up "{setup}", and its position is not given'
+        raise ReadingError(what, "Say where it stood, anywhere from {travel}", **told)
+    if not low - slack <= value <= high + slack:
+        what, remedy = "{axis} = {shown} is outside the travel", "{axis} goes from {travel}"
+        if within or limit[0] <= value <= limit[1]:
+            what = 'at {axis} = {shown} the {instrument} of "{setup}" does not stand within its reach and the travel'
+            remedy = "{axis} goes from {travel}: give where the tool point, or the middle of a base, stood"
+        raise ReadingError(what, remedy, instrument=setup.instrument, **told)
+    if not moves and abs(value - park) > _STILL[axis.rotary]:
+        what = '{axis} = {shown}, but the set-up "{setup}" parks it at {park}'
+        raise ReadingError(what, "Park it there in the description, or add {axis} to its moves", **told)
+    return min(max(value, low), high)
 
 
 def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:

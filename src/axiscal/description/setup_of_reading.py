@@ -62,11 +62,7 @@ def _tested(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]
     what = "several set-ups read what this test reads: {names}" if fitting else what
     if not fitting and any(_reads_test(replace(row, axis=""), setup, campaign.machine) for setup in campaign.setups):
         what = "the file says that {axis} was tested, and no set-up reads what it reads along {axis}"
-    remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
-    if len({setup.moves for setup in fitting}) > 1:
-        remedy = "Say which axis was read, such as --axis X, or give the columns setup and X_mm"
-    if row.test == "circle":
-        remedy = "Give a column setup, or a campaign of the one set-up that was tested"
+    remedy = "Say which axis was read, such as --axis X, or name the set-up in a column setup"
     raise ReadingError(what, remedy, names=names, axis=row.axis)
 
 
