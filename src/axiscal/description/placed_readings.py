@@ -17,7 +17,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, with_offset, with_zero
 from axiscal.description.setup_of_reading import setup_of
-from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
+from axiscal.exceptions import Faults, InputError, ReadingError
 from axiscal.language.spoken import joined, said
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.charts.kinds import Balls, Circle
@@ -152,42 +152,32 @@ def _of_length(row: RawReading, campaign: CampaignDescription) -> Reading:
 def placed_pose(setup: Setup, machine: Machine, position: _ByAxis, rounded: _ByAxis | None = None) -> tuple[float, ...]:
     """Return the pose that a set-up and coordinates by axis (m or rad) mean; axes left out must be parked.
 
-    Raises ReadingError for an axis that is not there, that is parked elsewhere, or a position outside its travel.
+    Where one place is held the linear axes that are left out follow from the others.
+    Raises InputError for an axis that is not there, that is parked elsewhere, a position outside its travel, and a
+    place that is further from the chart than what touches can follow.
     rounded : half of the last digit of each coordinate, by which it may lie outside
     """
-    _refuse_unknown_axis(position, machine)
-    rounding = rounded or {}
-    if setup.chart is not None:
-        return _on_chart(setup, setup.chart, machine, position, rounding)
-    return tuple(_coordinate(setup, axis, index, position, rounding) for index, axis in enumerate(machine.axes))
-
-
-def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: _ByAxis, rounding: _ByAxis) -> tuple[float, ...]:
-    """Return the pose on a chart; the linear axes follow from the others where one place is held, if they are left out.
-
-    Raises ReadingError for a place that is further from the chart than what touches can follow.
-    """
-    rotary = {axis.name: position[axis.name] for axis in machine.axes if axis.rotary and axis.name in position}
-    if isinstance(chart, Balls) and not chart.numbered and all(machine.axes[k].name in rotary for k in chart.turning):
+    named, chart = {machine.index(name) for name in position}, setup.chart
+    if isinstance(chart, Balls) and not chart.numbered and named >= set(chart.turning):
         places = np.array([[position[machine.axes[k].name] for k in chart.turning]])
         following = dict(zip((axis.name for axis in machine.axes), chart.poses(places)[0].tolist(), strict=True))
         position = {**following, **position}
-    pose = tuple(_coordinate(setup, axis, index, position, rounding) for index, axis in enumerate(machine.axes))
-    off, allowed = off_chart(machine, chart, np.array(pose)), setup.stroke or _OFF
-    if off > allowed:
-        far = format_quantity(off, "mm", 3)
-        what, ball = 'this place is {far} from the line or circle, where "{setup}" is read', ""
-        if setup.artefact is not None:
-            what = 'this place is {far} from ball {ball}, where "{setup}" is read'
-            nearest = int(setup.artefact.nearest(machine.frames(np.array([pose])).tcp, setup.balls)[0])
-            ball = setup.artefact.balls[nearest].name
-        remedy = "Give the place where the tool point stood, or another set-up"
-        raise ReadingError(what, remedy, far=far, ball=ball, setup=setup.name)
-    return pose
+    axes = enumerate(machine.axes)
+    pose = tuple(_coordinate(setup, axis, index, position, rounded or {}) for index, axis in axes)
+    if chart is None or (off := _off_chart(machine, chart, np.array(pose))) <= (setup.stroke or _OFF):
+        return pose
+    far = format_quantity(off, "mm", 3)
+    what, ball = 'this place is {far} from the line or circle, where "{setup}" is read', ""
+    if setup.artefact is not None:
+        what = 'this place is {far} from ball {ball}, where "{setup}" is read'
+        nearest = int(setup.artefact.nearest(machine.frames(np.array([pose])).tcp, setup.balls)[0])
+        ball = setup.artefact.balls[nearest].name
+    remedy = "Give the place where the tool point stood, or another set-up"
+    raise ReadingError(what, remedy, far=far, ball=ball, setup=setup.name)
 
 
 def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int]) -> tuple[int, ...]:
-    """Return the directions by axis as a tuple, 0 where not said; raises ReadingError for an axis that is parked.
+    """Return the directions by axis as a tuple, 0 where not said; raises InputError for an axis that is parked.
 
     approach : {"": ±1} of the only axis that moves
     """
@@ -197,7 +187,6 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
             what = 'the approach names no axis, and "{setup}" moves {axes}'
             raise ReadingError(what, "Write each with its direction, as in X+", setup=setup.name, axes=joined(names))
         approach = {names[0]: approach[""]}
-    _refuse_unknown_axis(approach, machine)
     for name in approach:
         if machine.index(name) not in setup.moves:
             what = '{name} is parked in the set-up "{setup}" and has no direction of approach'
@@ -243,14 +232,6 @@ def _on_circle(row: RawReading, setup: Setup) -> tuple[tuple[float, ...], tuple[
     return tuple(pose[0].tolist()), tuple(sides[0].astype(int).tolist())
 
 
-def _refuse_unknown_axis(names: Mapping[str, object], machine: Machine) -> None:
-    try:
-        for name in names:
-            machine.index(name)
-    except DescriptionError as failure:
-        raise ReadingError(failure.what, failure.remedy) from None
-
-
 def _coordinate(setup: Setup, axis: Axis, index: int, position: _ByAxis, rounding: _ByAxis) -> float:
     """Return where an axis stands; raises ReadingError for a place that it has none of, or none in this set-up."""
     moves, park = index in setup.moves, setup.park[index]
@@ -279,7 +260,7 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: _ByAxis, roundin
     return min(max(value, low), high)
 
 
-def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:
+def _off_chart(machine: Machine, chart: Chart, pose: Array) -> float:
     """Return how far the tool point of a pose (q,) is from where the chart has it with the same coordinates, m."""
     nearest = chart.poses(chart.places(pose[None]))
     if not np.all(np.isfinite(nearest)):
