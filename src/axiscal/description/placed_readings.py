@@ -247,16 +247,16 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: _ByAxis, roundin
     told = texts | {"axis": axis.name, "setup": setup.name, "travel": travel_text(replace(axis, travel=limit))}
     if axis.name not in position:
         what = '{axis} moves in the set-up "{setup}", and its position is not given'
-        raise ReadingError(what, "Say where it stood, anywhere from {travel}", **told)
+        raise ReadingError(what, "Say where it stood, anywhere from {travel}", None, None, **told)
     if not low - slack <= value <= high + slack:
         what, remedy = "{axis} = {shown} is outside the travel", "{axis} goes from {travel}"
         if within or limit[0] <= value <= limit[1]:
             what = 'at {axis} = {shown} the {instrument} of "{setup}" does not stand within its reach and the travel'
             remedy = "{axis} goes from {travel}: give where the tool point, or the middle of a base, stood"
-        raise ReadingError(what, remedy, instrument=setup.instrument, **told)
+        raise ReadingError(what, remedy, None, None, instrument=setup.instrument, **told)
     if not moves and abs(value - park) > _STILL[axis.rotary]:
         what = '{axis} = {shown}, but the set-up "{setup}" parks it at {park}'
-        raise ReadingError(what, "Park it there in the description, or add {axis} to its moves", **told)
+        raise ReadingError(what, "Park it there in the description, or add {axis} to its moves", None, None, **told)
     return min(max(value, low), high)
 
 
