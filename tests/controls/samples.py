@@ -36,7 +36,7 @@ def ends(core: Core, ini: Path) -> str:
     try:
         estimate = drawn_and_known(machine, 3)
         joints = {axis.letter: axis.joints for axis in found.axes}
-        options = ExportOptions(unit=found.build.unit, numbers=joints, active=False)
+        options = ExportOptions(unit=found.unit, numbers=joints, active=False)
         linear = [letter_direction(axis.letter) for axis in machine.axes if not axis.rotary]
         if len(set(linear)) < len(linear):
             registry.export(estimate, "linuxcnc", options)

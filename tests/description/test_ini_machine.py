@@ -109,7 +109,7 @@ def test_what_an_included_file_includes_is_a_remark_as_it_is_to_linuxcnc(tmp_pat
 def test_units_may_be_numbers(tmp_path: Path, linear: str, unit: str, metres: float) -> None:
     text = SMALL.replace("LINEAR_UNITS = mm", f"LINEAR_UNITS = {linear}\nANGULAR_UNITS = 1")
     read = found(tmp_path, text)
-    assert read.build.unit == unit
+    assert read.unit == unit
     assert built(read).axis("X").travel == pytest.approx((0.0, 600 * metres))
 
 
@@ -118,7 +118,7 @@ def test_hal_files_that_are_not_there_set_no_pivot_and_one_that_cannot_be_read_i
     five = SMALL.replace("trivkins", "xyzbc-trt-kins").replace("X Y Z", "X Y Z B C").replace("JOINTS = 3", "JOINTS = 5")
     text = five + axes
     hal = "[HAL]\nHALFILE = LIB:basic_sim.tcl\nHALFILE = other.hal\nHALFILE =\n"
-    assert found(tmp_path, text + hal).build.origins["B"] == (0.0, 0.0, 0.0)
+    assert found(tmp_path, text + hal).origins["B"] == (0.0, 0.0, 0.0)
     (tmp_path / "other.hal").write_text("\n" * (MOST_LINES + 1))
     with pytest.raises(AxiscalError, match=r"machine\.ini, line 27: .*other\.hal"):
         found(tmp_path, text + hal)

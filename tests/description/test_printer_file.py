@@ -59,7 +59,7 @@ def test_what_a_printer_includes_counts_in_its_place(tmp_path: Path) -> None:
     assert travels["Y"] == pytest.approx((0.0, 0.19))
     with pytest.raises(DescriptionError, match=r"all\.cfg, line 22: position_max = none is not a number"):
         read(tmp_path, whole.replace("[stepper_y]", "[stepper_e]"))
-    with pytest.raises(DescriptionError, match=r"line 1: The file \"more\.cfg\" that is included here is not there"):
+    with pytest.raises(DescriptionError, match=r"line 1: The file 'more\.cfg' that is included here is not there"):
         read(tmp_path, "[include more.cfg]\n")
 
 

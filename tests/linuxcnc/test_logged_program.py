@@ -36,9 +36,9 @@ def test_the_log_of_the_running_control_is_read_back_as_what_the_machine_does(
                 errors, written = session.errors, session.written(name)
     assert errors == ()
     (tmp_path / name).write_text(written, encoding="utf-8")
-    logged = logged_readings(tmp_path / name, tmp_path, campaign)
-    assert logged.said == ()
-    assert [reading.number for reading in logged.readings] == list(range(1, len(places) + 1))
-    for reading, place in zip(logged.readings, places, strict=True):
+    readings, told = logged_readings(tmp_path / name, tmp_path, campaign)
+    assert told == ()
+    assert [reading.number for reading in readings] == list(range(1, len(places) + 1))
+    for reading, place in zip(readings, places, strict=True):
         found = 1e6 * np.array([reading.value, *reading.others])
         np.testing.assert_allclose(found, table.expected_at(campaign, place), atol=1.2)

@@ -60,7 +60,7 @@ def test_truth_curves_may_interleave_and_be_spelt_in_full(tmp_path: Path) -> Non
 
 
 def test_a_file_without_a_header_is_shown_that_of_the_machine(tmp_path: Path) -> None:
-    with pytest.raises(ReadingError, match=r"line 1.*Let the first line be the header, such as setup,C_deg,B_deg,Y_mm"):
+    with pytest.raises(ReadingError, match=r"line 1.*names the columns, such as setup,C_deg,B_deg,Y_mm"):
         read_any(written(tmp_path, "s,0,0,1,1,1,X+,2\n"), load_machine("dmu60").axes)
 
 

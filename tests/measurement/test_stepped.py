@@ -154,7 +154,7 @@ def _described(setup: str) -> CampaignDescription:
 
 def test_a_foot_beyond_the_travel_is_refused() -> None:
     description = _described(LEVEL)
-    with pytest.raises(ReadingError, match="a foot of the level stands outside the travel"):
+    with pytest.raises(ReadingError, match=r"the level of \".*\" does not stand within its reach and the travel"):
         placed_pose(description.setups[0], description.machine, {"X": 0.02})
     assert placed_pose(description.setups[0], description.machine, {"X": 0.0499995})[0] == 0.05  # as rounded to um
     with pytest.raises(ReadingError, match="X = 900 mm is outside the travel"):

@@ -48,10 +48,10 @@ def logged(folder: Path, count: int = 3) -> tuple[CampaignDescription, list[Plac
 
 def test_what_a_control_writes_is_read_back_as_what_the_machine_does(tmp_path: Path) -> None:
     campaign, places, log = logged(tmp_path)
-    found = logged_readings(log, tmp_path, campaign)
-    assert found.said == ()
-    assert [reading.number for reading in found.readings] == [1, 2, 3]
-    for reading, place in zip(found.readings, places, strict=True):
+    readings, told = logged_readings(log, tmp_path, campaign)
+    assert told == ()
+    assert [reading.number for reading in readings] == [1, 2, 3]
+    for reading, place in zip(readings, places, strict=True):
         np.testing.assert_allclose(
             1e6 * np.array([reading.value, *reading.others]), table.expected_at(campaign, place), atol=0.01
         )
@@ -70,7 +70,7 @@ def test_the_log_of_another_plan_is_refused(tmp_path: Path) -> None:
     assert "has no programs of that plan" in refusal(log, other, campaign)
     assert "has no programs of that plan" in refusal(log, tmp_path / "none", campaign)
     write_programs(campaign.machine, campaign.setups, table.places(campaign, 3), "heidenhain", tmp_path)
-    assert len(logged_readings(log, tmp_path, campaign).readings) == 3  # lists of other programs beside it
+    assert len(logged_readings(log, tmp_path, campaign)[0]) == 3  # lists of other programs beside it
     (own,) = tmp_path.glob("AXISCAL_01_SPHERES*.csv")
     own.write_text(own.read_text().replace("C+", "C-"))
     assert "have been changed" in refusal(log, tmp_path, campaign)
@@ -140,9 +140,9 @@ def test_a_program_run_twice_is_said_with_both_lines(tmp_path: Path) -> None:
 def test_a_program_that_did_not_end_brings_what_it_has(tmp_path: Path) -> None:
     campaign, _, log = logged(tmp_path)
     log.write_text("\n".join(log.read_text().splitlines()[:10]))
-    found = logged_readings(log, tmp_path, campaign)
-    assert [reading.number for reading in found.readings] == [1]
-    assert [each.partition(": ")[2] for each in found.said] == [
+    readings, told = logged_readings(log, tmp_path, campaign)
+    assert [reading.number for reading in readings] == [1]
+    assert [each.partition(": ")[2] for each in told] == [
         "a run did not come to its end.",
         "reading 2 has 3 of 6 touches and is left out.",
         "of the readings that are planned 2 and 3 do not stand in the log.",
@@ -179,7 +179,7 @@ def test_a_touch_that_meets_nothing_ends_the_program_and_is_said(
         (lambda text: text.replace("END 3", "END 4"), "took 4 readings, and 3 of them"),
         (lambda text: text.replace(" Y", " Q", 1), "is no line of a log"),
         (lambda text: text.replace("AXISCAL LOG 1", "AXISCAL LOG 2"), "is no line of a log"),
-        (lambda text: text.partition("\n")[2], "stands outside of any run"),
+        (lambda text: text.partition("\n")[2], "is no line of a log, or in no run of it"),
         (lambda text: text.replace(" MM", " INCH"), "is no line of a log"),
         (lambda text: "", "this is no log of a measuring program"),
     ],

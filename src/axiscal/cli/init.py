@@ -156,8 +156,8 @@ def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path
             question = said("From where to where does {axis} move, in {unit}, such as -300 0?", axis=letter, unit=unit)
             given |= [_answered(question, (), partial(_limits, letter))]
     found = machine_of(ini, given)
-    if asking and chain is None and not found.build.sure:
-        how = said("How is it built? Primed axes carry the workpiece; Enter for {chain}", chain=found.build.chain)
+    if asking and chain is None and not found.sure:
+        how = said("How is it built? Primed axes carry the workpiece; Enter for {chain}", chain=found.chain)
         return _answered(how, (), lambda text: of_ini(found, file, folder, text or None))
     return of_ini(found, file, folder, chain)
 

@@ -200,11 +200,11 @@ def skip(record: Path, reason: list[str], leave: bool = False, then_next: bool =
 
 def placed_log(log: Path, programs: Path, description: CampaignDescription) -> tuple[Reading, ...]:
     """Return the readings of a log; raises ReadingError.  programs : the folder of the programs that wrote it"""
-    found = logged_readings(log, programs, description)
-    for sentence in found.said:
+    raw, told = logged_readings(log, programs, description)
+    for sentence in told:
         tell(said("Mind: {sentence}", sentence=sentence))
-    if not found.readings:
+    if not raw:
         raise ReadingError("no reading of this log is whole", "Run the programs again", log)
-    placed = placed_readings(found.readings, description, log)
+    placed = placed_readings(raw, description, log)
     refuse_implausible(placed, description, log)
     return placed

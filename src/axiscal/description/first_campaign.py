@@ -117,12 +117,10 @@ def first_campaign(machine: Machine, instruments: Sequence[str], purpose: Purpos
     made = {name: setups_of(machine, name) for name in offered}
     if none := [name for name, setups in made.items() if not setups]:
         what = "Nothing of {instruments} can be offered for {machine}"
-        if "sphere" in none:
-            what = (
-                "Nothing of {instruments} can be offered for {machine}: balls need X, Y and Z, with room for a board "
-                "or a rotary axis that turns one, and [tool] has to get between them"
-            )
-        remedy = "Name another instrument, such as a laser, or write the set-ups by hand, as docs/campaign.md shows"
+        remedy = (
+            "Name another instrument, such as a laser; balls need X, Y and Z, room for a board or a rotary axis that "
+            "turns one, and [tool] has to get between them. docs/campaign.md shows set-ups written by hand"
+        )
         raise DescriptionError(what, remedy, instruments=", ".join(none), machine=machine.name)
     setups = [text for each in made.values() for text in each]
     return "".join([head, *setups])
@@ -131,9 +129,9 @@ def first_campaign(machine: Machine, instruments: Sequence[str], purpose: Purpos
 def setups_of(machine: Machine, name: str) -> list[str]:
     """Return the texts of the set-ups of an instrument of `OFFERED`, or of one that somebody wrote."""
     template = _setups(machine)
-    if name not in OFFERED:
-        return [template.own(name, name.rpartition(":")[2], _linear(machine))]
-    return [*OFFERED[name].setups(machine, template)]
+    if name in OFFERED:
+        return [*OFFERED[name].setups(machine, template)]
+    return [template.own(name, name.rpartition(":")[2], _linear(machine))]
 
 
 def _linear(machine: Machine) -> list[Axis]:

@@ -109,7 +109,7 @@ def of_ini(found: IniMachine, file: Path, folder: Path, chain: str | None = None
     Raises DescriptionError for a chain that is none.
     """
     if chain is not None:
-        found = replace(found, build=replace(found.build, chain=chain, said=True))
+        found = replace(found, chain=chain, said=True)
     text = machine_text(found, file.name)
     machine_from_text(text, file)
     return Beginning(text, _active(found, file, folder), tuple(unread(found)))
@@ -288,11 +288,11 @@ def machine_text(machine: IniMachine, source: str) -> str:
 def unread(machine: IniMachine) -> list[str]:
     """Return in sentences what the INI file could not say and was supposed, for the person to look at."""
     found = [said("the length of the tool")]
-    if not (machine.build.sure or machine.build.said):
-        chain = f'"{machine.build.chain}"'
+    if not (machine.sure or machine.said):
+        chain = f'"{machine.chain}"'
         found.append(said("which axes carry the workpiece (chain = {chain} is supposed)", chain=chain))
-    if any(axis.rotary for axis in machine.axes) and not machine.build.sure:
+    if any(axis.rotary for axis in machine.axes) and not machine.sure:
         found.append(said("where the rotary axes lie (origin)"))
-    if any(axis.rotary and axis.letter not in machine.build.reversed for axis in machine.axes):
+    if any(axis.rotary and axis.letter not in machine.reversed for axis in machine.axes):
         found.append(said("which way the rotary axes count (direction)"))
     return found

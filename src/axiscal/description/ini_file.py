@@ -88,8 +88,7 @@ def read_ini(path: Path) -> IniFile:
             read.values.setdefault((section, key[1].upper()), []).append(value)
         elif _HEEDED.fullmatch(section):
             shown = line if len(line) <= 40 else line[:37] + "..."
-            within = "{shown!r} is neither a [SECTION] nor KEY = VALUE"
-            what = within if section else "{shown!r} is neither a [SECTION] nor KEY = VALUE of a section"
+            what = "{shown!r} is neither a [SECTION] nor KEY = VALUE of a section"
             raise DescriptionError(what, "Give the INI file with which LinuxCNC starts", file, number, shown=shown)
     if not read.values:
         raise DescriptionError("No section of an INI file stands here", "Give the INI file of your LinuxCNC", path)
@@ -102,16 +101,12 @@ def _lines(path: Path, including: bool = True) -> Iterator[tuple[Path, int, str]
     for number, raw in enumerate(read_text(path).lines, start=1):
         line = raw.strip()
         if including and not begun and (included := _INCLUDE.fullmatch(line)):
-            yield from _lines(_included(path, number, included[1]), including=False)
+            if not (other := path.parent / included[1]).is_file():
+                what, remedy = "The file {name!r} that is included here is not there", "Copy it beside this one"
+                raise DescriptionError(what, remedy, path, number, name=included[1])
+            yield from _lines(other, including=False)
         elif line.endswith("\\") and not line.startswith(("#", ";")):
             begun, first = begun + line[:-1], first or number
         elif begun or (line and not line.startswith(("#", ";"))):
             yield path, first or number, begun + line
             begun, first = "", 0
-
-
-def _included(path: Path, number: int, name: str) -> Path:
-    if not (path.parent / name).is_file():
-        what = "The file {name!r} that is included here is not there"
-        raise DescriptionError(what, "Put it beside the INI file, or take the line out", path, number, name=name)
-    return path.parent / name

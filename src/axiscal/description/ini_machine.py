@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -69,21 +69,31 @@ class IniAxis:
 class IniMachine:
     """A machine as its INI file has it.
 
-    compensated : joints with a table or backlash that LinuxCNC applies; servo_period : s, None where nobody said
+    chain : ISO 10791-6; sure : whether the kinematics say so, and not only what such machines usually are
+    kinematics : name of the module; unit : mm or in; servo_period : s, None where nobody said
+    compensated : joints with a table or backlash that LinuxCNC applies
+    reversed : axes that count against ISO 841; origins : of rotary axes, in the machine's unit
+    said : a person has said the chain, who says nothing of where axes turn by that
     """
 
     name: str
     axes: tuple[IniAxis, ...]
-    build: IniBuild
+    chain: str
+    sure: bool
+    kinematics: str
+    unit: str
     compensated: tuple[int, ...]
     servo_period: float | None
+    reversed: tuple[str, ...] = ()
+    origins: Mapping[str, Point] = field(default_factory=dict)
+    said: bool = False
 
 
 def lacking_limits(ini: IniFile) -> dict[str, str]:
     """Return the unit of each linear axis of which an INI file leaves open from where to where it moves."""
-    unit, joints = unit_in(ini, "LINEAR_UNITS"), _joints(ini)
-    stated = {name: _stated(ini, name, each[0]) for name, each in joints.items() if name not in "ABC"}
-    return {name: unit for name, each in stated.items() if any(_left_open(found, key) for key, found in each.items())}
+    linear = {name: joints[0] for name, joints in _joints(ini).items() if name not in "ABC"}
+    unit = unit_in(ini, "LINEAR_UNITS")
+    return {name: unit for name, joint in linear.items() if None in _limits(ini, name, joint).values()}
 
 
 def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = None) -> IniMachine:
@@ -97,16 +107,21 @@ def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = N
         what, remedy = "The INI file does not leave the limits of {letter} open", "Those that it leaves: {lacking}"
         raise DescriptionError(what, remedy, ini.path, letter=letter, lacking=", ".join(lacking) or "-")
     linear, angular = (unit_in(ini, key) for key in _UNITS)
-    build = build_of(ini, tuple(joints), tuple(name for name in joints if len(joints[name]) > 1), linear)
-    built = [name for name in joints if name in re.findall(r"[A-Z]", build.chain)]
-    axes = tuple(_axis(ini, name, joints[name], angular if name in "ABC" else linear, given) for name in built)
-    named, period = ini.get("EMC", "MACHINE"), ini.get("EMCMOT", "SERVO_PERIOD")
+    named, period, stated = ini.get("EMC", "MACHINE"), ini.get("EMCMOT", "SERVO_PERIOD"), ini.get("KINS", "KINEMATICS")
+    kinematics = stated.text.split()[0] if stated is not None and stated.text else "trivkins"
+    chain, sure, against, origins = _built(ini, kinematics, joints)
+    built = [name for name in joints if name in re.findall(r"[A-Z]", chain)]
     return IniMachine(
         name=(named.text if named and named.text else ini.path.stem)[:80],
-        axes=axes,
-        build=build,
+        axes=tuple(_axis(ini, name, joints[name], angular if name in "ABC" else linear, given) for name in built),
+        chain=chain,
+        sure=sure,
+        kinematics=kinematics,
+        unit=linear,
         compensated=tuple(n for n in sorted(sum(joints.values(), ())) if _compensated(ini, n)),
         servo_period=None if period is None else period.number("SERVO_PERIOD") * 1e-9,
+        reversed=against,
+        origins=origins,
     )
 
 
@@ -153,8 +168,17 @@ def unit_in(ini: IniFile, key: str) -> str:
 def _axis(
     ini: IniFile, letter: str, joints: tuple[int, ...], unit: str, given: Mapping[str, tuple[float, float]]
 ) -> IniAxis:
-    places = _sections(ini, letter, joints[0])
-    least, most = given[letter] if letter in given else _limits(ini, letter, joints[0], unit)
+    """Return an axis; a rotary one without limits has a turn to either side.  given : as of `machine_of`"""
+    places, ends = _sections(ini, letter, joints[0]), _limits(ini, letter, joints[0])
+    for key, found in ends.items():
+        if found is None and letter not in "ABC" and letter not in given:
+            what = "The INI file says no {key} of {letter}"
+            remedy = 'Write it under [AXIS_{letter}], as in {key} = {example}, or add --limits "{letter} 0 500"'
+            place, example = ini.place(*places), "0" if key == "MIN_LIMIT" else "500"
+            raise DescriptionError(what, remedy, *place, key=key, letter=letter, example=example)
+    turns = zip(ends.items(), (-TURN.get(unit, 0.0), TURN.get(unit, 0.0)), strict=True)
+    stated = [turn if found is None else found.number(key) for (key, found), turn in turns]
+    least, most = given.get(letter, stated)
     if not least < most:
         what, place = "{letter} cannot move from {low:g} to {high:g}", ini.place(*places)
         raise DescriptionError(what, "The lower limit comes first", *place, letter=letter, low=least, high=most)
@@ -201,77 +225,37 @@ def _sections(ini: IniFile, letter: str, joint: int) -> tuple[str, ...]:
     return f"AXIS_{letter}", f"JOINT_{joint}", f"AXIS_{joint}"
 
 
-def _limits(ini: IniFile, letter: str, joint: int, unit: str) -> tuple[float, float]:
-    """Return the limits of an axis in its unit; a rotary axis without any has a turn to either side.
-
-    Raises DescriptionError for a linear axis without.
-    """
-    stated = _stated(ini, letter, joint)
-    for key, found in stated.items():
-        if letter not in "ABC" and _left_open(found, key):
-            what = "The INI file says no {key} of {letter}"
-            remedy = 'Write it under [AXIS_{letter}], as in {key} = {example}, or add --limits "{letter} 0 500"'
-            place = ini.place(*_sections(ini, letter, joint)) if found is None else (found.file, found.line)
-            example = "0" if key == "MIN_LIMIT" else "500"
-            raise DescriptionError(what, remedy, *place, key=key, letter=letter, example=example)
-    low, high = (
-        sense * TURN.get(unit, 0.0) if found is None or _left_open(found, key) else found.number(key)
-        for sense, (key, found) in zip((-1, 1), stated.items(), strict=True)
-    )
-    return low, high
+def _limits(ini: IniFile, letter: str, joint: int) -> dict[str, IniValue | None]:
+    """Return the limits of an axis by their keys, None where one is left open."""
+    stated = {key: ini.first(_sections(ini, letter, joint), key) for key in ("MIN_LIMIT", "MAX_LIMIT")}
+    return {key: each if each and abs(each.number(key)) <= _ENDLESS else None for key, each in stated.items()}
 
 
-def _stated(ini: IniFile, letter: str, joint: int) -> dict[str, IniValue | None]:
-    return {key: ini.first(_sections(ini, letter, joint), key) for key in ("MIN_LIMIT", "MAX_LIMIT")}
+Built = tuple[str, bool, tuple[str, ...], Mapping[str, Point]]
+"""Chain, whether it is sure, axes that are reversed, and origins, as of `IniMachine`."""
 
 
-def _left_open(found: IniValue | None, key: str) -> bool:
-    return found is None or abs(found.number(key)) > _ENDLESS
-
-
-@dataclass(frozen=True, slots=True)
-class IniBuild:
-    """chain : ISO 10791-6; sure : whether the kinematics say so, and not only what such machines usually are
-
-    reversed : axes that count against ISO 841; origins : of rotary axes, in the machine's unit; unit : mm or in
-    kinematics : name of the module; said : a person has said the chain, who says nothing of where axes turn by that
-    """
-
-    chain: str
-    sure: bool
-    kinematics: str
-    unit: str
-    reversed: tuple[str, ...] = ()
-    origins: Mapping[str, Point] = field(default_factory=dict)
-    said: bool = False
-
-
-def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit: str) -> IniBuild:
+def _built(ini: IniFile, name: str, joints: Mapping[str, tuple[int, ...]]) -> Built:
     """Return how a machine is built; raises DescriptionError for kinematics that are no chain of axes.
 
-    letters : of its axes; doubled : of those that two joints move
+    name : of its kinematics; joints : by the letters of its axes
     """
     stated = ini.get("KINS", "KINEMATICS")
-    name = stated.text.split()[0] if stated is not None and stated.text else "trivkins"
-    linear, rotary = [each for each in letters if each not in "ABC"], [each for each in letters if each in "ABC"]
+    linear, rotary = [each for each in joints if each not in "ABC"], [each for each in joints if each in "ABC"]
     place = (ini.path, None) if stated is None else (stated.file, stated.line)
     if set(linear) - {"Z"} == {"X", "Y", "U", "V"}:
         what = "{axes} are two towers that hold a wire or a bar between them, and no chain from workpiece to tool"
         remedy = "Describe one of them by hand, and calibrate each for itself"
         raise DescriptionError(what, remedy, *place, axes=" ".join(linear))
     if name in ("trivkins", "gantrykins"):
-        chain = _plain(linear, rotary, doubled)
-        return IniBuild(chain, False, name, unit, origins=dict.fromkeys(rotary, (0.0, 0.0, 0.0)))
+        doubled = [each for each in joints if len(joints[each]) > 1]
+        return _plain(linear, rotary, doubled), False, (), dict.fromkeys(rotary, (0.0, 0.0, 0.0))
     if name == BELTS:
-        return IniBuild("w-Z'-b-Y-X-t" if "Z" in letters else "w-b-Y-X-t", False, name, unit)
+        return "w-Z'-b-Y-X-t" if "Z" in joints else "w-b-Y-X-t", False, (), {}
     if found := _TRT.fullmatch(name):
-        return _swivelling(ini, name, found[1].upper(), letters, unit)
+        return _swivelling(ini, name, found[1].upper(), joints)
     what = "{name} is no chain of axes that can be read here"
-    remedy = "Write machine.toml by hand; trivkins, corexykins, xyzac-trt-kins and xyzbc-trt-kins are read"
-    if name in _PARALLEL:
-        remedy = "docs/scope.md says what to use instead"
-    elif name in _ROBOTS:
-        remedy = "docs/robots.md says how a robot is described"
+    remedy = "Read are trivkins, corexykins, xyzac-trt-kins, xyzbc-trt-kins; docs/robots.md and docs/scope.md say more"
     raise DescriptionError(what, remedy, *place, name=name)
 
 
@@ -288,7 +272,7 @@ def _plain(linear: Sequence[str], rotary: Sequence[str], doubled: Sequence[str])
     return f"w{tables}{moved}-b{head}-t"
 
 
-def _swivelling(ini: IniFile, name: str, swivel: str, letters: Sequence[str], unit: str) -> IniBuild:
+def _swivelling(ini: IniFile, name: str, swivel: str, letters: Collection[str]) -> Built:
     stated = ini.needed("KINS", "KINEMATICS", name)
     if not {"X", "Y", "Z", "C", swivel} <= set(letters):
         remedy = "Name them in [TRAJ] COORDINATES"
@@ -298,7 +282,7 @@ def _swivelling(ini: IniFile, name: str, swivel: str, letters: Sequence[str], un
     z += pins.get("z-offset", 0.0)
     line = (x, y + pins.get("y-offset", 0.0), z) if swivel == "A" else (x + pins.get("x-offset", 0.0), y, z)
     against = () if pins.get("conventional-directions", 0.0) else (swivel, "C")
-    return IniBuild(f"w-C'-{swivel}'-X'-Y'-b-Z-t", clear, name, unit, against, {swivel: line, "C": (x, y, z)})
+    return f"w-C'-{swivel}'-X'-Y'-b-Z-t", clear, against, {swivel: line, "C": (x, y, z)}
 
 
 def _pins(ini: IniFile, module: str) -> tuple[Mapping[str, float], bool]:
@@ -320,9 +304,6 @@ def _pins(ini: IniFile, module: str) -> tuple[Mapping[str, float], bool]:
     return values, not any(_PLACES.fullmatch(pin) for pin in said.keys() - values.keys())
 
 
-_PARALLEL = ("genhexkins", "lineardeltakins", "rotarydeltakins", "tripodkins", "pentakins")
-_ROBOTS = ("scarakins", "pumakins", "genserkins")
-"""Kinematics modules of LinuxCNC 2.9 (kins(9))."""
 _PLACES = re.compile(r"[xyz]-rot-point|[xyz]-offset|conventional-directions")
 """Pins that say where axes turn, or which way."""
 

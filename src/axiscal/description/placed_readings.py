@@ -9,16 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, with_offset, with_zero
 from axiscal.description.setup_of_reading import setup_of
-from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
+from axiscal.exceptions import Faults, InputError, ReadingError
 from axiscal.language.spoken import joined, said
 from axiscal.machine.axis import travel_text
 from axiscal.measurement.charts.kinds import Balls, Circle
@@ -35,49 +34,46 @@ from axiscal.units import format_quantity
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
-
-@dataclass(frozen=True, slots=True)
-class Logged:
-    """The readings of a log in its order, and what is to be said of it."""
-
-    readings: tuple[RawReading, ...]
-    said: tuple[str, ...]
+_AS_WRITTEN = "Give the file as the control wrote it"
 
 
-def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> Logged:
-    """Return the readings of a log.  folder : where the programs were written, with their lists
+def logged_readings(
+    file: Path, folder: Path, campaign: CampaignDescription
+) -> tuple[tuple[RawReading, ...], tuple[str, ...]]:
+    """Return the readings of a log in its order, and what is to be said of it.
 
+    folder : where the programs were written, with their lists
     Raises ReadingError for a log of another plan, for lines missing, doubled or out of order, and for touches off the
     ball.
     """
-    log = read_touch_log(file)
-    planned = _planned(log, file, folder)
-    runs = [(number, tuple(each)) for number, each in groupby(log.touches, key=lambda touch: touch.reading)]
-    faults, readings, found = Faults(), list[RawReading](), list(log.said)
-    first = dict[int, int]()
-    for number, touched in runs:
-        if first.setdefault(number, touched[0].line) < touched[0].line:
+    log, first = read_touch_log(file), dict[int, int]()
+    planned, faults, readings, told = _planned(log, file, folder), Faults(), list[RawReading](), list(log.said)
+    for number, run in groupby(log.touches, key=lambda touch: touch.reading):
+        touched = list(run)
+        line, numbers = touched[0].line, [touch.touch for touch in touched]
+        if first.setdefault(number, line) < line:
             what = "reading {number} was touched in the lines from {earlier} on, and here again"
             remedy = "Take out the lines of the run that does not count"
-            raise ReadingError(what, remedy, file, touched[0].line, number=number, earlier=first[number])
+            raise ReadingError(what, remedy, file, line, number=number, earlier=first[number])
         with faults.noted():
             if number not in planned:
-                what = "the plan has no reading {number}"
-                raise ReadingError(what, _AS_WRITTEN, file, touched[0].line, number=number)
-            if _whole(number, touched, bool(log.said), file):
-                readings.append(_reading(number, touched, planned[number], campaign, file))
+                raise ReadingError("the plan has no reading {number}", _AS_WRITTEN, file, line, number=number)
+            if numbers == [*range(1, TOUCHES + 1)]:
+                readings.append(_logged(touched, planned[number], campaign, file))
+            elif log.said and numbers == [*range(1, len(numbers) + 1)] and len(numbers) < TOUCHES:
+                told.append(f"reading {number} has {len(numbers)} of {TOUCHES} touches and is left out")
             else:
-                found.append(f"reading {number} has {len(touched)} of {TOUCHES} touches and is left out")
+                what = "reading {number} has the touches {seen} where 1 to {most} were expected"
+                remedy = "Lines are missing, doubled or moved. Give the file as the control wrote it"
+                seen = ", ".join(map(str, numbers[:12]))
+                raise ReadingError(what, remedy, file, line, number=number, seen=seen, most=TOUCHES)
     faults.refuse()
     begun, there = {reading.setup for reading in readings}, {reading.number for reading in readings}
-    lacking = [number for number, each in planned.items() if each.setup in begun and number not in there]
+    lacking = [str(number) for number, each in planned.items() if each.setup in begun and number not in there]
     if lacking:
-        numbers = joined([str(number) for number in lacking], most=12)
-        found.append(said("of the readings that are planned {numbers} do not stand in the log", numbers=numbers))
-    return Logged(tuple(readings), tuple(f"{file}: {each}." for each in found))
-
-
-_AS_WRITTEN = "Give the file as the control wrote it"
+        what = "of the readings that are planned {numbers} do not stand in the log"
+        told.append(said(what, numbers=joined(lacking, most=12)))
+    return tuple(readings), tuple(f"{file}: {each}." for each in told)
 
 
 def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, RawReading]:
@@ -87,38 +83,19 @@ def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, RawReading]:
         what = "this is the log of plan {code}, and {folder} has no programs of that plan ({list})"
         remedy = "Say by --programs into which folder plan --log wrote the programs"
         raise ReadingError(what, remedy, file, code=log.code, folder=folder, list=names.name)
-    lists = [folder / Path(name).name for name in read_text(names).lines if name.strip()]
-    files = [*map(read_text, lists)]
-    code = plan_code(["\n".join(each.lines) for each in files])
-    if code != log.code:
+    files = [read_text(folder / Path(name).name) for name in read_text(names).lines if name.strip()]
+    if plan_code(["\n".join(each.lines) for each in files]) != log.code:
         what = "the lists of plan {code} have been changed, or written anew for another plan"
         raise ReadingError(what, "Write the programs of that plan into a folder of their own", names, code=log.code)
-    planned = dict[int, RawReading]()
-    for table in map(table_of, files):
-        planned |= {int(row.of("reading").text): raw_pose(table, row) for row in table.rows}
-    return planned
+    rows = ((table, row) for table in map(table_of, files) for row in table.rows)
+    return {int(row.of("reading").text): raw_pose(table, row) for table, row in rows}
 
 
-def _whole(number: int, touched: Sequence[LoggedTouch], broken: bool, file: Path) -> bool:
-    """Return whether all touches of a reading are there, in their order; raises ReadingError if nothing explains a gap.
-
-    broken : the log says of itself that a run ended early
-    """
-    numbers = [touch.touch for touch in touched]
-    if numbers == list(range(1, TOUCHES + 1)):
-        return True
-    if broken and numbers == list(range(1, len(numbers) + 1)) and len(numbers) < TOUCHES:
-        return False
-    seen = ", ".join(map(str, numbers[:12]))
-    what = "reading {number} has the touches {seen} where 1 to {most} were expected"
-    remedy = "Lines are missing, doubled or moved. Give the file as the control wrote it"
-    raise ReadingError(what, remedy, file, touched[0].line, number=number, seen=seen, most=TOUCHES)
-
-
-def _reading(
-    number: int, touched: Sequence[LoggedTouch], planned: RawReading, campaign: CampaignDescription, file: Path
+def _logged(
+    touched: Sequence[LoggedTouch], planned: RawReading, campaign: CampaignDescription, file: Path
 ) -> RawReading:
-    machine, line = campaign.machine, touched[0].line
+    """Return the reading of all touches of a ball, where it was planned; raises ReadingError."""
+    machine, number, line = campaign.machine, touched[0].reading, touched[0].line
     try:
         setup = campaign.setup(planned.setup)
         pose = np.array(placed_pose(setup, machine, in_radii(planned.position, machine.axes)))
@@ -130,9 +107,7 @@ def _reading(
         raise ReadingError(what, failure.remedy, file, line, number=number, fault=failure.what) from None
     moving = {machine.axes[k].name for k in setup.moves}
     sides = {name: side for name, side in planned.approach.items() if name in moving}
-    return RawReading(
-        setup.name, planned.position, sides, value, None, "length", line, others=tuple(others), number=number
-    )
+    return replace(planned, approach=sides, value=value, line=line, others=tuple(others), number=number, rounding={})
 
 
 _OFF = 1e-4
@@ -177,42 +152,32 @@ def _of_length(row: RawReading, campaign: CampaignDescription) -> Reading:
 def placed_pose(setup: Setup, machine: Machine, position: _ByAxis, rounded: _ByAxis | None = None) -> tuple[float, ...]:
     """Return the pose that a set-up and coordinates by axis (m or rad) mean; axes left out must be parked.
 
-    Raises ReadingError for an axis that is not there, that is parked elsewhere, or a position outside its travel.
+    Where one place is held the linear axes that are left out follow from the others.
+    Raises InputError for an axis that is not there, that is parked elsewhere, a position outside its travel, and a
+    place that is further from the chart than what touches can follow.
     rounded : half of the last digit of each coordinate, by which it may lie outside
     """
-    _refuse_unknown_axis(position, machine)
-    rounding = rounded or {}
-    if setup.chart is not None:
-        return _on_chart(setup, setup.chart, machine, position, rounding)
-    return tuple(_coordinate(setup, axis, index, position, rounding) for index, axis in enumerate(machine.axes))
-
-
-def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: _ByAxis, rounding: _ByAxis) -> tuple[float, ...]:
-    """Return the pose on a chart; the linear axes follow from the others where one place is held, if they are left out.
-
-    Raises ReadingError for a place that is further from the chart than what touches can follow.
-    """
-    rotary = {axis.name: position[axis.name] for axis in machine.axes if axis.rotary and axis.name in position}
-    if isinstance(chart, Balls) and not chart.numbered and all(machine.axes[k].name in rotary for k in chart.turning):
+    named, chart = {machine.index(name) for name in position}, setup.chart
+    if isinstance(chart, Balls) and not chart.numbered and named >= set(chart.turning):
         places = np.array([[position[machine.axes[k].name] for k in chart.turning]])
         following = dict(zip((axis.name for axis in machine.axes), chart.poses(places)[0].tolist(), strict=True))
         position = {**following, **position}
-    pose = tuple(_coordinate(setup, axis, index, position, rounding) for index, axis in enumerate(machine.axes))
-    off, allowed = off_chart(machine, chart, np.array(pose)), setup.stroke or _OFF
-    if off > allowed:
-        far = format_quantity(off, "mm", 3)
-        what, ball = 'this place is {far} from the line or circle, where "{setup}" is read', ""
-        if setup.artefact is not None:
-            what = 'this place is {far} from ball {ball}, where "{setup}" is read'
-            nearest = int(setup.artefact.nearest(machine.frames(np.array([pose])).tcp, setup.balls)[0])
-            ball = setup.artefact.balls[nearest].name
-        remedy = "Give the place where the tool point stood, or another set-up"
-        raise ReadingError(what, remedy, far=far, ball=ball, setup=setup.name)
-    return pose
+    axes = enumerate(machine.axes)
+    pose = tuple(_coordinate(setup, axis, index, position, rounded or {}) for index, axis in axes)
+    if chart is None or (off := _off_chart(machine, chart, np.array(pose))) <= (setup.stroke or _OFF):
+        return pose
+    far = format_quantity(off, "mm", 3)
+    what, ball = 'this place is {far} from the line or circle, where "{setup}" is read', ""
+    if setup.artefact is not None:
+        what = 'this place is {far} from ball {ball}, where "{setup}" is read'
+        nearest = int(setup.artefact.nearest(machine.frames(np.array([pose])).tcp, setup.balls)[0])
+        ball = setup.artefact.balls[nearest].name
+    remedy = "Give the place where the tool point stood, or another set-up"
+    raise ReadingError(what, remedy, far=far, ball=ball, setup=setup.name)
 
 
 def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int]) -> tuple[int, ...]:
-    """Return the directions by axis as a tuple, 0 where not said; raises ReadingError for an axis that is parked.
+    """Return the directions by axis as a tuple, 0 where not said; raises InputError for an axis that is parked.
 
     approach : {"": ±1} of the only axis that moves
     """
@@ -222,7 +187,6 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
             what = 'the approach names no axis, and "{setup}" moves {axes}'
             raise ReadingError(what, "Write each with its direction, as in X+", setup=setup.name, axes=joined(names))
         approach = {names[0]: approach[""]}
-    _refuse_unknown_axis(approach, machine)
     for name in approach:
         if machine.index(name) not in setup.moves:
             what = '{name} is parked in the set-up "{setup}" and has no direction of approach'
@@ -268,56 +232,35 @@ def _on_circle(row: RawReading, setup: Setup) -> tuple[tuple[float, ...], tuple[
     return tuple(pose[0].tolist()), tuple(sides[0].astype(int).tolist())
 
 
-def _refuse_unknown_axis(names: Mapping[str, object], machine: Machine) -> None:
-    try:
-        for name in names:
-            machine.index(name)
-    except DescriptionError as failure:
-        raise ReadingError(failure.what, failure.remedy) from None
-
-
 def _coordinate(setup: Setup, axis: Axis, index: int, position: _ByAxis, rounding: _ByAxis) -> float:
-    moves = index in setup.moves
-    if axis.name not in position:
-        if moves:
-            what = '{axis} moves in the set-up "{setup}", and its position is not given'
-            remedy = "Say where it stood, anywhere from {travel}"
-            raise ReadingError(what, remedy, axis=axis.name, setup=setup.name, travel=travel_text(axis))
-        return setup.park[index]
-    value, unit = position[axis.name], axis.unit
-    slack, (low, high) = _STILL[False] if setup.base else 1e-9 * axis.length, setup.span(axis, index)
+    """Return where an axis stands; raises ReadingError for a place that it has none of, or none in this set-up."""
+    moves, park = index in setup.moves, setup.park[index]
+    if axis.name not in position and not moves:
+        return park
+    value, (low, high) = position.get(axis.name, math.nan), setup.span(axis, index)
+    slack = _STILL[False] if setup.base else 1e-9 * axis.length
     slack = max(slack, min(rounding.get(axis.name, 0.0), _DIGIT))
+    reach = axis.travel if setup.reach is None else setup.reach[index]
+    within = reach != axis.travel and axis.travel[0] <= value <= axis.travel[1]
+    limit = reach if within else axis.travel
+    texts = {name: format_quantity(each, axis.unit, 9) for name, each in (("shown", value), ("park", park))}
+    told = texts | {"axis": axis.name, "setup": setup.name, "travel": travel_text(replace(axis, travel=limit))}
+    if axis.name not in position:
+        what = '{axis} moves in the set-up "{setup}", and its position is not given'
+        raise ReadingError(what, "Say where it stood, anywhere from {travel}", None, None, **told)
     if not low - slack <= value <= high + slack:
-        _refuse_outside(setup, axis, index, value)
-    if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:
-        park = format_quantity(setup.park[index], unit, 9)
-        what = '{axis} = {value}, but the set-up "{setup}" parks it at {park}'
-        remedy = "Park it there in the description, or add {axis} to its moves"
-        raise ReadingError(
-            what, remedy, axis=axis.name, value=format_quantity(value, unit, 9), setup=setup.name, park=park
-        )
+        what, remedy = "{axis} = {shown} is outside the travel", "{axis} goes from {travel}"
+        if within or limit[0] <= value <= limit[1]:
+            what = 'at {axis} = {shown} the {instrument} of "{setup}" does not stand within its reach and the travel'
+            remedy = "{axis} goes from {travel}: give where the tool point, or the middle of a base, stood"
+        raise ReadingError(what, remedy, None, None, instrument=setup.instrument, **told)
+    if not moves and abs(value - park) > _STILL[axis.rotary]:
+        what = '{axis} = {shown}, but the set-up "{setup}" parks it at {park}'
+        raise ReadingError(what, "Park it there in the description, or add {axis} to its moves", None, None, **told)
     return min(max(value, low), high)
 
 
-def _refuse_outside(setup: Setup, axis: Axis, index: int, value: float) -> NoReturn:
-    """Raise ReadingError that names the limit: the travel, or the reach of the set-up."""
-    reach = axis.travel if setup.reach is None else setup.reach[index]
-    within = reach != axis.travel and axis.travel[0] <= value <= axis.travel[1]
-    low, high = limit = reach if within else axis.travel
-    what, remedy = "{axis} = {shown} is outside the travel", "{axis} goes from {travel}"
-    if low <= value <= high:
-        what = "at {axis} = {shown} a foot of the {instrument} stands outside the travel"
-        what = "at {axis} = {shown} a foot of the {instrument} stands outside the reach" if within else what
-        remedy = "Give where the middle of its base of {base} stood; {axis} goes from {travel}"
-    elif within:
-        what = '{axis} = {shown} is within the travel and outside the reach of the set-up "{setup}"'
-        remedy = "Its reach is {travel}: correct the reading, or the reach in campaign.toml"
-    shown, base = (format_quantity(each, axis.unit, 9) for each in (value, setup.base or 0.0))
-    whose = {"axis": axis.name, "setup": setup.name, "instrument": setup.instrument, "base": base, "shown": shown}
-    raise ReadingError(what, remedy, None, None, travel=travel_text(replace(axis, travel=limit)), **whose)
-
-
-def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:
+def _off_chart(machine: Machine, chart: Chart, pose: Array) -> float:
     """Return how far the tool point of a pose (q,) is from where the chart has it with the same coordinates, m."""
     nearest = chart.poses(chart.places(pose[None]))
     if not np.all(np.isfinite(nearest)):

@@ -10,7 +10,6 @@ from pathlib import Path
 from axiscal.description.first_campaign import Beginning
 from axiscal.description.ini_file import IniFile, IniValue
 from axiscal.description.screws import screws_text
-from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine import load_machine, machine_from_text
@@ -49,10 +48,10 @@ def of_printer(path: Path, chain: str | None = None) -> Beginning:
     lines = list(_lines(path, path.resolve().parent))
     read, whole = _sections(path, lines), "\n".join(text for _, _, text in lines)
     if read.place("printer")[1] is None:
-        for number, line in enumerate(read_text(path).lines, start=1):
-            if (included := _INCLUDED.fullmatch(line.strip())) and not _files(path, included[1]):
-                what, remedy = "The file {name} that is included here is not there", "Copy it beside this one"
-                raise DescriptionError(what, remedy, path, number, name=shown(included[1]))
+        for file, number, line in lines:
+            if (included := _INCLUDED.fullmatch(line.strip())) and not _files(file, included[1]):
+                what, remedy = "The file {name!r} that is included here is not there", "Copy it beside this one"
+                raise DescriptionError(what, remedy, file, number, name=included[1])
     stated = read.needed("printer", "kinematics", "corexy")
     if stated.text not in _CHAINS:
         what = "kinematics: {name} has no axes X, Y and Z that move by themselves"

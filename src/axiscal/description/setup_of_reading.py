@@ -28,7 +28,11 @@ def setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int
     if row.test is not None:
         return _tested(row, campaign)
     if not row.error:
-        return _only_setup(campaign), 1
+        if len(campaign.setups) > 1 or len(campaign.setups[0].moves) > 1:
+            what = "the readings name neither set-up nor axis, and the campaign has more than one of them"
+            remedy = "Give the columns setup and X_mm, or a campaign of one set-up with one moving axis"
+            raise ReadingError(what, remedy)
+        return campaign.setups[0], 1
     component = 2 if row.error == "z" else error_named(row.error).component % 3
     moving = {campaign.machine.index(name) for name in row.position}
     reads = (s for s in campaign.setups if s.reads == row.dimension and moving <= set(s.moves))
@@ -62,11 +66,7 @@ def _tested(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, int]
     what = "several set-ups read what this test reads: {names}" if fitting else what
     if not fitting and any(_reads_test(replace(row, axis=""), setup, campaign.machine) for setup in campaign.setups):
         what = "the file says that {axis} was tested, and no set-up reads what it reads along {axis}"
-    remedy = "Give the columns setup and X_mm, or a campaign of the one set-up that was tested"
-    if len({setup.moves for setup in fitting}) > 1:
-        remedy = "Say which axis was read, such as --axis X, or give the columns setup and X_mm"
-    if row.test == "circle":
-        remedy = "Give a column setup, or a campaign of the one set-up that was tested"
+    remedy = "Say which axis was read, such as --axis X, or name the set-up in a column setup"
     raise ReadingError(what, remedy, names=names, axis=row.axis)
 
 
@@ -91,12 +91,3 @@ def _direction_in_frame(setup: Setup, machine: Machine) -> Array:
     """Return the direction of a set-up in the frame of the first axis that it moves, (3,)."""
     way: Array = in_frame(machine, setup.moves[0], np.array(setup.park)) @ np.array(setup.direction)
     return way
-
-
-def _only_setup(campaign: CampaignDescription) -> Setup:
-    """Return the set-up of readings that name none."""
-    setup = campaign.setups[0]
-    if len(campaign.setups) > 1 or len(setup.moves) > 1:
-        what = "the readings name neither set-up nor axis, and the campaign has more than one of them"
-        raise ReadingError(what, "Give the columns setup and X_mm, or a campaign of one set-up with one moving axis")
-    return setup

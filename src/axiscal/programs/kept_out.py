@@ -6,7 +6,7 @@ there it meets by so much sooner what stands in its way. Pieces that are not fre
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -61,14 +61,24 @@ def refuse_kept_out(
     balls : by the number of each reading, the one that it touches
     Ways on which it is not known where every axis is, before all of them have been sent somewhere, are not looked at.
     """
-    ways = free_ways(machine, setup, balls, scales, run)
-    blocked = next((place for place, clear in enumerate(ways) if not clear), None)
-    if blocked is None:
+    at, around = np.full(len(scales), np.nan), [balls[s.number] for s in run if isinstance(s, ReadingTarget) and balls]
+    room = Room.among(machine, setup.artefact, {*around[:1]}, setup.contact != "retracted")
+    for place, step in enumerate(run):
+        before = at.copy()
+        if isinstance(step, ReadingTarget) and balls:  # the tool may come to the balls of the readings around it
+            room = Room.among(machine, setup.artefact, {*around[:2]}, setup.contact != "retracted")
+            around = around[1:]
+        if isinstance(step, Move):
+            for axis, value in step.to.items():
+                at[axis] = from_unit(float(value), scales[axis].unit)
+        known = np.all(np.isfinite(before)) and not np.all(before == at)
+        if known and room.occupied and not free(room, before, at):
+            reached = next((each for each in run[place:] if isinstance(each, ReadingTarget)), None)
+            break
+    else:
         return
-    reached = next((step for step in run[blocked:] if isinstance(step, ReadingTarget)), None)
-    way = (
-        said("the way to reading {number}", number=reached.number) if reached else said("the way from the last reading")
-    )
+    way = said("the way from the last reading")
+    way = said("the way to reading {number}", number=reached.number) if reached else way
     what = "{way} of the set-up {setup} leads into {artefact}: into a ball, a post, or what is to be kept out"
     remedy = (
         "Say what goes clear before others move (--clearance), read the place from another side, move the artefact, or "
@@ -76,21 +86,3 @@ def refuse_kept_out(
     )
     artefact = shown(setup.artefact.name if setup.artefact else "")
     raise TravelError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
-
-
-def free_ways(
-    machine: Machine, setup: Setup, balls: Mapping[int, int], scales: Sequence[AxisScale], run: Sequence[Step]
-) -> Iterator[bool]:
-    """Yield of each step whether its way is free; the tool may come to the balls of the readings around it."""
-    at, around = np.full(len(scales), np.nan), [balls[s.number] for s in run if isinstance(s, ReadingTarget) and balls]
-    room = Room.among(machine, setup.artefact, {*around[:1]}, setup.contact != "retracted")
-    for step in run:
-        before = at.copy()
-        if isinstance(step, ReadingTarget) and balls:
-            room = Room.among(machine, setup.artefact, {*around[:2]}, setup.contact != "retracted")
-            around = around[1:]
-        if isinstance(step, Move):
-            for axis, value in step.to.items():
-                at[axis] = from_unit(float(value), scales[axis].unit)
-        known = np.all(np.isfinite(before)) and not np.all(before == at)
-        yield not (known and room.occupied) or free(room, before, at)

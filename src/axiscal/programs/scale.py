@@ -122,21 +122,13 @@ def target(
         raise ProgramError("{label} does not fit the machine's {count} axes", remedy, label=label, count=len(scales))
     placed = list[tuple[Decimal, Decimal]]()
     for scale, value, side in zip(scales, pose, map(int, approach), strict=True):
-        name, place = scale.axis.name, scale.nearest(value)
-        if place is None:
-            what, at = "{label}: {axis} = {place} is outside the travel", format_quantity(value, scale.unit, 9)
-            remedy = "Plan within {travel}; a raster may lead beyond it"
-            raise TravelError(what, remedy, label=label, axis=name, place=at, travel=scale.travel)
-        if (sided := scale.sided(place, side)) is None:
-            what = (
-                "{label} is to be approached with {side} at {axis} = {number} {unit}, and the travel, which ends at "
-                "{end} {unit}, leaves less than the overrun of {overrun} to come from there"
-            )
-            remedy = "Plan it further inside or from the other side, or give the axis a smaller overrun"
-            sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
-            overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
-            told = {"side": f"{name}{sign}", "axis": name, "number": place, "unit": scale.unit, "end": end}
-            raise TravelError(what, remedy, None, None, label=label, overrun=overrun, **told)
+        place = scale.nearest(value)
+        if place is None or (sided := scale.sided(place, side)) is None:
+            what = "{label}: {at} lies outside {travel}, or leaves less than the overrun of {overrun} to come to {side}"
+            remedy = "Plan it further inside, where no raster leads beyond, or give the axis a smaller overrun"
+            at, to = f"{scale.axis.name} = {format_quantity(value, scale.unit, 9)}", f"{scale.axis.name}{' +-'[side]}"
+            told = {"at": at, "side": to.strip(), "overrun": format_quantity(scale.axis.overrun, scale.unit, 3)}
+            raise TravelError(what, remedy, None, None, label=label, travel=scale.travel, **told)
         placed.append(sided)
     position, turning = zip(*placed, strict=True)
     return ReadingTarget(number, position, turning, tuple(int(side) for side in approach))

@@ -29,6 +29,10 @@ _READ = ("deviation", "actual")
 """Of a reading: how far off the axis stood, or where."""
 _BESIDE = dict.fromkeys(("direction", "run", "setup", "axis", "time"), TEXT) | dict.fromkeys(_READ, _BOTH)
 _RADII = later("these are radii, and no deviations"), later("take the radius off them")
+_MIXED = (
+    later("the columns mix lengths and angles"),
+    later("give a file for each test, such as target_mm with deviation_um, or target_deg with deviation_arcsec"),
+)
 _UNITS = later("write Pos_mm and 1+_um in the header, or such")
 _UNKNOWN = later("direction {text!r} is not known")
 _NO_RUN, _NUMBERED = later("run {text!r} is not a whole number"), later("number the runs 1, 2, 3, ...")
@@ -170,7 +174,7 @@ def _in_columns(file: TextFile, table: CsvTable) -> Found:
     target, *others = table.columns
     kinds, found = {_kind(table, target, column) for column in others}, list[RawReading]()
     if len(kinds) > 1:
-        raise table.fail("some runs are lengths, and some are angles", "give a file for each test")
+        raise table.fail(*_MIXED)
     for at, column in enumerate(others, 1):
         if (run := run_of(column.stem)) is None:
             what = "column '{column}' names no run with its direction"
@@ -204,9 +208,7 @@ def _kind(table: CsvTable, target: Column, deviation: Column) -> Test:
     if target.stem == "angle" and deviation.dimension == "length":
         return "circle"
     if (target.dimension, deviation.dimension) == ("angle", "length"):
-        what = "'{target}' and '{deviation}' mix a length and an angle"
-        remedy = "use target_mm with deviation_um, or target_deg with deviation_arcsec"
-        raise table.fail(what, remedy, target=target.name, deviation=deviation.name)
+        raise table.fail(*_MIXED)
     return "positioning" if target.dimension == deviation.dimension else "angular"
 
 

@@ -10,7 +10,7 @@ does know it checks the names of set-ups and axes, and whether a position lies w
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -19,11 +19,11 @@ from typing import Literal
 
 from axiscal.document import meant, shown
 from axiscal.exceptions import Faults, UnitError
-from axiscal.language.spoken import counted, joined, put, said
+from axiscal.language.spoken import counted, joined, later, put, said
 from axiscal.measurement.readers.columns import ANGLES, LENGTHS, TEXT, TILTS, WORDS, Units, approach_of, sign_of, whole
 from axiscal.measurement.readers.csv_table import EXAMPLE, Cell, CsvTable, Row, csv_text, table_of
 from axiscal.measurement.readers.text_file import TextFile, read_text
-from axiscal.measurement.reading import Places, Reading, approach_text, columns_of
+from axiscal.measurement.reading import Place, Places, Reading, approach_text, columns_of
 from axiscal.measurement.setup import FINEST, MOST, Setup
 from axiscal.units import parse_quantity, to_unit
 from axiscal_core.axes import Axis
@@ -32,7 +32,8 @@ _DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
 _NO_YEAR = 1900
 """That of a time without a date, by Python."""
 _SECONDS = re.compile(r"[_\[(]s[\])]?$")
-_REMEDY = "write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time"
+_NO_TIME = later("{text!r} is no time, or before those above, or written unlike them")
+_REMEDY = later("write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time")
 
 _THREE = ("value_x", "value_y", "value_z")
 _MET = ("found_x", "found_y", "found_z")
@@ -278,9 +279,7 @@ def read_times(table: CsvTable) -> list[float | None]:
     times = [*map(_time, cells)]
     for cell, (kind, seconds), (_, last) in zip(cells, times, (times[0], *times), strict=False):
         if kind != times[0][0] or seconds < last:
-            what = "time {text!r} is before that of the line above"
-            what = what if kind == times[0][0] else "time {text!r} is written unlike those above"
-            raise cell.fail(what, _REMEDY, text=cell.text)
+            raise cell.fail(_NO_TIME, _REMEDY, text=cell.text)
     return [seconds - times[0][1] for _, seconds in times]
 
 
@@ -289,7 +288,7 @@ def _time(cell: Cell) -> tuple[str, float]:
     with suppress(ValueError):
         moment = datetime.fromisoformat(cell.text)
         if _DAY.fullmatch(cell.text):  # all readings of a day at once, and no drift between them
-            raise cell.fail("time {text!r} is a day without a time of day", _REMEDY, text=cell.text)
+            raise cell.fail(_NO_TIME, _REMEDY, text=cell.text)
         kind = "date with zone" if moment.tzinfo else "date"
         return kind, (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
     with suppress(UnitError):
@@ -299,14 +298,13 @@ def _time(cell: Cell) -> tuple[str, float]:
             moment = datetime.strptime(cell.text, form).replace(tzinfo=UTC)
             day = cell.text.split()[0] if form.startswith(("%d/", "%m/")) else "date"  # 1/2 and 2/2: a day or a month
             return ("clock" if moment.year == _NO_YEAR else day), moment.timestamp()
-    raise cell.fail("time {text!r} is no time", _REMEDY, text=cell.text[:40])
+    raise cell.fail(_NO_TIME, _REMEDY, text=cell.text[:40])
 
 
 def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places) -> str:
     """Return the text of the file, with columns to fill in, such as value_um."""
     values = columns_of(setups[index] for index in places.setups)
-    listed = places.listed(setups)
-    return _sheet(axes, values, [(each.setup, each.pose, each.approach, [""] * len(values)) for each in listed])
+    return _sheet(axes, values, [(each, [""] * len(values)) for each in places.listed(setups)])
 
 
 def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
@@ -318,8 +316,7 @@ def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
     named = [f"value_{c}_um" for c in "xyz"] if any(reading.others for reading in readings) else ["value_um"]
     numbers = [[*reading.values, *([reading.std] if own else [])] for reading in readings]
     texts = [["" if each is None else f"{to_unit(each, 'um'):.6f}" for each in every] for every in numbers]
-    lines = [(r.setup, r.pose, r.approach, each) for r, each in zip(readings, texts, strict=True)]
-    return _sheet(axes, [*named, *(["std_um"] if own else [])], lines)
+    return _sheet(axes, [*named, *(["std_um"] if own else [])], zip(readings, texts, strict=True))
 
 
 def heading(axes: Sequence[Axis], values: Sequence[str]) -> list[str]:
@@ -327,13 +324,10 @@ def heading(axes: Sequence[Axis], values: Sequence[str]) -> list[str]:
     return ["setup", *(axis.column for axis in axes), "approach", *values]
 
 
-_Line = tuple[str, Sequence[float], Sequence[float], Sequence[str]]
-
-
-def _sheet(axes: Sequence[Axis], values: Sequence[str], lines: Sequence[_Line]) -> str:
-    """Return a file of readings.  lines : set-up, pose, approach and texts of the values"""
+def _sheet(axes: Sequence[Axis], values: Sequence[str], lines: Iterable[tuple[Place | Reading, Sequence[str]]]) -> str:
+    """Return a file of readings.  lines : where each is, and the texts of its values"""
     rows = [heading(axes, values)]
-    for setup, pose, approach, texts in lines:
-        at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
-        rows.append([setup, *at, approach_text(axes, approach), *texts])
+    for each, texts in lines:
+        at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(each.pose, axes, strict=True))
+        rows.append([each.setup, *at, approach_text(axes, each.approach), *texts])
     return csv_text(rows)

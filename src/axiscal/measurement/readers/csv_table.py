@@ -47,6 +47,8 @@ from axiscal.units import from_unit
 
 EXAMPLE = "setup,X_mm,approach,value_um"
 """A header."""
+_NO_HEADER = later("no known format begins with {text}")
+_HEADER = later("give a table whose first line names the columns, such as {header}; docs/readings.md names all formats")
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _OF_FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[+-]?\d+$)", re.ASCII)
 _BETWEEN = " '\x92\N{RIGHT SINGLE QUOTATION MARK}\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}\N{THIN SPACE}"
@@ -161,20 +163,9 @@ class Cell(TableLine):
         return found
 
     def _no_number(self) -> ReadingError:
-        text, better = self.text, self.text.replace(",", ".")
-        what, remedy = later("{column} {text} is not a number"), later("write digits with a decimal point")
-        if not text:
-            what, remedy = later("{column} is empty"), later("write the number that was read, or take out the line")
-        elif _doubtful(text, self.column.mark):
-            what = later("{column} {text} is a number of thousands, or one with three decimals")
-            remedy = later("write it without a mark of thousands, or with four decimals")
-        elif NUMBER.fullmatch(plain(text, self.column.mark)):
-            what = later("{column} {text} is too large for a machine")
-            remedy = later("write the number that was read, in the unit of the header")
-        elif NUMBER.fullmatch(better):
-            what = later("{column} {text} has another decimal mark than the others")
-            remedy = later("write a decimal point: {better}")
-        return self.fail(what, remedy, column=self.column.name, text=_shown(text), better=better)
+        what = "{column} {text} is no number that a machine has"
+        remedy = "write digits with a decimal point, in the unit of the header; 1.080 as 1.0800 or as 1080"
+        return self.fail(what, remedy, column=self.column.name, text=_shown(self.text))
 
 
 @dataclass(frozen=True)
@@ -299,7 +290,7 @@ def _begun(
         data = [(number, _GAP.sub("\t", line.strip())) for number, line in data]
     hint = _HINT.fullmatch(data[0][1]) if data else None
     if not data[bool(hint) :]:
-        raise file.fail("there is no header and no data", "let the first line name the columns")
+        raise file.fail(_NO_HEADER, _HEADER, text=_shown(""), header=header or EXAMPLE)
     titles = enumerate(pairwise([*data, (0, "")][: _TITLES + 1]))
     heads = ((at, one) for at, ((_, line), (_, below)) in titles if (one := _spanned(line, below)) or _names(line) > 1)
     begin, over = next(heads, (int(hint is not None), ""))
@@ -315,8 +306,7 @@ def _begun(
     if usual and not any(map(str.isalpha, first)):
         names, data = list(usual[: len(names)]), [(number, first), *data]
     if not names or (len(names) == 1 and not (_names(first) or _AXIS.fullmatch(names[0]))):
-        what, remedy = "no known format begins with {text}", "give a table such as {header}; docs/readings.md names all"
-        raise file.fail(what, remedy, number, text=_shown(first), header=header)
+        raise file.fail(_NO_HEADER, _HEADER, number, text=_shown(first), header=header)
     width, below = len(names), _cells(file, data[0][0], under, separator) if data else []
     while len(names) > 1 and not names[-1]:
         names.pop()
@@ -325,13 +315,11 @@ def _begun(
         names = [f"{name} [{unit}]" if unit else name for name, unit in zip_longest(names, units, fillvalue="")]
         data = data[1:]
     if any(NUMBER.fullmatch(name) for name in names) and not _names(names[0]):
-        remedy = "let the first line be the header, such as {header}"
-        raise file.fail("the first line holds numbers and names no columns", remedy, number, header=header)
+        raise file.fail(_NO_HEADER, _HEADER, number, text=_shown(first), header=header)
     for index, name in enumerate(names):
         if not name or name in names[:index]:
-            what = "column '{name}' is named twice" if name else "column {column} has no name"
-            shown, remedy = name[:_LONGEST], "give each column one name of its own"
-            raise file.fail(what, remedy, number, name=shown, column=index + 1)
+            what, remedy = "column {column} has the name '{name}'", "give each column one name of its own"
+            raise file.fail(what, remedy, number, name=name[:_LONGEST], column=index + 1)
     return number, separator, tuple(column_of(name, file.unit, words) for name in names), data
 
 

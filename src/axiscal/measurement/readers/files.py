@@ -97,10 +97,9 @@ def recognised(path: str | Path, around: Around = ALONE, unit: str = "") -> Foun
         text = "\n".join(file.lines)
         beside, zero = offset_in(text), zero_of(sections_in(text) or {})
         found = replace(found, readings=tuple(replace(each, beside=beside, zero=zero) for each in found.readings))
-    if axis := axis_named(file):
-        told = (replace(each, axis=each.axis or axis) if each.test else each for each in found.readings)
-        found = replace(found, readings=tuple(told))
-    return replace(found, file=file.name, title=kind.title)
+    named = axis_named(file)
+    told = tuple(replace(each, axis=each.axis or named) if each.test else each for each in found.readings)
+    return replace(found, readings=told, file=file.name, title=kind.title)
 
 
 def title_of(path: str | Path) -> str:

@@ -92,19 +92,16 @@ def _units(file: TextFile, usual: str, angles: bool) -> tuple[str, str, bool]:
     found = [(number, each) for number, line in enumerate(file.lines, 1) if (each := _UNITS.fullmatch(line.strip()))]
     number, text, own = next(((at, each[2], each[1]) for at, each in found), (2, "", None))
     stated = unit_of(text) or ""
-    if text and not stated:
-        raise file.fail("{text} is no unit of deviations", "known are um, mm, in and arcsec", number, text=text[:20])
     inches = stated in ("in", "inch") and not own
     unit = "" if inches else stated if own or not usual or stated not in ("", "mm") else usual
-    if unit and file.unit:
-        raise file.fail("the file names its unit, and --unit names another", "leave --unit out", number)
-    if not (unit or file.unit):
-        raise file.fail("the file does not name the unit of its deviations", "say it: --unit um, mm or thou", number)
-    unit = unit or file.unit
-    if angles != (unit not in LENGTHS):
-        remedy = "say another by --unit" if file.unit else "correct this line, or take it out"
-        raise file.fail("{text} is no unit of this test", remedy, number, text=unit)
-    return "in" if inches else "mm", unit, not text
+    taken = unit or file.unit
+    if bool(text) > bool(stated) or (taken and angles != (taken not in LENGTHS)):
+        remedy = "known are um, mm, in, and arcsec of angles"
+        raise file.fail("{text} is no unit of this test", remedy, number, text=file.unit or text[:20])
+    if bool(unit) == bool(file.unit):
+        remedy = "say --unit um, mm or thou where the file names none, else leave --unit out"
+        raise file.fail("the unit of the deviations is to be said once", remedy, number)
+    return "in" if inches else "mm", taken, not text
 
 
 def _sections(file: TextFile) -> dict[str, _Lines]:
@@ -112,23 +109,19 @@ def _sections(file: TextFile) -> dict[str, _Lines]:
 
     Raises ReadingError for a section that stands there twice or is missing.
     """
-    sections = {"": (lines := _Lines())}
-    for number, line in enumerate(file.lines, 1):
-        text = line.strip()
+    sections, name = {"": _Lines()}, ""
+    for number, text in enumerate(map(str.strip, file.lines), 1):
         if text.endswith("::"):
-            name, lines = text[:-2].strip().upper(), []
+            name = text[:-2].strip().upper()
             if name in sections:
                 raise file.fail("section {name}:: stands here twice", "give each test by itself", number, name=name)
-            sections[name] = lines
+            sections[name] = []
         elif text:
-            lines.append((number, text))
-    for name in ("TARGET DATA", "DEVIATIONS"):
-        if name not in sections:
-            raise file.fail("there is no section {name}::", _SHORTENED, name=name)
-    for lines in sections.values():
-        if not any("." in text for _, text in lines):
-            lines[:] = [(number, text.replace(",", ".")) for number, text in lines]
-    return sections
+            sections[name].append((number, text))
+    if lacking := [name for name in ("TARGET DATA", "DEVIATIONS") if name not in sections]:
+        raise file.fail("there is no section {name}::", _SHORTENED, name=lacking[0])
+    marks = {name: "." if any("." in text for _, text in lines) else "," for name, lines in sections.items()}
+    return {name: [(n, text.replace(marks[name], ".")) for n, text in lines] for name, lines in sections.items()}
 
 
 def _targets(file: TextFile, lines: _Lines) -> tuple[list[float], bool, bool]:

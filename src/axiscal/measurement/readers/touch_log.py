@@ -71,11 +71,8 @@ def read_touch_log(path: str | Path) -> TouchLog:
             code, running, taken = begin[1], True, set()
             continue
         touch, miss, end = (pattern.fullmatch(text) for pattern in (_TOUCH, _MISS, _END))
-        if text and not (touch or miss or end):
-            raise file.fail("{shown!r} is no line of a log", _AS_WRITTEN, number, shown=text[:60])
-        if text and not running:
-            what = "this touch stands outside of any run: the line that begins one is missing"
-            raise file.fail(what, _AS_WRITTEN, number)
+        if text and not ((touch or miss or end) and running):
+            raise file.fail("{shown!r} is no line of a log, or in no run of it", _AS_WRITTEN, number, shown=text[:60])
         if touch:
             x, y, z = (float(from_unit(float(each.replace(" ", "")), "mm")) for each in touch.groups()[2:])
             touches.append(LoggedTouch(int(touch[1]), int(touch[2]), (x, y, z), number))

@@ -114,7 +114,7 @@ class Configured:
         files[self.ini.path.name], tables = self._ini(files)
         letters = "".join(joints.get(number, "_") for number in range(max(joints) + 1))  # the kinematics' own order
         load = LOADRT.replace('"coordinates=[TRAJ]COORDINATES"', f"coordinates={letters}")
-        load += " belts=1" if self.machine.build.kinematics == BELTS else ""
+        load += " belts=1" if self.machine.kinematics == BELTS else ""
         files[_LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{load}\n"
         joined = {"joints": sorted(joints), "nets": nets, "thread": next(iter(threads.values()))}
         files[_JOIN_FILE] = rendered(_TEMPLATES, "volumetric.hal.jinja", **joined)
@@ -218,7 +218,7 @@ def options_of(found: Configured, options: ExportOptions) -> ExportOptions:
         raise TableError("ANGULAR_UNITS are radians, and the component counts degrees", remedy, found.ini.path)
     if {"--number", "--unit"} & set(options.given):
         raise TableError("--ini says the unit and which joints are whose", "leave --unit and --number out")
-    return replace(options, unit=found.machine.build.unit, numbers={a.letter: a.joints for a in found.machine.axes})
+    return replace(options, unit=found.machine.unit, numbers={a.letter: a.joints for a in found.machine.axes})
 
 
 def refuse_other_machine(found: Configured, machine: Machine) -> None:
@@ -228,7 +228,7 @@ def refuse_other_machine(found: Configured, machine: Machine) -> None:
         what = "the INI file has axes {own}, machine.toml {described}"
         remedy = "the component corrects the whole chain: describe all of them"
         raise TableError(what, remedy, found.ini.path, own=" ".join(sorted(own)), described=" ".join(sorted(described)))
-    build = found.machine.build
+    build = found.machine
     for name, axis in described.items():
         against = name in build.reversed
         if build.sure and axis.rotary and against != axis.reversed:
@@ -242,7 +242,7 @@ def refuse_other_machine(found: Configured, machine: Machine) -> None:
 
 def to_mind(found: Configured, machine: Machine) -> Iterator[str]:
     """Yield where the INI file goes beyond what was calibrated, or turns an axis elsewhere than it was measured."""
-    build = found.machine.build
+    build = found.machine
     for own in found.machine.axes:
         axis, ends = machine.axis(own.letter), [float(from_unit(end, own.unit)) for end in (own.low, own.high)]
         (low, high), (first, last) = axis.travel, ends
