@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import repeat
 from pathlib import Path
@@ -212,7 +212,8 @@ class Check:
         setups, control = self.description.setups, self.tables.control
         known, allowed = self.known(tolerance), self.allowed(tolerance)
         posterior = self.estimation.posterior
-        return judge(self.estimate, setups, *readings, control, known, self.parts, allowed, posterior)
+        judged = judge(self.estimate, setups, *readings, control, known, self.parts, allowed, posterior)
+        return replace(judged, places=self._positions(readings[1]), promised=self.tables.certain)
 
     def allowed(self, tolerance: str | None) -> float | None:
         """Return the largest deviation allowed, m, None where nobody states one; raises TargetError, UnitError."""
@@ -222,7 +223,7 @@ class Check:
         """Return to what a set-up has to be known, m: to the tolerance, else to what the tables promise."""
         return self.allowed(tolerance) or self.tables.certain
 
-    def positions(self, readings: Sequence[Reading]) -> list[dict[str, float]]:
+    def _positions(self, readings: Sequence[Reading]) -> list[dict[str, float]]:
         """Return where each was read, mm and deg by axis: by the rotary axes that its set-up moves, else by all."""
         axes, found = self.description.machine.axes, list[dict[str, float]]()
         for reading in readings:

@@ -9,7 +9,7 @@ sign is wrong. A table counts as checked where s_k is known well enough to tell 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -231,6 +231,7 @@ class Judgement:
     tools : set-ups that are judged with the tool where the readings put it
     tolerance : the largest deviation that somebody allowed, None where nobody did
     decision : what as-left deviations prove of it (ISO 14253-1), whatever the tables do
+    places : where they were taken each way, mm and deg by axis; promised : U over the volume with the tables
     """
 
     found: Array
@@ -249,6 +250,8 @@ class Judgement:
     tools: tuple[str, ...] = ()
     tolerance: float | None = None
     decision: Decision | None = None
+    places: Sequence[Mapping[str, float]] = ()
+    promised: float = 0.0
 
     @property
     def verdict(self) -> Verdict:

@@ -27,11 +27,6 @@ def number(value: float, what: str) -> float:
     return float(f"{value:.{_DIGITS}g}") + 0.0  # + 0.0 turns -0.0 into 0.0
 
 
-def finite(value: float) -> float | None:
-    """Return a value, None for one that is not finite."""
-    return value if math.isfinite(value) else None
-
-
 def _figure(value: float, info: ValidationInfo) -> float:
     return number(value, str(info.field_name))
 

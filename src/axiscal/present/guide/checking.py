@@ -15,7 +15,7 @@ from axiscal.language.spoken import listed, said
 from axiscal.measurement.readers.csv_readings import filled_sheet
 from axiscal.measurement.reading import Reading, place_text, reading_units
 from axiscal.present.answer import AnswerDocument
-from axiscal.present.check_answer import CheckAnswer, check_plan, check_sentences
+from axiscal.present.check_answer import check_plan, check_sentences
 from axiscal.present.guide.question import measured
 from axiscal.present.guide.slips import display_text
 from axiscal.present.sentences import spelt
@@ -92,5 +92,4 @@ class CheckJudged(AnswerDocument):
         for name, each in zip(("found.csv", "left.csv"), sides, strict=True):
             write_whole(folder / name, filled_sheet(check.description.machine.axes, each).encode())
         judged = check.judged((tuple(sides[0]), tuple(sides[1])), tolerance.strip() or None)
-        answer = CheckAnswer(judged, check.positions(sides[1]), check.tables.certain)
-        return cls(verdict=judged.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
+        return cls(verdict=judged.verdict, sentences=[spelt(line) for line in check_sentences(judged)])
