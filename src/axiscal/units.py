@@ -157,14 +157,12 @@ def um_text(value: float) -> str:
     return said_quantity(from_unit(value, "um"), "um")
 
 
-def dimension_of(unit: str) -> Dimension:
-    """Return the dimension of a unit; raises UnitError for an unknown one. "K" alone is a temperature."""
-    return find_unit(unit).dimension
-
-
 @cache
 def find_unit(name: str) -> Unit:
-    """Return the unit of that name, spelt as in `parse_quantity`; raises UnitError for an unknown one."""
+    """Return the unit of that name, spelt as in `parse_quantity`; raises UnitError for an unknown one.
+
+    "K" alone is a temperature.
+    """
     canonical = _canonical(name)
     for (known, _), unit in _UNITS.items():
         if known == canonical:

@@ -69,7 +69,7 @@ def verify(
     again = f"axiscal verify {shlex.quote(str(record))} --to {check.tables.controller}"
     again += "" if template is None else f" --template {shlex.quote(str(template))}"
     if found is not None or source is not None:
-        check.allowed(tolerance)  # before anything is touched
+        check.known(tolerance)  # before anything is touched
     if live and source is not None and found is not None and left is not None:
         places = check.planned(points, "sphere", check.known(tolerance))
         to_do = _read_live(check, source, places, (found, left), loaded)

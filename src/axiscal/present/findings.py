@@ -118,11 +118,12 @@ OF_THE_READING = ("sign", "beside", "reversal", "lag", "resolution", "passes", "
 
 def of_readings(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> list[Finding]:
     """Return the warnings that readings of a file give before anything is estimated."""
-    return [*copies(readings, setups), *untimed(readings, setups), *hidden_in_files(readings, setups, axes)]
+    told = [*copies(readings, setups), *untimed(readings, setups), *unseen_signs(readings, setups)]
+    return [*told, *regular_places(readings, setups, axes)]
 
 
-def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> Iterator[Finding]:
-    """Yield what no estimate can see: the sign of angles, the frame of a tracker, and regular places."""
+def unseen_signs(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
+    """Yield what no estimate can see: the sign of angles, the frame of a tracker."""
     told = set[str]()
     for setup in setups:
         meant = sense(setup).sign
@@ -130,7 +131,6 @@ def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: 
         if meant not in told and (angles or framed) and any(each.setup == setup.name for each in readings):
             told.add(meant)
             yield Finding.of("sign" if angles else "frame", code="sign", setup=setup.name, sign=meant)
-    yield from regular_places(readings, setups, axes)
 
 
 def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:

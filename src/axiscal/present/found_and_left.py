@@ -21,7 +21,6 @@ from axiscal.present.drawing.scene import (
     Drawing,
     Part,
     Stroke,
-    Viewport,
     drawn,
     fitted,
     text,
@@ -31,8 +30,8 @@ from axiscal.present.result import VolumeFigures
 from axiscal.present.schematic import upright
 from axiscal_core.machine import Machine
 
-_SLACK = 1e-9
-"""Share of a step by which rounding may be off."""
+_STEPS = [leading * 10.0**power for power in range(-6, 10) for leading in (1, 2, 5)]
+"""Round sizes."""
 _FLAT = 0.05
 """Of the longest side: a shorter one is the height of something flat."""
 _SHARE = 0.1
@@ -56,14 +55,13 @@ def found_and_left_drawing(volume: VolumeFigures, machine: Machine, width: float
     shown = (nominal + times * (each + side * half) for each in deviations for side in (-1, 0, 1))
     around = np.vstack([*(each.reshape(-1, 3) for each in shown), *(arrow.points for arrow in triad)])  # one scale
     heads = [wrapped(title, across - 2 * _SIDE, "title") for title in titles[: len(deviations)]]
-    panel = Viewport(0, 0, across - 2 * _SIDE, high)
     body, head = "", LINE * max(map(len, heads)) + 10
     for n, (deviation, colour) in enumerate(zip(deviations, ("beam", "read"), strict=False)):
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
         body += text(x + _SIDE, y + 18, heads[n], "title")
-        frame = panel._replace(left=x + _SIDE, top=y + head)
+        frame = (x + _SIDE, y + head, across - 2 * _SIDE, high)
         body += drawn([*_bent(nominal, times * deviation, times * half, colour), *triad], frame, around)
-    scale, top = fitted(around, panel)[0], (high + head) * (1 if beside else len(deviations))
+    scale, top = fitted(around, (0, 0, across - 2 * _SIDE, high))[0], (high + head) * (1 if beside else len(deviations))
     size = f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}"
     parts = [said("errors × {times}", times=size), said("dashed: without errors"), said("between thin lines: 95 %")]
     lines = wrapped(" · ".join(parts), width - 2 * _SIDE)
@@ -90,18 +88,7 @@ def magnification(volume: VolumeFigures) -> float:
     largest, sides = 1e-3 * max(float(each.max()) for each in ends), np.ptp(np.array(volume.tcp_mm), axis=0)
     shortest = min((side for side in sides.tolist() if side > _FLAT * max(sides)), default=1.0)
     wanted = _SHARE * shortest / max(largest, 1e-9)
-    return min(rounded_down(wanted), rounded_up(wanted), key=lambda step: abs(math.log10(step / wanted)))
-
-
-def rounded_up(size: float) -> float:
-    """Return the smallest of 1, 2, 5 times a power of ten that is not below size."""
-    power = 10.0 ** math.floor(math.log10(size))
-    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= size * (1 - _SLACK))
-
-
-def rounded_down(size: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that is not above size: whose inverse is another of them."""
-    return 1 / rounded_up(1 / size)
+    return min(_STEPS, key=lambda step: abs(math.log10(step / wanted)))
 
 
 def _bent(nominal: Array, away: Array, half: Array, colour: str) -> Iterator[Part]:
@@ -146,7 +133,7 @@ def _triad(volume: VolumeFigures, machine: Machine) -> Iterator[Arrow]:
 
 def _scale_bar(per_um: float, y: float) -> str:
     """Return a bar of a round length with that length.  per_um : pixels for a micrometre of deviation"""
-    size = rounded_down(_BAR / per_um)
+    size = max((step for step in _STEPS if step * per_um <= _BAR), default=_STEPS[0])
     pixels = size * per_um
     d = f"M{_SIDE:.1f} {y:.1f}v8h{pixels:.1f}v-8"
     bar = f'<path d="{d}" fill="none" stroke="var(--ink)" stroke-width="1.6"/>'

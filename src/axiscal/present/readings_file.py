@@ -10,7 +10,6 @@ from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.measurement.reading import units_of, value_columns
 from axiscal.present.answer import number
 from axiscal.present.result import HistoryRow
-from axiscal.present.sentences import axis_unit
 from axiscal.units import to_unit
 
 READINGS = "readings.csv"
@@ -34,7 +33,7 @@ def _lines(campaign: Campaign, history: Sequence[HistoryRow]) -> Iterator[Sequen
     clock = ["time"] if all(reading.time is not None for reading in readings) else []
     drawn = ["check"] if any(reading.check for reading in readings) else []
     axes = described.machine.axes if readings else ()
-    columns = {axis.name: f"{axis.name}{'_radius' * axis.diameters}_{axis_unit(axis.name)}" for axis in axes}
+    columns = {axis.name: f"{axis.name}{'_radius' * axis.diameters}_{axis.unit}" for axis in axes}
     names = ["reading", "setup", *columns.values(), "approach", *values, *stds, *clock, *drawn]
     yield [*names, *FOUND]
     for row, reading, setup, unit in zip(history[1:], readings, setups, units, strict=True):

@@ -8,7 +8,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,13 +21,11 @@ from axiscal.numerics import Array
 from axiscal.present.drawing.scene import (
     EYE,
     LINE,
-    RIGHT,
     Arrow,
     Drawing,
     Part,
     RoundMark,
     Stroke,
-    Viewport,
     drawn,
     text,
     wrapped,
@@ -200,7 +197,7 @@ class Schematic:
         across = width - 2 * _SIDE
         heads, lines = wrapped(self.title if titled else "", across, "title"), wrapped(self.legend, across)
         over, beneath = LINE * len(heads) + 4, LINE * len(lines) + 6
-        scene = drawn(self.parts, Viewport(left + _SIDE, top + over, across, height - over - beneath))
+        scene = drawn(self.parts, (left + _SIDE, top + over, across, height - over - beneath))
         words = text(left + _SIDE, top + 16, heads, "title")
         return scene + words + text(left + _SIDE, top + height - beneath + 18, lines, "soft")
 
@@ -218,11 +215,11 @@ def setup_schematic(
     """Return a set-up with the places where it is read.
 
     places : of any set-up; coming : where readings are still to be taken
-    at : where the machine stands, None for one of the places
+    at : where the machine stands, None for the middle one of the places
     """
     own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
     dots, open_dots = (some[:: 1 + len(some) // _DOTS] for some in (own, later))
-    shown = at or max(dots, key=partial(_seen_well, campaign.machine), default=None)
+    shown = at or (dots[len(dots) // 2] if dots else None)
     room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts = [*_machine(room, setup.moves), *_instrument(room, setup)]
@@ -235,12 +232,6 @@ def setup_schematic(
         _reach_note(room),
     ]
     return Schematic(parts, setup.name, listed(" · ", [each for each in legend if each]))
-
-
-def _seen_well(machine: Machine, place: Place) -> tuple[float, float]:
-    """Return how well a place shows all: rotary axes near 0, then the tool to the right."""
-    off = sum(abs(np.sin(at / 2)) for at, axis in zip(place.pose, machine.axes, strict=True) if axis.rotary)
-    return round(-float(off), 3), float(machine.frames(np.array([place.pose])).tcp[0] @ upright(machine).T @ RIGHT)
 
 
 def machine_schematic(machine: Machine, *, lengths: bool = True) -> Schematic:

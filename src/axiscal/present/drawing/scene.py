@@ -183,13 +183,8 @@ class Arrow:
 Part = Stroke | RoundMark | Arrow
 
 
-class Viewport(NamedTuple):
-    """Frame of a scene, pixels."""
-
-    left: float
-    top: float
-    width: float
-    height: float
+Frame = tuple[float, float, float, float]
+"""Left, top, width and height, pixels."""
 
 
 def flat(points: Array) -> Array:
@@ -197,7 +192,7 @@ def flat(points: Array) -> Array:
     return np.stack([points @ RIGHT, -(points @ UP)], axis=1)
 
 
-def fitted(points: Array, frame: Viewport) -> tuple[float, Array]:
+def fitted(points: Array, frame: Frame) -> tuple[float, Array]:
     """Return scale and shift (2,) by which points, (n, 3) m, are as large as a frame allows: scale · seen + shift."""
     seen = flat(points)
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -206,7 +201,7 @@ def fitted(points: Array, frame: Viewport) -> tuple[float, Array]:
     return scale, corner + size / 2 - scale * (low + high) / 2
 
 
-def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -> str:
+def drawn(parts: Sequence[Part], frame: Frame, within: Array | None = None) -> str:
     """Return a scene as SVG elements, as large as its frame allows; what lies outside of the frame is cut off.
 
     within : points that fill the frame, (n, 3) m, in place of those of the parts; several scenes get one scale by it
@@ -219,7 +214,7 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
     return cut + "".join(_names(placed, frame))
 
 
-def _names(placed: Iterable[tuple[Part, Array]], frame: Viewport) -> Iterator[str]:
+def _names(placed: Iterable[tuple[Part, Array]], frame: Frame) -> Iterator[str]:
     """Yield the words of parts inside of a frame, none over another, over a ball or over a head.
 
     placed : parts, and where their points stand, pixels
@@ -235,7 +230,7 @@ def _names(placed: Iterable[tuple[Part, Array]], frame: Viewport) -> Iterator[st
         if isinstance(part, Arrow):  # first of all ahead of it
             along = _last_way(at)
             tried = np.vstack([at[-1] + (6.0 + np.abs(along) @ [half[0], _FONT / 2]) * along, tried])
-        tried = np.minimum(np.maximum(tried, corner + half), corner + frame[2:] - half)
+        tried = np.minimum(np.maximum(tried, corner + half), corner + np.array(frame[2:]) - half)
         boxes, others = np.hstack([tried - half, tried + half])[:, None], np.array(taken)
         over = np.minimum(boxes, others)[..., 2:] - np.maximum(boxes, others)[..., :2] + _APART
         best = int(np.argmin(np.maximum(over, 0.0).prod(axis=2).sum(axis=1)))  # the first that covers nothing
