@@ -232,14 +232,12 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
         worst = int(np.argmax(np.abs(path.mean)))
         far, std = float(path.mean[worst]), float(path.std[worst])
         if abs(far) > _SHOWS * std:
-            one = 'The zero of "{setup}" had moved by {size} after {time}; the estimate takes that off.'
-            many = 'The zero along {way} of "{setup}" had moved by {size} after {time}; the estimate takes that off.'
+            zero = f" {setup.names[number]}" if apart else f" {number + 1}" if setup.stations else ""
             moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
             seconds = float(path.times[worst] - path.times[0])
             yield said(
-                many if apart else one,
-                way=setup.names[number],
-                setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
+                'The zero of "{setup}" had moved by {size} after {time}; the estimate takes that off.',
+                setup=setup.name + zero,
                 size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
                 time=said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2),
             )
