@@ -166,7 +166,9 @@ def _are_datums(setup: Setup, own: Array, tolerance: float) -> NDArray[np.bool_]
     balls = {f"{name}_{axis}" for name in standing for axis in "xyz"}
     names = [unknown.name for unknown in setup.unknowns]
     zeros = np.array([name.partition("_")[0] == "zero" for name in names], dtype=bool)
-    return zeros | (wide & np.array([_is_line(name) or name in {*TOOL, *balls} for name in names], dtype=bool))
+    hiding = np.array([_is_line(name) or name in {*TOOL, *balls} for name in names], dtype=bool)
+    off: NDArray[np.bool_] = zeros | (wide & hiding)
+    return off
 
 
 def _count(setup: Setup, off: NDArray[np.bool_]) -> int:

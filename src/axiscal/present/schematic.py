@@ -215,11 +215,14 @@ def setup_schematic(
     """Return a set-up with the places where it is read.
 
     places : of any set-up; coming : where readings are still to be taken
-    at : where the machine stands, None for the middle one of the places
+    at : where the machine stands, None for the place where rotary axes are nearest to 0
     """
     own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
     dots, open_dots = (some[:: 1 + len(some) // _DOTS] for some in (own, later))
-    shown = at or (dots[len(dots) // 2] if dots else None)
+    turning = [k for k, axis in enumerate(campaign.machine.axes) if axis.rotary]
+    shown = at or min(
+        dots, key=lambda place: float(np.sum(np.sin([place.pose[k] / 2 for k in turning]) ** 2)), default=None
+    )
     room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts = [*_machine(room, setup.moves), *_instrument(room, setup)]
