@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +22,7 @@ from axiscal.numerics import Array
 from axiscal.present.drawing.scene import (
     EYE,
     LINE,
+    RIGHT,
     Arrow,
     Drawing,
     Part,
@@ -206,35 +208,28 @@ _DOTS = 300  # readings of a set-up that are drawn: more lie on each other
 
 
 def setup_schematic(
-    campaign: CampaignDescription,
-    setup: Setup,
-    places: Sequence[Place],
-    at: Place | None = None,
-    coming: Sequence[Place] = (),
+    campaign: CampaignDescription, setup: Setup, places: Sequence[Place], at: Place | None = None
 ) -> Schematic:
     """Return a set-up with the places where it is read.
 
-    places : of any set-up; coming : where readings are still to be taken
-    at : where the machine stands, None for the place where rotary axes are nearest to 0
+    places : of any set-up, read or to come
+    at : where the machine stands, None for one of the places
     """
-    own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
-    dots, open_dots = (some[:: 1 + len(some) // _DOTS] for some in (own, later))
-    turning = [k for k, axis in enumerate(campaign.machine.axes) if axis.rotary]
-    shown = at or min(
-        dots, key=lambda place: float(np.sum(np.sin([place.pose[k] / 2 for k in turning]) ** 2)), default=None
-    )
+    own = [place for place in places if place.setup == setup.name]
+    dots = own[:: 1 + len(own) // _DOTS]
+    shown = at or max(dots, key=partial(_seen_well, campaign.machine), default=None)
     room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
-    size = 3.0 if len(own) + len(later) < 10 else 2.2
-    parts = [*_machine(room, setup.moves), *_instrument(room, setup)]
-    for some, colour in ((open_dots, "soft"), (dots, "read")):
-        poses = np.array([place.pose for place in some]).reshape(-1, len(room.pose))
-        parts += [RoundMark(each, colour, size) for each in room.placed(room.machine.frames(poses).tcp)]
-    legend = [
-        put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else "",
-        said("grey: {count} to come", count=len(later)) if later else "",
-        _reach_note(room),
-    ]
-    return Schematic(parts, setup.name, listed(" · ", [each for each in legend if each]))
+    poses, size = np.array([place.pose for place in dots]).reshape(-1, len(room.pose)), 3.0 if len(own) < 10 else 2.2
+    read = [RoundMark(each, "read", size) for each in room.placed(room.machine.frames(poses).tcp)]
+    parts = [*_machine(room, setup.moves), *_instrument(room, setup), *read]
+    count = put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else ""
+    return Schematic(parts, setup.name, listed(" · ", [each for each in (count, _reach_note(room)) if each]))
+
+
+def _seen_well(machine: Machine, place: Place) -> tuple[float, float]:
+    """Return how well a place shows all: rotary axes near 0, then the tool to the right."""
+    off = sum(abs(np.sin(at / 2)) for at, axis in zip(place.pose, machine.axes, strict=True) if axis.rotary)
+    return round(-float(off), 3), float(machine.frames(np.array([place.pose])).tcp[0] @ upright(machine).T @ RIGHT)
 
 
 def machine_schematic(machine: Machine, *, lengths: bool = True) -> Schematic:
