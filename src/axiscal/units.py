@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -157,14 +157,12 @@ def um_text(value: float) -> str:
     return said_quantity(from_unit(value, "um"), "um")
 
 
-def dimension_of(unit: str) -> Dimension:
-    """Return the dimension of a unit; raises UnitError for an unknown one. "K" alone is a temperature."""
-    return find_unit(unit).dimension
-
-
 @cache
 def find_unit(name: str) -> Unit:
-    """Return the unit of that name, spelt as in `parse_quantity`; raises UnitError for an unknown one."""
+    """Return the unit of that name, spelt as in `parse_quantity`; raises UnitError for an unknown one.
+
+    "K" alone is a temperature.
+    """
     canonical = _canonical(name)
     for (known, _), unit in _UNITS.items():
         if known == canonical:
@@ -209,12 +207,20 @@ def _misfit(text: str, unit_name: str, dimension: Dimension) -> UnitError:
 
 def _suggestion(name: str, dimension: Dimension | None = None) -> str | None:
     """Return a sentence with the nearest unit, of the wanted dimension when there is one."""
+    names = [known for known, of in _UNITS if dimension in (None, of)]
+    near = next((each for each in _TABLES["synonyms"].get(name.casefold(), ()) if each in names), None)
+    near = near or nearest(name, names)
+    return said("Perhaps {word} is meant", word=f'"{near}"') if near else None
+
+
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """Return the known word that was probably meant, if any is near."""
     from difflib import get_close_matches
 
-    names = [known for known, of in _UNITS if dimension in (None, of)]
-    same = [known for known in names if known.casefold() == name.casefold()]
-    near = same or _TABLES["synonyms"].get(name.casefold(), []) or get_close_matches(name[:40], names, 1, 0.6)
-    return said("Perhaps {word} is meant", word=f'"{near[0]}"') if near and near[0] in names else None
+    words = list(known)
+    same = [candidate for candidate in words if candidate.casefold() == word.casefold()]
+    near = same or get_close_matches(word[:80], words, 1, 0.6)
+    return near[0] if near else None
 
 
 def _expected(dimension: Dimension) -> str:

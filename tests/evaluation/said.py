@@ -1,6 +1,7 @@
 """What a check is of and says: a simulated campaign, readings under a control, and the words for a judgement."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.present.check_answer import CheckAnswer, check_details
+from axiscal.present.check_answer import check_details
 from axiscal.tables.surface import Control, left_by
 from tests.generators.recorded import measured as read_along
 from tests.generators.recorded import write_record
@@ -24,7 +25,7 @@ READINGS = 60
 def said_of(judgement: Judgement) -> str:
     """Return the words for a judgement."""
     places = [{"place": float(number)} for number in np.unique(judgement.of)]
-    return "\n".join(check_details(CheckAnswer(judgement, places, 1e-6)))
+    return "\n".join(check_details(replace(judgement, places=places, promised=1e-6)))
 
 
 def measured(path: Path, description: CampaignDescription, seed: int) -> Path:

@@ -34,8 +34,7 @@ def test_a_block_that_was_pasted_again_elsewhere_is_found() -> None:
         Reading("laser", here.pose, (1,), of.value) for here, of in zip(readings[14:19], readings[5:10], strict=True)
     ]
     found = repeated([*readings[:14], *pasted, *readings[19:]], NOISE)
-    assert found is not None
-    assert (found.before, found.again, found.size) == (5, 14, 5)
+    assert found == (5, 14, 5)
 
 
 @pytest.mark.parametrize(("decimals", "noise"), [(2, NOISE), (1, NOISE), (0, NOISE), (0, 2e-6), (1, 0.1e-6)])

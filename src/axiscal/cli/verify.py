@@ -19,7 +19,7 @@ from axiscal.measurement.readers.text_file import exact_text
 from axiscal.measurement.reading import Places
 from axiscal.present.answer_of_campaign import advised_control
 from axiscal.present.answer_words import WIDTH, template_of, wrapped
-from axiscal.present.check_answer import CheckAnswer, check_details, check_plan, check_screen
+from axiscal.present.check_answer import check_details, check_document, check_plan, check_screen
 from axiscal.tables import registry
 from axiscal.tables.bump import other_way
 from axiscal.tables.exporter import ExportOptions
@@ -69,7 +69,7 @@ def verify(
     again = f"axiscal verify {shlex.quote(str(record))} --to {check.tables.controller}"
     again += "" if template is None else f" --template {shlex.quote(str(template))}"
     if found is not None or source is not None:
-        check.allowed(tolerance)  # before anything is touched
+        check.known(tolerance)  # before anything is touched
     if live and source is not None and found is not None and left is not None:
         places = check.planned(points, "sphere", check.known(tolerance))
         to_do = _read_live(check, source, places, (found, left), loaded)
@@ -90,16 +90,15 @@ def verify(
         say_either("axiscal-verify/1", document, lines)
         return
     judged = check.judged(readings, tolerance)
-    answer = CheckAnswer(judged, check.positions(readings[1]), check.tables.certain)
     if DOCUMENTS.get():
-        say_document(answer.document())
+        say_document(check_document(judged))
     elif details:
-        say(_wrapped(check_details(answer)))
+        say(_wrapped(check_details(judged)))
     else:
         loading = [said("load the exported files again, then")] if judged.faulty else []
         folder = f"axiscal status {shlex.quote(str(record.parent))}"
         coming = [folder] if judged.verdict == "promised" else [*loading, f"{again} --plan check.csv"]
-        say("\n".join([*check_screen(answer), *ending({said("Next"): coming})]))
+        say("\n".join([*check_screen(judged), *ending({said("Next"): coming})]))
 
 
 def _keep_sign(record: Path, to: str | None, bump: str) -> None:

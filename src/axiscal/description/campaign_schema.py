@@ -44,7 +44,7 @@ from axiscal.document.toml_table import Table
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.setup import FINEST, MOST, Nodes, Setup, Vector, reads_as
-from axiscal.units import dimension_of, format_quantity, within
+from axiscal.units import find_unit, format_quantity, within
 from axiscal_core.theta import Sure
 
 _FASTEST = 1e-3 / 60
@@ -83,7 +83,7 @@ def _type_b(name: str, text: str, known: Beside) -> float:
     if name not in causes:
         what = "{name} is not known of an instrument such as this {instrument}"
         raise DescriptionError(what, meant(name, causes), name=shown(name), instrument=kind.instrument)
-    return within(text, dimension_of(causes[name].unit), 0.0)
+    return within(text, find_unit(causes[name].unit).dimension, 0.0)
 
 
 def _unknown(name: str, text: str, known: Beside) -> float:

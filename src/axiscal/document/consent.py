@@ -8,12 +8,12 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextvars import ContextVar
 from pathlib import Path
 
 from axiscal.exceptions import CodeError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import said, setting
 
 RUN = "AXISCAL_RUN"
 """Variable of the environment: the SHA-256 of texts that may run, for programs without a terminal."""
@@ -30,14 +30,9 @@ _HERE = set[str]()
 """What was said yes to in this process: the folder of the user may not be written."""
 
 
-@contextlib.contextmanager
-def asking(person: Asking | None) -> Iterator[None]:
+def asking(person: Asking | None) -> contextlib.AbstractContextManager[None]:
     """Let a person be asked in the block; None : nothing is run there, whatever was said before."""
-    before = _ASKED.set(person)
-    try:
-        yield
-    finally:
-        _ASKED.reset(before)
+    return setting(_ASKED, person)
 
 
 def user_folder() -> Path:

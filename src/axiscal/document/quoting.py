@@ -11,7 +11,7 @@ from typing import Any
 
 from axiscal.exceptions import UnitError
 from axiscal.language.spoken import said
-from axiscal.units import EXAMPLES, Dimension, shortened
+from axiscal.units import EXAMPLES, Dimension, nearest, shortened
 
 
 def toml_value(value: Any) -> str:
@@ -39,16 +39,6 @@ def quantity_text(value: object, dimension: Dimension | None = None) -> str:
     bare = isinstance(value, int | float) and not isinstance(value, bool)
     what = "{text} has no unit (missing unit)" if bare else "{text} is not a quantity"
     raise UnitError(what, remedy, text=shown(value), example=EXAMPLES[dimension or "length"])
-
-
-def nearest(word: str, known: Iterable[str]) -> str | None:
-    """Return the known word that was probably meant, if any is near."""
-    from difflib import get_close_matches
-
-    words = list(known)
-    same = [candidate for candidate in words if candidate.casefold() == word.casefold()]
-    near = same or get_close_matches(word[:80], words, 1, 0.6)
-    return near[0] if near else None
 
 
 def meant(word: str, known: Iterable[str], otherwise: str = "", quoted: str = '"{}"') -> str:

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import repeat
+from itertools import repeat, zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -26,10 +26,10 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.datums import Readout, datums_of, fewest, taken_away
 from axiscal.evaluation.table_checks import Judgement, Part, far_from, parts_of
 from axiscal.evaluation.verification import (
-    SAME,
     expected,
     judge,
     plan_check,
+    same_place,
     with_displacements,
 )
 from axiscal.exceptions import InputError, ReadingError, SourceError, TargetError
@@ -69,15 +69,10 @@ class Sheet:
         if not self.file.exists():
             return ()
         held = _read(self.file, self.description)
-        for reading, place in zip(held, self.wanted, strict=False):
-            apart = np.max(np.abs(np.subtract(reading.pose, place.pose)))
-            if reading.setup != place.setup.name or apart > SAME or reading.approach != place.approach:
+        for reading, place in zip_longest(held, self.wanted[: len(held)]):
+            if place is None or not same_place(reading, place.setup.name, place.pose, place.approach):
                 what = "it holds readings of other places than this check"
                 raise ReadingError(what, "Name another file, or give --points as then", self.file, reading.line)
-        if len(held) > len(self.wanted):
-            what = "it holds {count} readings, and this check has {wanted}"
-            remedy = "Name another file, or give --points as then"
-            raise ReadingError(what, remedy, self.file, count=len(held), wanted=len(self.wanted))
         return held
 
     def complete(self) -> bool:
@@ -208,21 +203,18 @@ class Check:
         return before, after
 
     def judged(self, readings: FoundAndLeft, tolerance: str | None) -> Judgement:
-        """Return what readings say; raises ReadingError, TargetError.  tolerance : as of `allowed`"""
+        """Return what readings say; raises ReadingError, TargetError.  tolerance : as of `tolerance_of`"""
         setups, control = self.description.setups, self.tables.control
-        known, allowed = self.known(tolerance), self.allowed(tolerance)
+        known, allowed = self.known(tolerance), tolerance_of(self.description.target, tolerance)
         posterior = self.estimation.posterior
-        return judge(self.estimate, setups, *readings, control, known, self.parts, allowed, posterior)
-
-    def allowed(self, tolerance: str | None) -> float | None:
-        """Return the largest deviation allowed, m, None where nobody states one; raises TargetError, UnitError."""
-        return tolerance_of(self.description.target, tolerance)
+        judged = judge(self.estimate, setups, *readings, control, known, self.parts, allowed, posterior)
+        return replace(judged, places=self._positions(readings[1]), promised=self.tables.certain)
 
     def known(self, tolerance: str | None) -> float:
         """Return to what a set-up has to be known, m: to the tolerance, else to what the tables promise."""
-        return self.allowed(tolerance) or self.tables.certain
+        return tolerance_of(self.description.target, tolerance) or self.tables.certain
 
-    def positions(self, readings: Sequence[Reading]) -> list[dict[str, float]]:
+    def _positions(self, readings: Sequence[Reading]) -> list[dict[str, float]]:
         """Return where each was read, mm and deg by axis: by the rotary axes that its set-up moves, else by all."""
         axes, found = self.description.machine.axes, list[dict[str, float]]()
         for reading in readings:

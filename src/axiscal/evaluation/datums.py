@@ -103,11 +103,6 @@ class Datums:
         )
 
 
-def is_zero(unknown: str) -> bool:
-    """Return whether an unknown of a set-up is one of its zeros."""
-    return unknown.partition("_")[0] == "zero"
-
-
 def lines_shared(setup: Setup) -> set[str]:
     """Return what else has the lines of a set-up, such as the square of a leg."""
     return {unknown.owner for unknown in setup.unknowns if unknown.owner and _is_line(unknown.name)}
@@ -126,7 +121,7 @@ def datums_of(readout: Readout, tolerance: float) -> Datums:
     for setup, _, of, at in readout.each():
         own, mine = np.concatenate(list(setup.own_slopes(at))), np.flatnonzero(of)
         off = _are_datums(setup, own, tolerance)
-        if len(mine) <= (taken_off := int((off & ~_on_board(setup)).sum())):
+        if len(mine) <= (taken_off := _count(setup, off)):
             what = '{readings} reading(s) with "{setup}" cannot tell the machine from the set-up'
             remedy = "Take {least} or more with it, or leave it out"
             raise ReadingError(what, remedy, readings=len(mine), setup=setup.name, least=taken_off + 1)
@@ -157,7 +152,7 @@ def fewest(setup: Setup, poses: Array, tolerance: float) -> int:
     poses : (m, q) at which it may be read, m or rad; tolerance : they are judged by, m; with 0 it is enough for any
     """
     off = _are_datums(setup, np.concatenate(list(setup.own_slopes(setup.places(poses)))), tolerance)
-    return int((off & ~_on_board(setup)).sum()) // len(setup.names) + 1
+    return _count(setup, off) // len(setup.names) + 1
 
 
 def _are_datums(setup: Setup, own: Array, tolerance: float) -> NDArray[np.bool_]:
@@ -169,16 +164,18 @@ def _are_datums(setup: Setup, own: Array, tolerance: float) -> NDArray[np.bool_]
     wide = GUARD * stds * np.max(np.abs(own), axis=0, initial=0.0) > tolerance
     standing = ("place", *(ball.name for ball in setup.artefact.balls)) if setup.artefact else ()
     balls = {f"{name}_{axis}" for name in standing for axis in "xyz"}
-    pairs = zip((unknown.name for unknown in setup.unknowns), wide, strict=True)
-    return np.array(
-        [is_zero(n) or (bool(w) and (_is_line(n) or n in TOOL or n in balls)) for n, w in pairs], dtype=bool
-    )
+    names = [unknown.name for unknown in setup.unknowns]
+    zeros = np.array([name.partition("_")[0] == "zero" for name in names], dtype=bool)
+    hiding = np.array([_is_line(name) or name in {*TOOL, *balls} for name in names], dtype=bool)
+    off: NDArray[np.bool_] = zeros | (wide & hiding)
+    return off
 
 
-def _on_board(setup: Setup) -> NDArray[np.bool_]:
-    """Return which unknowns are coordinates of balls, (unknowns,), which other placements of the artefact share."""
+def _count(setup: Setup, off: NDArray[np.bool_]) -> int:
+    """Return how many unknowns are taken off that no other placement of the artefact shares, such as balls' places."""
     balls = {ball.name for ball in setup.artefact.balls} if setup.artefact else set()
-    return np.array([bool(u.owner) and u.name.rpartition("_")[0] in balls for u in setup.unknowns], dtype=bool)
+    shared = (bool(each.owner) and each.name.rpartition("_")[0] in balls for each in setup.unknowns)
+    return sum(taken and not elsewhere for taken, elsewhere in zip(off.tolist(), shared, strict=True))
 
 
 _ROUNDS = 6

@@ -9,7 +9,7 @@ sign is wrong. A table counts as checked where s_k is known well enough to tell 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -38,6 +38,8 @@ _FEW = 5
 """Places at which files are looked at as a whole; three or eight tell as well whether they work."""
 _NOTHING = 1e-9
 """m or rad: a correction below a nanometre is none."""
+_TAKEN_OFF = 1e-9
+"""Of a variance: what is left of a value by rounding alone."""
 _FRESH = 0.05
 """Share of the travel: nearer to a reading is no new place."""
 _ALONG, _THROUGH = 0.5, 0.5
@@ -134,14 +136,20 @@ def without(candidates: Places, known: Places) -> Places:
     return candidates.within(np.array([key not in seen for key in _keys(candidates)], dtype=bool))
 
 
+def whitening(covariance: Array) -> Array:
+    """Return W (r, m) with W C Wᵀ = 1 on what a covariance (m, m) of rank r reaches, but for rounding."""
+    scale, vectors = np.linalg.eigh(covariance)
+    kept = scale > _TAKEN_OFF * scale[-1]
+    whiten: Array = vectors[:, kept].T / np.sqrt(scale[kept])[:, None]
+    return whiten
+
+
 def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Array) -> tuple[Share, ...]:
     """Return the share of each part.
 
     columns : (m, parts) what each takes away; change : (m,) as found less as left; covariance : (m, m), may be singular
     """
-    scale, vectors = np.linalg.eigh(covariance)
-    kept = scale > 1e-9 * scale[-1]
-    whiten = vectors[:, kept].T / np.sqrt(scale[kept])[:, None]
+    whiten = whitening(covariance)
     rows, seen = whiten @ columns, whiten @ change
     left, sizes, right = np.linalg.svd(rows, full_matrices=False)
     shown = sizes > 1e-9 * max(float(sizes[:1].sum()), _NOTHING)
@@ -231,6 +239,7 @@ class Judgement:
     tools : set-ups that are judged with the tool where the readings put it
     tolerance : the largest deviation that somebody allowed, None where nobody did
     decision : what as-left deviations prove of it (ISO 14253-1), whatever the tables do
+    places : where they were taken each way, mm and deg by axis; promised : U over the volume with the tables
     """
 
     found: Array
@@ -249,6 +258,8 @@ class Judgement:
     tools: tuple[str, ...] = ()
     tolerance: float | None = None
     decision: Decision | None = None
+    places: Sequence[Mapping[str, float]] = ()
+    promised: float = 0.0
 
     @property
     def verdict(self) -> Verdict:

@@ -23,6 +23,7 @@ from axiscal.evaluation.table_checks import (
     idle_axes,
     needed,
     shares,
+    whitening,
     without,
 )
 from axiscal.exceptions import ReadingError
@@ -48,10 +49,8 @@ USUAL, _FEW = 12, 4
 """Places of a check that nobody gave a number for, and how many of them lie elsewhere than where the tables ask."""
 _FEWEST = 2
 """Fewer new places of a set-up are not worth mounting it."""
-SAME = 1e-7
+_SAME = 1e-7
 """Rounding of a place that was written down, m or rad: far below what an instrument resolves, far above float64."""
-_TAKEN_OFF = 1e-9
-"""Of a variance: what is left of a value by rounding alone."""
 _STILL = 4
 """So many readings of a set-up that show one and the same number are an instrument that does not move."""
 _NOTHING = 1e-9
@@ -155,11 +154,8 @@ def with_displacements(setups: Sequence[Setup], candidates: Places, by: str = ""
     checking = (by,) if by else _CHECKING
     kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in checking]
     if not kept:
-        if by:
-            what, remedy = "no set-up of this campaign is of instrument {name}", "Add one with instrument = {name!r}"
-            raise ReadingError(what, remedy, name=by)
         what = "no set-up of this campaign reads a length along a direction"
-        raise ReadingError(what, _REMEDY, known=", ".join(_CHECKING))
+        raise ReadingError(what, _REMEDY, known=", ".join(checking))
     return candidates.within(np.array(kept, dtype=np.intp))
 
 
@@ -263,9 +259,7 @@ def _likelihood(
     a χ² (Satterthwaite 1946); the result is its mean over w.
     """
     machine = np.zeros_like(noisy) if unknown is None else unknown @ unknown.T
-    scale, vectors = np.linalg.eigh(machine + noisy)
-    kept = scale > _TAKEN_OFF * scale[-1]
-    whiten = vectors[:, kept].T / np.sqrt(scale[kept])[:, None]
+    whiten = whitening(machine + noisy)
     shares = np.linalg.eigvalsh(whiten @ machine @ whiten.T)
     chances, factors = (np.arange(_FACTORS) + 0.5) / _FACTORS, np.ones(1)
     if np.isfinite(degrees := degrees_of(whiten)):
@@ -276,12 +270,17 @@ def _likelihood(
     return float(np.mean(1 - chi_square_share(sums**2 / squares, size * sums / squares)))
 
 
+def same_place(reading: Reading, setup: str, pose: Sequence[float], approach: Sequence[int]) -> bool:
+    """Return whether a reading was taken at a place, from the same side."""
+    near = np.max(np.abs(np.subtract(reading.pose, pose))) <= _SAME
+    return bool(near) and reading.setup == setup and reading.approach == approach
+
+
 def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None:
     if len(found) != len(left) or not left:
         what = "there are {found} as-found and {left} as-left readings"
         raise ReadingError(what, "Take both at the same places, in the same order", found=len(found), left=len(left))
     for before, after in zip(found, left, strict=True):
-        apart = np.max(np.abs(np.subtract(before.pose, after.pose)))
-        if before.setup != after.setup or apart > SAME or before.approach != after.approach:
+        if not same_place(before, after.setup, after.pose, after.approach):
             what = "as found and as left were not read at the same place from the same side"
             raise ReadingError(what, "Take both at the same places, in the same order", line=after.line)

@@ -17,7 +17,7 @@ import gettext
 import operator
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from functools import cache
 from importlib import resources
@@ -141,13 +141,18 @@ def messages(language: str) -> dict[str, str]:
 
 
 @contextmanager
-def speaking(language: str) -> Iterator[None]:
-    """Speak a language inside of the block."""
-    before = _SPOKEN.set(language)
+def setting(variable: ContextVar[_Thing], value: _Thing) -> Iterator[None]:
+    """Let a variable have a value inside of the block, for this thread alone."""
+    before = variable.set(value)
     try:
         yield
     finally:
-        _SPOKEN.reset(before)
+        variable.reset(before)
+
+
+def speaking(language: str) -> AbstractContextManager[None]:
+    """Speak a language inside of the block."""
+    return setting(_SPOKEN, language)
 
 
 def spoken_now() -> str:

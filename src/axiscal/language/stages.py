@@ -7,9 +7,11 @@ with stage("scales of the errors"):
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from typing import NamedTuple
+
+from axiscal.language.spoken import setting
 
 
 class Listener(NamedTuple):
@@ -22,14 +24,9 @@ class Listener(NamedTuple):
 _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
 
 
-@contextmanager
-def listening(listener: Listener | None) -> Iterator[None]:
+def listening(listener: Listener | None) -> AbstractContextManager[None]:
     """Let somebody, or nobody, know of the stages in this block, of this thread alone."""
-    before = _LISTENER.set(listener)
-    try:
-        yield
-    finally:
-        _LISTENER.reset(before)
+    return setting(_LISTENER, listener)
 
 
 @contextmanager

@@ -20,20 +20,11 @@ _DIGITS = 6
 """Figures kept, so that the same campaign gives the same bytes on any processor."""
 
 
-def number(value: float, what: str) -> float:
+def _figure(value: float, info: ValidationInfo) -> float:
     """Return value at six significant digits; raises SummaryError if it is not finite."""
     if not math.isfinite(value):
-        raise SummaryError(f"{what} is {value}; the report takes finite figures only.")
+        raise SummaryError(f"{info.field_name} is {value}; the report takes finite figures only.")
     return float(f"{value:.{_DIGITS}g}") + 0.0  # + 0.0 turns -0.0 into 0.0
-
-
-def finite(value: float) -> float | None:
-    """Return a value, None for one that is not finite."""
-    return value if math.isfinite(value) else None
-
-
-def _figure(value: float, info: ValidationInfo) -> float:
-    return number(value, str(info.field_name))
 
 
 Figure = Annotated[float, AfterValidator(_figure)]

@@ -241,11 +241,9 @@ def _checked(checked: TablesChecked | None) -> str:
 
 def sizes_words(checked: TablesChecked) -> str:
     """Return what a check found, and left beside what is to be expected."""
-    found, left, expected = (digits(size) for size in (checked.found, checked.left, checked.expected))
-    sizes = {"found": found, "left": left, "expected": expected}
-    return said(
-        "{places} places checked: {found} um found, {left} left ({expected} expected)", places=checked.places, **sizes
-    )
+    sizes = {"found": digits(checked.found), "left": digits(checked.left), "expected": digits(checked.expected)}
+    words = "{places} places checked: {found} um found, {left} left ({expected} expected)"
+    return said(words, places=checked.places, **sizes)
 
 
 def farthest_words(checked: TablesChecked) -> str:
@@ -258,27 +256,18 @@ def commands_of(steps: Sequence[NextStep], file: str, results: str = "", reading
     """Yield what to do next, as it is typed.  file : a record or a campaign; readings : of a plan"""
     beside, record = f"{results}/" if results else "", shlex.quote(file)
     for step in steps:
-        if step.code == "target":
-            line = f"readings = {max(readings, 1)}"
-            yield said('write "{line}" below [target] in {campaign}, then', line=line, campaign=file)
-        elif step.code == "start":
-            yield f"axiscal step start {record}"
-        elif step.code == "load":
-            yield said("load {folder} (README.txt there), then", folder=f"{beside}tables/{step.control}")
-        elif step.code == "next":
-            yield f"axiscal step next {record} --beyond"
-        elif step.code == "export":
-            yield f"axiscal export {record} --to {step.control}{template_of(step.control) or ' --on-top-of OLD'}"
-        elif step.code == "undo":
-            yield f"axiscal step undo {record}    # {said('takes the end back')}"
-        elif step.code == "accept":
-            yield f"axiscal step accept {record} {step.mistake}"
-        elif step.code == "finish":
-            yield f"axiscal finish {record} --out {shlex.quote(results or 'results')}"
-        elif step.control:
-            yield f"axiscal {step.code} {record} --to {step.control}{template_of(step.control)}"
-        else:
-            yield f"axiscal {step.code} {record}"
+        to, template = (f" --to {step.control}", template_of(step.control)) if step.control else ("", "")
+        line = f"readings = {max(readings, 1)}"
+        yield {
+            "target": said('write "{line}" below [target] in {campaign}, then', line=line, campaign=file),
+            "start": f"axiscal step start {record}",
+            "load": said("load {folder} (README.txt there), then", folder=f"{beside}tables/{step.control}"),
+            "next": f"axiscal step next {record} --beyond",
+            "export": f"axiscal export {record}{to}{template or ' --on-top-of OLD'}",
+            "undo": f"axiscal step undo {record}    # {said('takes the end back')}",
+            "accept": f"axiscal step accept {record} {step.mistake}",
+            "finish": f"axiscal finish {record} --out {shlex.quote(results or 'results')}",
+        }.get(step.code, f"axiscal {step.code} {record}{to}{template}")
 
 
 def template_of(control: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.functionals.functional import seen_by, stand_of
-from axiscal.evaluation.standards import Positioning, PositioningTest, evaluate
+from axiscal.evaluation.standards import PositioningTest, evaluate
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import in_frame
 from axiscal.measurement.reading import Reading
@@ -34,12 +34,15 @@ def iso230_blocks(
     blocks = []
     for setup in description.setups:
         mine = [(number, reading) for number, reading in enumerate(readings) if reading.setup == setup.name]
-        wrong = [reading.numbered(number) for number, reading in mine if number in doubted]
         kept = [replace(reading, value=np.nan) if number in doubted else reading for number, reading in mine]
-        test = _test(description, setup, kept)
-        if test is not None:
-            axis = description.machine.axes[setup.moves[0]]
-            blocks.append(_block(axis.name, evaluate(test, setup.noise), wrong))
+        if (test := _test(description, setup, kept)) is not None:
+            found, axis = evaluate(test, setup.noise), description.machine.axes[setup.moves[0]].name
+            figures, sizes = (
+                {name: to_unit(x, found.unit) for name, x in each.items()}
+                for each in (found.figures, found.uncertainty)
+            )
+            wrong = [reading.numbered(number) for number, reading in mine if number in doubted]
+            blocks.append(Iso230Figures(axis=axis, unit=found.unit, figures=figures, U=sizes, left_out=wrong))
     return blocks
 
 
@@ -57,32 +60,16 @@ def _test(description: CampaignDescription, setup: Setup, readings: Sequence[Rea
         return None
     way = np.array(own.direction) @ in_frame(description.machine, axis, stands)
     along = 1.0 if way @ np.array(setup.direction) > 0 else -1.0
-    found: dict[tuple[int, int], list[float]] = {}
+    found, runs = dict[int, dict[int, list[float]]](), dict[int, Array]()
     for reading in readings:
         target = round(reading.pose[axis] / _SAME)
-        found.setdefault((target, reading.approach[axis]), []).append(along * reading.value)
-    targets = sorted({target for target, _ in found})
-    sides = [_runs(found, targets, side) for side in (1, -1)]
-    if len(targets) < _FEWEST_TARGETS or any(side == 0 for _, side in found) or all(side is None for side in sides):
+        found.setdefault(reading.approach[axis], {}).setdefault(target, []).append(along * reading.value)
+    targets = sorted(set[int]().union(*found.values()))
+    for side, values in found.items():
+        rows = [values.get(target, []) for target in targets]
+        if side == 0 or len({len(row) for row in rows}) > 1:
+            return None
+        runs[side] = np.array(rows)[:, ~np.any(np.isnan(rows), axis=0)]
+    if len(targets) < _FEWEST_TARGETS or any(whole.shape[1] < _FEWEST_RUNS for whole in runs.values()):
         return None
-    if any(side is None and any(way == sign for _, way in found) for side, sign in zip(sides, (1, -1), strict=True)):
-        return None
-    positions = np.array(targets) * _SAME
-    return PositioningTest(positions, sides[0], sides[1], own.rotary)
-
-
-def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], side: int) -> Array | None:
-    """Return the readings of one direction, (targets, runs); None where not every target was read as often."""
-    rows = [found.get((target, side), []) for target in targets]
-    if len({len(row) for row in rows}) > 1:
-        return None
-    whole = np.array(rows)[:, ~np.any(np.isnan(rows), axis=0)]
-    return whole if whole.shape[1] >= _FEWEST_RUNS else None
-
-
-def _block(axis: str, found: Positioning, left_out: Sequence[int]) -> Iso230Figures:
-    """Return the figures of one axis.  left_out : readings that were not believed; the test is without their runs"""
-    figures, sizes = (
-        {name: to_unit(x, found.unit) for name, x in each.items()} for each in (found.figures, found.uncertainty)
-    )
-    return Iso230Figures(axis=axis, unit=found.unit, figures=figures, U=sizes, left_out=[*left_out])
+    return PositioningTest(np.array(targets) * _SAME, runs.get(1), runs.get(-1), own.rotary)

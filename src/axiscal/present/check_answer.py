@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from axiscal.evaluation.table_checks import WORKS, Decision, Judgement, Verdict
 from axiscal.language.spoken import WORDS, counted, listed, put, quoted, said
 from axiscal.measurement.reading import Places, approach_text, place_text, shown_pose
 from axiscal.numerics import Array
-from axiscal.present.answer import TablesChecked, finite
+from axiscal.present.answer import TablesChecked
 from axiscal.present.answer_words import VERDICTS, farthest_words, sizes_words, wrapped
 from axiscal.present.row_words import row_name
 from axiscal.units import digits, to_unit
@@ -34,81 +33,69 @@ _LINES = 12
 """Lines of a screen above what comes next."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class CheckAnswer:
-    """What readings of a check say.
+def tables_checked(judged: Judgement) -> TablesChecked:
+    """Return what the last screen of a campaign says of a check."""
+    found, left = plain(to_unit(judged.found, "um")), plain(to_unit(judged.left, "um"))
+    away = np.sqrt(np.bincount(judged.of, left**2))
+    worst, count = first_best(away, ALIKE), len(judged.places)
+    return TablesChecked(
+        places=count,
+        found=float(np.sqrt(np.sum(found**2) / count)),
+        left=float(np.sqrt(np.sum(left**2) / count)),
+        expected=to_unit(float(np.sqrt(judged.coming / count)), "um"),
+        farthest=float(away[worst]),
+        at=judged.places[worst],
+        verdict=judged.verdict,
+    )
 
-    places : where they were taken each way, mm and deg by axis; promised : U over the volume with the tables, m
-    """
 
-    judged: Judgement
-    places: Sequence[Mapping[str, float]]
-    promised: float
+def _band(judged: Judgement) -> float:
+    """Return U of a reading without its factor: the largest standard uncertainty of the as-left ones, um."""
+    return float(to_unit(judged.std.max(), "um"))
 
-    @property
-    def summary(self) -> TablesChecked:
-        """What the last screen of a campaign says of it."""
-        found, left = plain(to_unit(self.judged.found, "um")), plain(to_unit(self.judged.left, "um"))
-        away = np.sqrt(np.bincount(self.judged.of, left**2))
-        worst, count = first_best(away, ALIKE), len(self.places)
-        return TablesChecked(
-            places=count,
-            found=float(np.sqrt(np.sum(found**2) / count)),
-            left=float(np.sqrt(np.sum(left**2) / count)),
-            expected=to_unit(float(np.sqrt(self.judged.coming / count)), "um"),
-            farthest=float(away[worst]),
-            at=self.places[worst],
-            verdict=self.judged.verdict,
-        )
 
-    @property
-    def band(self) -> float:
-        """U of a reading without its factor: the largest standard uncertainty of the as-left ones, um."""
-        return float(to_unit(self.judged.std.max(), "um"))
-
-    def document(self) -> dict[str, object]:
-        """Return all of it, um; `U_um` with k = 2, null for a share that nobody knows."""
-        judged, over = self.judged, self.summary
-        values = [plain(to_unit(each, "um")).tolist() for each in (judged.found, judged.left, judged.std)]
-        return {
-            "schema": "axiscal-verify/1",
-            "verdict": judged.verdict,
-            "decision": judged.decision,
-            "U_um": _COVERAGE * self.band,
-            "expected_um": to_unit(self.promised, "um"),
-            "tolerance_um": None if judged.tolerance is None else to_unit(judged.tolerance, "um"),
-            "guard_band_um": GUARD * self.band,
-            "places": over.places,
-            "found_rms_um": over.found,
-            "left_rms_um": over.left,
-            "left_expected_um": over.expected,
-            "promise_p": judged.agrees,
-            "farthest_um": over.farthest,
-            "farthest_at": over.at,
-            "readings": [
-                {"found_um": found, "left_um": left, "std_um": std} for found, left, std in zip(*values, strict=True)
-            ],
-            "change_p": judged.changed,
-            "change_share": judged.share,
-            "tables_loaded": judged.loaded,
-            "against_own_line": judged.lines,
-            "against_own_tool": judged.tools,
-            "set_up_still": judged.still,
-            "tables": [
-                {
-                    "table": share.name,
-                    "share": share.value if np.isfinite(share.std) else None,
-                    "share_std": finite(share.std),
-                    "checked": share.checked,
-                    "works": share.works,
-                    "size": share.size,
-                }
-                for share in judged.shares
-            ],
-            "not_checked": [share.name for share in judged.shares if not share.checked],
-            "axes_not_checked": judged.idle,
-            "set_up_off": [{"setup": datum.setup, "unknown": datum.unknown} for datum in judged.strained],
-        }
+def check_document(judged: Judgement) -> dict[str, object]:
+    """Return all of a check, um; `U_um` with k = 2, null for a share that nobody knows."""
+    over = tables_checked(judged)
+    each = zip(*(plain(to_unit(some, "um")).tolist() for some in (judged.found, judged.left, judged.std)), strict=True)
+    shares = [(share, bool(np.isfinite(share.std))) for share in judged.shares]
+    return {
+        "schema": "axiscal-verify/1",
+        "verdict": judged.verdict,
+        "decision": judged.decision,
+        "U_um": _COVERAGE * _band(judged),
+        "expected_um": to_unit(judged.promised, "um"),
+        "tolerance_um": None if judged.tolerance is None else to_unit(judged.tolerance, "um"),
+        "guard_band_um": GUARD * _band(judged),
+        "places": over.places,
+        "found_rms_um": over.found,
+        "left_rms_um": over.left,
+        "left_expected_um": over.expected,
+        "promise_p": judged.agrees,
+        "farthest_um": over.farthest,
+        "farthest_at": over.at,
+        "readings": [{"found_um": found, "left_um": left, "std_um": std} for found, left, std in each],
+        "change_p": judged.changed,
+        "change_share": judged.share,
+        "tables_loaded": judged.loaded,
+        "against_own_line": judged.lines,
+        "against_own_tool": judged.tools,
+        "set_up_still": judged.still,
+        "tables": [
+            {
+                "table": share.name,
+                "share": share.value if known else None,
+                "share_std": share.std if known else None,
+                "checked": share.checked,
+                "works": share.works,
+                "size": share.size,
+            }
+            for share, known in shares
+        ],
+        "not_checked": [share.name for share in judged.shares if not share.checked],
+        "axes_not_checked": judged.idle,
+        "set_up_off": [{"setup": datum.setup, "unknown": datum.unknown} for datum in judged.strained],
+    }
 
 
 def plain(micrometres: Array) -> Array:
@@ -157,18 +144,21 @@ def check_plan(check: Check, places: Places) -> tuple[dict[str, object], list[st
     return {"plan": rows, "passed_over": unread, "read_again": again}, lines
 
 
-def check_screen(answer: CheckAnswer) -> list[str]:
+def check_screen(judged: Judgement) -> list[str]:
     """Return what was judged in so few lines that a screen holds them, next to what comes next."""
-    lines = [shown for line in check_sentences(answer) for shown in wrapped(line)]
+    lines = [shown for line in check_sentences(judged) for shown in wrapped(line)]
     if len(lines) <= _LINES:
         return lines
     return [*lines[: _LINES - 1], said("The rest: --details.")]
 
 
-def check_sentences(answer: CheckAnswer) -> list[str]:
+def check_sentences(judged: Judgement) -> list[str]:
     """Return what was judged, the verdict first: promise, tables, a stated tolerance; and what was not checked."""
-    judged, checked = answer.judged, answer.summary
-    tables, verdict = listed(", ", [share.name for share in judged.faulty]), said(VERDICTS[judged.verdict])
+    checked, tables, verdict = (
+        tables_checked(judged),
+        listed(", ", [share.name for share in judged.faulty]),
+        said(VERDICTS[judged.verdict]),
+    )
     lines = [
         said("{verdict}: {why}.", verdict=verdict, why=said(_WHY[judged.verdict], tables=tables, p=judged.agrees)),
         put("{sizes}. {farthest}", sizes=sizes_words(checked), farthest=farthest_words(checked)),
@@ -178,7 +168,7 @@ def check_sentences(answer: CheckAnswer) -> list[str]:
         lines.append(counted("The table that they show works.", "All {count} tables that they show work.", shown))
     if judged.tolerance is not None and judged.decision is not None:
         proved = "Tolerance of {tolerance:.3g} um (ISO 14253-1, guard band {guard:.3g} um): {decision}."
-        sizes = {"tolerance": to_unit(judged.tolerance, "um"), "guard": GUARD * answer.band}
+        sizes = {"tolerance": to_unit(judged.tolerance, "um"), "guard": GUARD * _band(judged)}
         lines.append(said(proved, decision=said(_DECISIONS[judged.decision]), **sizes))
     names = [row_name("positioning", [[name] for name in judged.idle])] if judged.idle else []
     open_ones = [share for share in judged.shares if not share.checked]
@@ -187,11 +177,11 @@ def check_sentences(answer: CheckAnswer) -> list[str]:
     return [*lines, *_warnings(judged), *unchecked]
 
 
-def check_details(answer: CheckAnswer) -> list[str]:
+def check_details(judged: Judgement) -> list[str]:
     """Return all that was judged in words, with what it proves."""
     known = "A reading has U = {u:.3g} um (k = 2); U = {promised:.3g} um (95 %) is to be expected over the volume."
-    promised = to_unit(answer.promised, "um")
-    return [*check_sentences(answer), said(known, u=_COVERAGE * answer.band, promised=promised)]
+    promised = to_unit(judged.promised, "um")
+    return [*check_sentences(judged), said(known, u=_COVERAGE * _band(judged), promised=promised)]
 
 
 def _warnings(judged: Judgement) -> Iterator[str]:

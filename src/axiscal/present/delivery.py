@@ -27,7 +27,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.present.answer import TablesChecked
 from axiscal.present.answer_of_campaign import answer_of
 from axiscal.present.conditions import NOT_KNOWN
-from axiscal.present.readings_file import READINGS, readings_csv
 from axiscal.present.result import Finding, Result, TableFile
 from axiscal.present.result_of_campaign import record_state, result_of
 from axiscal.present.result_set import RECORD, result_set, write_manifest
@@ -129,8 +128,6 @@ def deliver(
         written(folder / "result.json", f"{document}\n".encode())
         with stage("the report"):
             write_report(campaign, result, folder / "report.pdf", language)
-        (folder / "data").mkdir()
-        write_whole(folder / "data" / READINGS, readings_csv(campaign, result.history))
         write_manifest(folder, result.record, result.versions)
     return result
 

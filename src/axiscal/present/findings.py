@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -37,22 +36,14 @@ _FEWEST = 3
 """Two values that are the same in a row are none, however fine they are: a place read again and its neighbour."""
 
 
-class Copies(NamedTuple):
-    """Readings that show what others showed: indices of the first, there and before; how many."""
-
-    before: int
-    again: int
-    size: int
-
-
 def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
     """Yield warnings of set-ups whose readings in a file show the same values, one by one, as others before them."""
     for setup in setups:
         mine = [reading for reading in readings if reading.setup == setup.name]
-        found = repeated(mine, setup.noise)
-        if found is not None:
-            again, before = (_lines(mine, first, first + found.size - 1) for first in (found.again, found.before))
-            yield Finding.of("copies", setup=setup.name, count=found.size, again=again, before=before)
+        if (found := repeated(mine, setup.noise)) is not None:
+            *starts, size = found
+            before, again = (_lines(mine, first, first + size - 1) for first in starts)
+            yield Finding.of("copies", setup=setup.name, count=size, again=again, before=before)
 
 
 def _lines(readings: Sequence[Reading], first: int, last: int) -> str:
@@ -62,30 +53,24 @@ def _lines(readings: Sequence[Reading], first: int, last: int) -> str:
     return said("lines {first} to {last}", first=readings[first].line, last=readings[last].line)
 
 
-def repeated(readings: Sequence[Reading], noise: float) -> Copies | None:
+def repeated(readings: Sequence[Reading], noise: float) -> tuple[int, int, int] | None:
     """Return the first readings of one set-up that come again so many in a row that it is no chance, if any do.
 
-    noise : m or rad
+    noise : m or rad.  The result has the indices of the first, there and again, and how many they are
     """
     values = [reading.values for reading in readings]
-    length = _telling(values, noise)
-    seen: dict[tuple[tuple[float, ...], ...], int] = {}
+    step = last_decimal(np.array([number for value in values for number in value]))
+    same = step / (noise * math.sqrt(2 * math.pi)) if noise > 0 else math.inf
+    if same >= 1 or not values:  # no number of values in a row would tell
+        return None
+    each, seen = len(values[0]) * math.log(same), dict[tuple[tuple[float, ...], ...], int]()
+    length = max(_FEWEST, math.ceil((math.log(_BY_CHANCE) - math.log(len(values) ** 2 / 2)) / each))
     for at in range(len(values) - length + 1):
         start = seen.setdefault(tuple(values[at : at + length]), at)
         if at - start >= length:
             alike = [one == other for one, other in zip(values[start:at], values[at:], strict=False)]
-            return Copies(start, at, [*alike, False].index(False))
+            return start, at, [*alike, False].index(False)
     return None
-
-
-def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
-    """Return how many values in a row do not come again by chance; more than there are where no number does."""
-    step = last_decimal(np.array([number for value in values for number in value]))
-    same = step / (noise * math.sqrt(2 * math.pi)) if noise > 0 else math.inf
-    if same >= 1 or not values:
-        return len(values) + 1
-    each = len(values[0]) * math.log(same)
-    return max(_FEWEST, math.ceil((math.log(_BY_CHANCE) - math.log(len(values) ** 2 / 2)) / each))
 
 
 def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
@@ -133,11 +118,12 @@ OF_THE_READING = ("sign", "beside", "reversal", "lag", "resolution", "passes", "
 
 def of_readings(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> list[Finding]:
     """Return the warnings that readings of a file give before anything is estimated."""
-    return [*copies(readings, setups), *untimed(readings, setups), *hidden_in_files(readings, setups, axes)]
+    told = [*copies(readings, setups), *untimed(readings, setups), *unseen_signs(readings, setups)]
+    return [*told, *regular_places(readings, setups, axes)]
 
 
-def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: Sequence[Axis]) -> Iterator[Finding]:
-    """Yield what no estimate can see: the sign of angles, the frame of a tracker, and regular places."""
+def unseen_signs(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
+    """Yield what no estimate can see: the sign of angles, the frame of a tracker."""
     told = set[str]()
     for setup in setups:
         meant = sense(setup).sign
@@ -145,7 +131,6 @@ def hidden_in_files(readings: Sequence[Reading], setups: Sequence[Setup], axes: 
         if meant not in told and (angles or framed) and any(each.setup == setup.name for each in readings):
             told.add(meant)
             yield Finding.of("sign" if angles else "frame", code="sign", setup=setup.name, sign=meant)
-    yield from regular_places(readings, setups, axes)
 
 
 def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:
@@ -247,14 +232,12 @@ def _drift(estimation: Estimation, setup: Setup) -> Iterator[str]:
         worst = int(np.argmax(np.abs(path.mean)))
         far, std = float(path.mean[worst]), float(path.std[worst])
         if abs(far) > _SHOWS * std:
-            one = 'The zero of "{setup}" had moved by {size} after {time}; the estimate takes that off.'
-            many = 'The zero along {way} of "{setup}" had moved by {size} after {time}; the estimate takes that off.'
+            zero = f" {setup.names[number]}" if apart else f" {number + 1}" if setup.stations else ""
             moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
             seconds = float(path.times[worst] - path.times[0])
             yield said(
-                many if apart else one,
-                way=setup.names[number],
-                setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
+                'The zero of "{setup}" had moved by {size} after {time}; the estimate takes that off.',
+                setup=setup.name + zero,
                 size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
                 time=said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2),
             )

@@ -16,14 +16,13 @@ from axiscal.language.spoken import said
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import (
     EYE,
+    LINE,
     Arrow,
     Drawing,
     Part,
     Stroke,
-    Viewport,
     drawn,
     fitted,
-    short_number,
     text,
     wrapped,
 )
@@ -31,14 +30,14 @@ from axiscal.present.result import VolumeFigures
 from axiscal.present.schematic import upright
 from axiscal_core.machine import Machine
 
-_SLACK = 1e-9
-"""Share of a step by which rounding may be off."""
+_STEPS = [leading * 10.0**power for power in range(-6, 10) for leading in (1, 2, 5)]
+"""Round sizes."""
 _FLAT = 0.05
 """Of the longest side: a shorter one is the height of something flat."""
 _SHARE = 0.1
 """Of the shortest side, that the largest deviation has."""
-_LINE, _SIDE = 20.0, 12.0
-"""Pixels of a line of words, and between the picture and its edge."""
+_SIDE = 12.0
+"""Pixels between the picture and its edge."""
 _BESIDE = 700.0
 """Pixels from which on both are beside each other, and below which one is under the other."""
 _BAR = 60.0
@@ -48,31 +47,26 @@ _BAR = 60.0
 def found_and_left_drawing(volume: VolumeFigures, machine: Machine, width: float) -> Drawing:
     """Return the picture for a width, pixels."""
     nominal, half, *deviations = _grids(volume, machine)
-    times = magnification(volume)
+    times, beside = magnification(volume), width >= _BESIDE
     titles = [said("found"), said("left with the tables for {controller}", controller=volume.controller)]
-    panels = list(zip(titles, deviations, ("beam", "read"), strict=False))
-    beside = width >= _BESIDE
-    across = width / len(panels) if beside else width
-    high = round(across * (0.72 if len(panels) > 1 or not beside else 0.5))
+    across = width / len(deviations) if beside else width
+    high = round(across * (0.72 if len(deviations) > 1 or not beside else 0.5))
     triad = list(_triad(volume, machine))
     shown = (nominal + times * (each + side * half) for each in deviations for side in (-1, 0, 1))
-    bounds = [*(each.reshape(-1, 3) for each in shown), *(arrow.points for arrow in triad)]
-    around = np.vstack(bounds)  # of both: one scale
-    heads = [wrapped(title, across - 2 * _SIDE, "title") for title in titles[: len(panels)]]
-    panel = Viewport(0, 0, across - 2 * _SIDE, high)
-    body, head = "", _LINE * max(map(len, heads)) + 10
-    for n, (_, deviation, colour) in enumerate(panels):
+    around = np.vstack([*(each.reshape(-1, 3) for each in shown), *(arrow.points for arrow in triad)])  # one scale
+    heads = [wrapped(title, across - 2 * _SIDE, "title") for title in titles[: len(deviations)]]
+    body, head = "", LINE * max(map(len, heads)) + 10
+    for n, (deviation, colour) in enumerate(zip(deviations, ("beam", "read"), strict=False)):
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
-        body += "".join(text(x + _SIDE, y + 18 + _LINE * line, each, "title") for line, each in enumerate(heads[n]))
-        frame = panel._replace(left=x + _SIDE, top=y + head)
+        body += text(x + _SIDE, y + 18, heads[n], "title")
+        frame = (x + _SIDE, y + head, across - 2 * _SIDE, high)
         body += drawn([*_bent(nominal, times * deviation, times * half, colour), *triad], frame, around)
-    scale, top = fitted(around, panel)[0], (high + head) * (1 if beside else len(panels))
+    scale, top = fitted(around, (0, 0, across - 2 * _SIDE, high))[0], (high + head) * (1 if beside else len(deviations))
     size = f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}"
     parts = [said("errors × {times}", times=size), said("dashed: without errors"), said("between thin lines: 95 %")]
     lines = wrapped(" · ".join(parts), width - 2 * _SIDE)
-    body += _scale_bar(1e-3 * scale * times, top + 8)
-    body += "".join(text(_SIDE, top + 37 + _LINE * n, each, "soft") for n, each in enumerate(lines))
-    return Drawing(width, top + 32 + _LINE * len(lines), body)
+    body += _scale_bar(1e-3 * scale * times, top + 8) + text(_SIDE, top + 37, lines, "soft")
+    return Drawing(width, top + 32 + LINE * len(lines), body)
 
 
 def _grids(volume: VolumeFigures, machine: Machine) -> Iterator[Array]:
@@ -94,18 +88,7 @@ def magnification(volume: VolumeFigures) -> float:
     largest, sides = 1e-3 * max(float(each.max()) for each in ends), np.ptp(np.array(volume.tcp_mm), axis=0)
     shortest = min((side for side in sides.tolist() if side > _FLAT * max(sides)), default=1.0)
     wanted = _SHARE * shortest / max(largest, 1e-9)
-    return min(rounded_down(wanted), rounded_up(wanted), key=lambda step: abs(math.log10(step / wanted)))
-
-
-def rounded_up(size: float) -> float:
-    """Return the smallest of 1, 2, 5 times a power of ten that is not below size."""
-    power = 10.0 ** math.floor(math.log10(size))
-    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= size * (1 - _SLACK))
-
-
-def rounded_down(size: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that is not above size: whose inverse is another of them."""
-    return 1 / rounded_up(1 / size)
+    return min(_STEPS, key=lambda step: abs(math.log10(step / wanted)))
 
 
 def _bent(nominal: Array, away: Array, half: Array, colour: str) -> Iterator[Part]:
@@ -150,8 +133,8 @@ def _triad(volume: VolumeFigures, machine: Machine) -> Iterator[Arrow]:
 
 def _scale_bar(per_um: float, y: float) -> str:
     """Return a bar of a round length with that length.  per_um : pixels for a micrometre of deviation"""
-    size = rounded_down(_BAR / per_um)
+    size = max((step for step in _STEPS if step * per_um <= _BAR), default=_STEPS[0])
     pixels = size * per_um
-    d = f"M{short_number(_SIDE)} {short_number(y)}v8h{short_number(pixels)}v-8"
+    d = f"M{_SIDE:.1f} {y:.1f}v8h{pixels:.1f}v-8"
     bar = f'<path d="{d}" fill="none" stroke="var(--ink)" stroke-width="1.6"/>'
     return bar + text(_SIDE + pixels + 8, y + 9, f"{size:g} µm")

@@ -137,15 +137,8 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         after = f"RMS {um_text(point.rms_um):>8}, {point.minutes:6.1f} min"
         check = "  " + said("check") if point.check else ""
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}{check}"
-    if bound := bound_sentence(answer):
-        yield bound
-
-
-def bound_sentence(answer: PlanAnswer) -> str:
-    """Return what no plan of as many readings can beat; "" where it is far below this one."""
-    if answer.bound_rms_um is None:
-        return ""
-    readings = counted("{count} reading", "{count} readings", answer.readings)
-    best, own = um_text(answer.bound_rms_um), um_text(answer.rms_um)
-    what = "No plan of {readings} can reach a smaller RMS than {best}; this one reaches {own}."
-    return said(what, readings=readings, best=best, own=own)
+    if answer.bound_rms_um is not None:
+        readings = counted("{count} reading", "{count} readings", answer.readings)
+        best, own = um_text(answer.bound_rms_um), um_text(answer.rms_um)
+        what = "No plan of {readings} can reach a smaller RMS than {best}; this one reaches {own}."
+        yield said(what, readings=readings, best=best, own=own)

@@ -80,6 +80,7 @@ def result_of(
         agreement = agreement_words(known) if readings else ""
         words = answer_text(answer, agreement, evidence_words(campaign.log))
         history, linear = _history(campaign, known), linearity(known)
+        numbers = [reading.numbered(index) for index, reading in enumerate(known.readings)]
         sources, smaller = budget_rows(known)
         changes = [Finding.of("accepted", change=change_words(each)) for each in campaign.state.accepted]
         found = findings(known, ended=campaign.state.finished is not None)
@@ -94,7 +95,12 @@ def result_of(
             stopped_because=because_text(campaign.state.finished or "not finished"),
             setups=[_setup_use(setup, campaign) for setup in described.setups],
             agreement=_agreement(known, agreement),
-            checks=_checks(known),
+            checks=ChecksFigures(
+                count=len(known.checks.each),
+                as_promised=known.checks.as_promised,
+                s=known.checks.s,
+                each=[OneCheck(reading=numbers[each.reading], z=each.z, used=each.used) for each in known.checks.each],
+            ),
             **_uncertainties(known, history[-1], withheld=answer.withheld),
             unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
             budget=sources,
@@ -108,7 +114,7 @@ def result_of(
             iso230=iso230_blocks(described, readings, known.left_out),
             observability=observability(case),
             questions=[*which_way(described.machine)],
-            rejected=list(_rejected(known, history)),
+            rejected=list(_rejected(history)),
             warnings=[*warnings, *changes, *found],
             answer=answer,
             rows=answer.rows,
@@ -180,12 +186,6 @@ def _agreement(known: Estimation, words: str) -> AgreementFigures:
     )
 
 
-def _checks(known: Estimation) -> ChecksFigures:
-    found, readings = known.checks, known.readings
-    each = [OneCheck(reading=readings[one.reading].numbered(one.reading), z=one.z, used=one.used) for one in found.each]
-    return ChecksFigures(count=len(each), as_promised=found.as_promised, s=found.s, each=each)
-
-
 def record_state(campaign: Campaign) -> RecordState:
     """Return from which state of which record figures and tables are made."""
     return RecordState(file=campaign.path.name, event=campaign.state.last, hash=campaign.state.name)
@@ -228,14 +228,12 @@ def _accuracy(moment: Moment) -> dict[str, float]:
     return {"rms_um": rms, "worst_um": worst, "minutes": to_unit(moment.seconds, "min")}
 
 
-def _rejected(known: Estimation, history: Sequence[HistoryRow]) -> Iterator[RejectedReading]:
+def _rejected(history: Sequence[HistoryRow]) -> Iterator[RejectedReading]:
     """Yield the readings that are not believed, with the reason."""
-    for row in history:
-        if row.rejected:
-            away = abs(row.surprise or 0.0)
-            reason = said("{away:.1f} standard deviations from what the other readings say", away=away)
-            kept = {name: getattr(row, name) for name in ("reading", "setup", "unit", "value", "position")}
-            yield RejectedReading(**kept, reason=reason)
+    for row in (each for each in history if each.rejected):
+        away = abs(row.surprise or 0.0)
+        reason = said("{away:.1f} standard deviations from what the other readings say", away=away)
+        yield RejectedReading(**row.model_dump(include={*RejectedReading.model_fields}), reason=reason)
 
 
 def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:

@@ -21,22 +21,19 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import (
     EYE,
+    LINE,
     RIGHT,
     Arrow,
-    Caption,
     Drawing,
     Part,
     RoundMark,
     Stroke,
-    Viewport,
     drawn,
     text,
     wrapped,
 )
 from axiscal_core.machine import Machine
 
-_LINE = 20.0
-"""Pixels from one line of text to the next."""
 _SIDE = 10.0
 """Pixels between the picture and its edge."""
 _LYING: Array = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
@@ -45,8 +42,6 @@ _WIDE, _COLUMNS = 1110.0, 3
 """Pixels of a plan, and set-ups beside each other; a matter of taste."""
 _LEAST = 1e-2
 """m, that a picture is wide at least; a matter of taste."""
-_Z: Array = np.eye(3)[2]
-"""Upwards, of the room and of the workpiece."""
 _PAD, _ASIDE, _STEP, _TOOL, _ROUND, _WAY, _NEAR = 0.07, 0.28, 0.17, 0.3, 0.13, 0.2, 3.0
 """Shares of the size: beyond the reach go the table and the axes, so long are arrows and the tool, so wide the arcs
 of axes that turn the tool, so far goes the arrow of what is read, and so near stands a
@@ -77,16 +72,16 @@ class DrawnMachine:
 
     def __init__(self, machine: Machine, pose: ArrayLike | None = None) -> None:
         self.machine, self.upright, axes = machine, upright(machine), machine.axes
-        self.home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
+        ends = [(0.0, 0.0) if axis.rotary else axis.travel for axis in axes]
+        self.home = np.mean(ends, axis=1)
         self.pose = self.home if pose is None else np.asarray(pose, dtype=float)
         self.level = np.where([axis.rotary for axis in axes], 0.0, self.pose)
-        ends = [(0.0, 0.0) if axis.rotary else axis.travel for axis in axes]
         reached = machine.frames(np.array(np.meshgrid(*ends)).reshape(len(ends), -1).T).tcp
         self.reach = reached.min(axis=0), reached.max(axis=0)
         self.size = max(*(self.reach[1] - self.reach[0]).tolist(), machine.tool_length, _LEAST)
         at = machine.frames(self.pose[None])
-        self.tip: Array = self.placed(at.tcp)[0]
-        self.stem: Array = self.along(at.stem[0])
+        foot, end = self.placed(np.vstack([at.tcp, at.tcp + at.stem]))
+        self.tip, self.stem = foot, end - foot
 
     def placed(self, points: ArrayLike, pose: Array | None = None) -> Array:
         """Return points of the workpiece frame, (n, 3) m, in the room.  pose : (q,) m or rad, None for its own"""
@@ -95,12 +90,6 @@ class DrawnMachine:
         (turn,) = bed_in_workpiece(self.machine, bedded)
         bed = self.machine.frames(bedded).tcp[0] - turn @ np.array(self.machine.tool)
         there: Array = (np.atleast_2d(points) - bed) @ turn @ self.upright.T
-        return there
-
-    def along(self, direction: Array | Sequence[float]) -> Array:
-        """Return a direction of the workpiece frame in the room, (3,)."""
-        foot, end = self.placed(np.outer([0.0, 1.0], direction))
-        there: Array = end - foot
         return there
 
     def growing(self, axis: int) -> Array:
@@ -168,40 +157,33 @@ _BITS: Array = np.array(list(itertools.product((0, 1), repeat=3)))[:, ::-1]
 def _edges(corners: Array) -> Iterator[Part]:
     """Yield the edges of a box, those of its farthest corner fainter.  corners : (8, 3) m, as of `_BITS`"""
     back = int(np.argmin(corners @ EYE))
-    for i in range(8):
-        for j in (i | bit for bit in (1, 2, 4) if not i & bit):
-            if np.any(corners[i] != corners[j]):
-                yield Stroke(corners[[i, j]], "part", 1.2, "5 4", 0.4 if back in (i, j) else 0.95)
+    for i, bit in itertools.product(range(8), (1, 2, 4)):
+        if not i & bit and np.any(corners[i] != corners[i | bit]):
+            yield Stroke(corners[[i, i | bit]], "part", 1.2, "5 4", 0.4 if back in (i, i | bit) else 0.95)
 
 
 def _instrument(room: DrawnMachine, setup: Setup) -> Iterator[Part]:
     """Yield balls and stations on their posts, the ways from stations to the tool, and along what is read."""
     foot, size = float(room.table[0, 2]), room.size
-    balls = setup.artefact.points if setup.artefact else np.zeros((0, 3))
+    balls = (
+        {ball.name: at for ball, at in zip(setup.artefact.balls, setup.artefact.points, strict=True)}
+        if setup.artefact
+        else {}
+    )
     stations, (tip,) = np.array(setup.standing).reshape(-1, 3), room.machine.frames(room.pose[None]).tcp
     near = np.linalg.norm(stations - tip, axis=1) <= _NEAR * size
-    for at in (*balls, *stations[near]):
+    for at in (*balls.values(), *stations[near]):
         yield Stroke(room.placed([[*at[:2], foot], at]), "stone", 3.5)
-    if setup.artefact is not None:
-        radius = 0.5 * (setup.artefact.diameter or 0.05 * size)
-        for ball, place in zip(setup.artefact.balls, room.placed(balls), strict=True):
-            yield RoundMark(place, radius, "gold", 5.0)
-            yield Caption(place + 1.2 * radius * _Z, ball.name)
+    for name, at in balls.items():
+        yield RoundMark(room.placed(at)[0], "gold", 5.0, name)
     for at, stands in zip(stations, near.tolist(), strict=True):
         way = at - tip if stands else _WAY * size * (at - tip) / np.linalg.norm(at - tip)
         yield Stroke(room.placed([tip, tip + way]), "beam", 2.2)
         if stands:
-            yield RoundMark(room.placed(at)[0], 0.03 * size, "gold", 5.0)
+            yield RoundMark(room.placed(at)[0], "gold", 5.0)
     if setup.directed:
-        yield Arrow(room.tip + _WAY * size * np.outer([-0.7, 1.0], room.along(setup.direction)), "+", "beam")
-    yield RoundMark(room.tip, 0.018 * size, "beam", 4.0)
-    yield Caption(room.tip, said(setup.title))
-
-
-def _readings(room: DrawnMachine, places: Sequence[Place], colour: str, radius: float) -> Iterator[Part]:
-    """Yield a dot where each reading is taken.  radius : pixels"""
-    poses = np.array([place.pose for place in places]).reshape(-1, len(room.pose))
-    yield from (RoundMark(at, 0.0, colour, radius) for at in room.placed(room.machine.frames(poses).tcp))
+        yield Arrow(room.placed(tip + _WAY * size * np.outer([-0.7, 1.0], setup.direction)), "+", "beam")
+    yield RoundMark(room.tip, "beam", 4.0, said(setup.title))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -214,48 +196,34 @@ class Schematic:
 
     def svg(self, width: float, height: float, left: float = 0.0, top: float = 0.0, titled: bool = True) -> str:
         """Return the picture as SVG elements within a frame, pixels."""
-        heads = wrapped(self.title, width - 2 * _SIDE, "title") if titled else []
-        lines = wrapped(self.legend, width - 2 * _SIDE) if self.legend else []
-        over, beneath = _LINE * len(heads) + 4, _LINE * len(lines) + 6
-        frame = Viewport(left + _SIDE, top + over, width - 2 * _SIDE, height - over - beneath)
-        words = "".join(text(left + _SIDE, top + 16 + _LINE * n, line, "title") for n, line in enumerate(heads))
-        foot = top + height - beneath + 18
-        words += "".join(text(left + _SIDE, foot + _LINE * n, line, "soft") for n, line in enumerate(lines))
-        return drawn(self.parts, frame) + words
+        across = width - 2 * _SIDE
+        heads, lines = wrapped(self.title if titled else "", across, "title"), wrapped(self.legend, across)
+        over, beneath = LINE * len(heads) + 4, LINE * len(lines) + 6
+        scene = drawn(self.parts, (left + _SIDE, top + over, across, height - over - beneath))
+        words = text(left + _SIDE, top + 16, heads, "title")
+        return scene + words + text(left + _SIDE, top + height - beneath + 18, lines, "soft")
 
 
 _DOTS = 300  # readings of a set-up that are drawn: more lie on each other
 
 
 def setup_schematic(
-    campaign: CampaignDescription,
-    setup: Setup,
-    places: Sequence[Place],
-    at: Place | None = None,
-    coming: Sequence[Place] = (),
+    campaign: CampaignDescription, setup: Setup, places: Sequence[Place], at: Place | None = None
 ) -> Schematic:
     """Return a set-up with the places where it is read.
 
-    places : of any set-up; coming : where readings are still to be taken
+    places : of any set-up, read or to come
     at : where the machine stands, None for one of the places
     """
-    own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
-    dots, open_dots = (some[:: 1 + len(some) // _DOTS] for some in (own, later))
+    own = [place for place in places if place.setup == setup.name]
+    dots = own[:: 1 + len(own) // _DOTS]
     shown = at or max(dots, key=partial(_seen_well, campaign.machine), default=None)
     room = DrawnMachine(campaign.machine, shown.pose if shown else setup.park)
-    size = 3.0 if len(own) + len(later) < 10 else 2.2
-    parts = [
-        *_machine(room, setup.moves),
-        *_instrument(room, setup),
-        *_readings(room, open_dots, "soft", size),
-        *_readings(room, dots, "read", size),
-    ]
-    legend = [
-        put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else "",
-        said("grey: {count} to come", count=len(later)) if later else "",
-        _reach_note(room),
-    ]
-    return Schematic(parts, setup.name, listed(" · ", [each for each in legend if each]))
+    poses, size = np.array([place.pose for place in dots]).reshape(-1, len(room.pose)), 3.0 if len(own) < 10 else 2.2
+    read = [RoundMark(each, "read", size) for each in room.placed(room.machine.frames(poses).tcp)]
+    parts = [*_machine(room, setup.moves), *_instrument(room, setup), *read]
+    count = put("● {read}", read=counted("{count} reading", "{count} readings", len(own))) if own else ""
+    return Schematic(parts, setup.name, listed(" · ", [each for each in (count, _reach_note(room)) if each]))
 
 
 def _seen_well(machine: Machine, place: Place) -> tuple[float, float]:
@@ -293,8 +261,8 @@ def plan_picture(title: str, campaign: CampaignDescription, places: Sequence[Pla
     shown = read_schematics(campaign, places)
     columns = max(1, min(len(shown), _COLUMNS))
     across = _WIDE / columns
-    high, top = round(across * (0.65 if columns == 1 else 0.9)), 2 * _LINE
-    body = text(_SIDE, _LINE, title, "title")
+    high, top = round(across * (0.65 if columns == 1 else 0.9)), 2 * LINE
+    body = text(_SIDE, LINE, title, "title")
     for n, each in enumerate(shown):
         body += each.svg(across, high, across * (n % columns), top + high * (n // columns))
     return Drawing(_WIDE, top + high * -(-len(shown) // columns), body).on_screen(title)

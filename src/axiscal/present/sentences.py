@@ -18,11 +18,6 @@ def spelt(text: str) -> str:
     return _UNIT.sub(lambda found: _NO_BREAK + _SHOWN.get(found[1], "%"), text)
 
 
-def axis_unit(axis: str) -> str:
-    """Return the display unit of an axis' coordinate: A, B and C turn (ISO 841)."""
-    return "deg" if axis[:1] in "ABC" else "mm"
-
-
 _CAUSES = WORDS["type_b"]
 
 

@@ -93,17 +93,17 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     """
     estimate = estimation.estimate()
     moving, poses, counts = _places_over(estimate)
-    found = _shifted(_either_way(estimate.deviation, poses))
+    found = _shifted(estimate.deviation, poses)
     left = ()
     if control is not None:
         after = partial(left_by, estimate.machine, estimate.deviation, control)
-        left = to_unit(_shifted(_either_way(after, poses)), "um").tolist()
+        left = to_unit(_shifted(after, poses), "um").tolist()
     axes = estimate.machine.axes
     at = {axis.name: said_quantity(float(poses[0, k]), axis.unit, 4) for k, axis in enumerate(axes) if k not in moving}
     parked = listed(", ", [put("{axis} {at}", axis=name, at=at[name]) for name in sorted(at)])
     places = to_unit(estimate.machine.frames(poses).tcp, "mm").tolist()
     names = [axes[k].name for k in moving]
-    spread = _shifted(_either_way(estimate.model.rows_at, poses)) @ estimate.factor
+    spread = _shifted(estimate.model.rows_at, poses) @ estimate.factor
     rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
     half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
     return VolumeFigures(
@@ -137,12 +137,8 @@ def _places_over(estimate: Estimate) -> tuple[list[int], Array, tuple[int, ...]]
     return moving, poses, along
 
 
-def _either_way(of: Callable[[Array, Array], Array], poses: Array) -> Array:
-    """Return the mean of both sides from which an axis may come, (m, ...)."""
-    return (of(poses, np.ones_like(poses)) + of(poses, -np.ones_like(poses))) / 2
-
-
-def _shifted(mean: Array) -> Array:
-    """Return deviations, or their rows, less one shift of all places, (m, ...)."""
+def _shifted(of: Callable[[Array, Array], Array], poses: Array) -> Array:
+    """Return deviations, or their rows, as the mean of both sides, less one shift of all places, (m, ...)."""
+    mean = (of(poses, np.ones_like(poses)) + of(poses, -np.ones_like(poses))) / 2
     shifted: Array = mean - mean.mean(axis=0)
     return shifted

@@ -155,9 +155,9 @@ class Desk:
         if asked is None:
             return ""
         description, state = self.campaign.description, self.campaign.state
-        taken = [reading.place for reading in state.readings]
+        places = [*(reading.place for reading in state.readings), *state.coming]
         setup = description.setup(asked.place.setup)
-        return setup_picture(setup_schematic(description, setup, taken, asked.place, state.coming), width)
+        return setup_picture(setup_schematic(description, setup, places, asked.place), width)
 
     def set_anew(self) -> str:
         """Keep that a zero was set anew before the next reading."""

@@ -16,7 +16,7 @@ from axiscal.exceptions import SourceError, UnitError
 from axiscal.language.spoken import later, said
 from axiscal.measurement.reading import asked_values, reading_unit, units_of
 from axiscal.measurement.setup import FINEST, Reads, Setup
-from axiscal.units import dimension_of, format_quantity, from_unit, shortened
+from axiscal.units import find_unit, format_quantity, from_unit, shortened
 
 TIMEOUT = 600.0
 """Seconds that a command may take over one reading."""
@@ -125,7 +125,7 @@ def _once_each(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def _unit(unit: object, reads: Reads, setup: Setup) -> str:
     with contextlib.suppress(UnitError):
-        if isinstance(unit, str) and dimension_of(unit) == reads:
+        if isinstance(unit, str) and find_unit(unit).dimension == reads:
             return unit
     remedy = 'The {instrument} reads a length: give a unit such as "um"'
     if reads == "angle":

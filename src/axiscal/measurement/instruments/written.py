@@ -26,7 +26,7 @@ from axiscal.exceptions import AxiscalError, CodeError, DescriptionError
 from axiscal.measurement.setup import Reads, Setup, Unknown, Usual
 from axiscal.measurement.type_b import Read, TypeB
 from axiscal.numerics import Array
-from axiscal.units import dimension_of
+from axiscal.units import find_unit
 from axiscal_core import refusals
 from axiscal_core.instrument import At, Unknowns, numbers, own_slopes, refuse_what_is_not_analytic
 from axiscal_core.instrument import Instrument as Seeing
@@ -166,7 +166,7 @@ def _instrument(text: str, made: type[Seeing], where: tuple[Path, int | None]) -
     alike = len(set(units)) == 1 and bool(np.all(sigma == sigma[0]))
     if one.wander and not alike:
         raise refusals.InputError(made.__name__, "drift", "is one for unlike numbers", "Leave it out")
-    kinds = {name: dimension_of(_unit(size, units[0])) for name, size in {**one.unknowns, **one.type_b}.items()}
+    kinds = {name: find_unit(_unit(size, units[0])).dimension for name, size in {**one.unknowns, **one.type_b}.items()}
     unknowns: dict[str, Reads] = {name: "angle" if kind == "angle" else "length" for name, kind in kinds.items()}
     own = {"instrument": text, "made": made, "numbers": names, "reads": units[0], "units": units, "where": where}
     own |= {"sigma": sigma, "alike": alike, "unknown_reads": unknowns}

@@ -20,7 +20,7 @@ from axiscal.evaluation.check import Check
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator, TruthCurve, VirtualMachine
 from axiscal.present.answer import TablesChecked
-from axiscal.present.check_answer import CheckAnswer
+from axiscal.present.check_answer import tables_checked
 from axiscal.present.delivery import deliver
 from axiscal.present.result import Result
 from axiscal_core.machine import Machine
@@ -61,8 +61,7 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
         return None
     check = Check.from_campaign(campaign, CONTROL)
     readings = check.read_on(truth, SEED, check.planned(tolerance=check.known(None)))
-    places = check.positions(readings[1])
-    return CheckAnswer(check.judged(readings, None), places, check.tables.certain).summary
+    return tables_checked(check.judged(readings, None))
 
 
 def measured_truth(model: Machine, seed: int) -> dict[str, TruthCurve]:

@@ -26,24 +26,19 @@ UP: Array = np.array([-np.sin(_TURN) * np.sin(_LIFT), np.cos(_TURN) * np.sin(_LI
 """Unit vector of the scene that runs up in the picture."""
 EYE: Array = np.cross(RIGHT, UP)
 """Unit vector towards who looks."""
-_HEAD, _HALF_HEAD = 11.0, 4.5
-"""Pixels of the head of an arrow; a matter of taste."""
-_MARGIN = 14.0
-"""Pixels around what is drawn, for the names of arrows."""
-FONT = 14.0
-"""Pixels of all words in a picture of a machine."""
+_HEAD, _HALF_HEAD, _MARGIN = 11.0, 4.5, 14.0
+"""Pixels of the head of an arrow, and around what is drawn, for the names of arrows; a matter of taste."""
+_FONT, LINE = 14.0, 20.0
+"""Pixels of letters, and from one line of words to the next."""
 _WIDE, _NARROW, _USUAL, _BOLD = 0.92, 0.34, 0.6, 1.1
 """Widths of letters as shares of their height, on the wide side for the fonts that screens have; of bold ones of plain.
 """
-_HALF_LINE, _DEEP = 0.62, 0.28
-"""Shares of the height of letters: half of what a line covers, and what goes below the line they stand on."""
-_APART = 2.0
-"""Pixels between two labels."""
+_HALF_LINE, _DEEP, _APART = 0.62, 0.28, 2.0
+"""Shares of the height of letters: half of what a line covers, and what goes below it; pixels between two labels."""
 _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Signs that no XML document may hold (XML 1.0, 2.2)."""
 _VARIABLE = re.compile(r'(?<==")var\(--([a-z-]+)\)(?=")')
 """As the value of an attribute; quotes in words are escaped, so that none of them is one."""
-_GROUND = '<rect width="100%" height="100%" fill="var(--paper)"/>'
 _ON_SCREEN = "system-ui,-apple-system,'Segoe UI',Roboto,'Noto Sans','Liberation Sans','DejaVu Sans',sans-serif"
 _ON_PAPER = "Libertinus Serif"
 """One of the letters that the typesetter brings along."""
@@ -64,15 +59,14 @@ class Drawing(NamedTuple):
     def on_screen(self, label: str) -> str:
         """Return the text of an SVG file, in the colours of a light or a dark screen.  label : for who hears it"""
         light, dark = (
-            "".join(f"--{name}:{value};" for name, value in values.items() if f"var(--{name})" in self.body + _GROUND)
-            for values in _colours().values()
+            "".join(f"--{name}:{value};" for name, value in values.items()) for values in _colours().values()
         )
         style = f":root{{{light}font-family:{_ON_SCREEN};max-width:100%;height:auto}}"
         style += f"@media(prefers-color-scheme:dark){{:root{{{dark}}}}}"
-        name = text_safe(label)
+        name = _safe(label)
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" {self._size} role="img" aria-label="{name}"><title>{name}</title>'
-            f"<style>{style}</style>{_GROUND}{self.body}</svg>\n"
+            f'<style>{style}</style><rect width="100%" height="100%" fill="var(--paper)"/>{self.body}</svg>\n'
         )
 
     @property
@@ -87,17 +81,12 @@ def _colours() -> Mapping[str, Mapping[str, str]]:
     return tomllib.loads(resources.files(__package__).joinpath("colours.toml").read_text(encoding="utf-8"))
 
 
-def text_safe(words: str) -> str:
+def _safe(words: str) -> str:
     """Return text for the inside of an element or an attribute; what XML cannot hold becomes a question mark."""
     return escape(_NO_XML.sub("?", words), quote=True)
 
 
-def short_number(value: float) -> str:
-    """Return a number of pixels to a tenth."""
-    return f"{round(value, 1) + 0.0:.1f}".removesuffix(".0")
-
-
-def text_width(words: str, size: float = FONT) -> float:
+def _width(words: str, size: float = _FONT) -> float:
     """Return about how wide a text is, pixels."""
     widths = (
         _WIDE if each in "mwMWOQGD@%×" else _NARROW if each in "iljftI.,;:'|!()[] ·′" else _USUAL for each in words
@@ -106,24 +95,31 @@ def text_width(words: str, size: float = FONT) -> float:
 
 
 def wrapped(words: str, width: float, kind: str = "") -> list[str]:
-    """Return a text as lines that fit into a width, pixels.  kind : of its letters, as of `text`"""
-    lines, width = [""], width / (_BOLD if kind == "title" else 1.0)
-    for word in words.split(" "):
-        longer = f"{lines[-1]} {word}".strip()
-        lines = [*lines[:-1], longer] if text_width(longer) <= width or not lines[-1] else [*lines, word]
+    """Return a text as lines that fit into a width, pixels; none for "".  kind : of its letters, as of `text`"""
+    lines, width = list[str](), width / (_BOLD if kind == "title" else 1.0)
+    for word in words.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        lines = [*lines[:-1], longer] if _width(longer) <= width or not lines else [*lines, word]
     return lines
 
 
-def text(x: float, y: float, shown: str, kind: str = "", anchor: str = "start", size: float = FONT) -> str:
-    """Return a line of text with a rim in the colour of the ground.
+def text(x: float, y: float, shown: str | Sequence[str], kind: str = "", anchor: str = "start") -> str:
+    """Return words, or lines below each other, with a rim in the colour of the ground.
 
-    y : of the line that it stands on; kind : "soft", "axis", "title" or "" for plain; anchor : start, middle or end
+    y : of the line that the first stands on; anchor : start, middle or end
+    kind : "soft", "axis" for the name of an arrow, "title" or "" for plain
     """
-    place = f'x="{short_number(x)}" y="{short_number(y)}"' + ("" if anchor == "start" else f' text-anchor="{anchor}"')
-    ink = f'font-size="{size:g}" fill="var(--{"soft" if kind == "soft" else "ink"})"'
-    weight = ' font-weight="600"' if kind in ("axis", "title") else ""
+    size, weight = _size_of(kind), ' font-weight="600"' if kind in ("axis", "title") else ""
+    ink = f'font-size="{size:g}" fill="var(--{"soft" if kind == "soft" else "ink"})"{weight}'
     rim = ' stroke="var(--paper)" stroke-width="4" stroke-linejoin="round" paint-order="stroke"'
-    return f"<text {place} {ink}{weight}{rim}>{text_safe(shown)}</text>"
+    return "".join(
+        f'<text x="{x:.1f}" y="{y + LINE * n:.1f}" text-anchor="{anchor}" {ink}{rim}>{_safe(line)}</text>'
+        for n, line in enumerate([shown] if isinstance(shown, str) else shown)
+    )
+
+
+def _size_of(kind: str) -> float:
+    return _FONT + 2 if kind == "axis" else _FONT
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -133,41 +129,34 @@ class Stroke:
     points: Array
     colour: str
     width: float = 1.5
-    dash: str = ""
+    dash: str = "none"
     opacity: float = 1.0
     filled: str = ""
+    words = ""
 
-    def svg(self, at: Array, scale: float) -> str:
-        """Return it as SVG.  at : where its points stand, (n, 2) pixels; scale : pixels for a metre"""
-        dash = f' stroke-dasharray="{self.dash}"' if self.dash else ""
-        faint = f' stroke-opacity="{self.opacity:g}"' if self.opacity != 1 else ""
+    def svg(self, at: Array) -> str:
+        """Return it as SVG.  at : where its points stand, (n, 2) pixels"""
         inside = f'"var(--{self.filled})" fill-opacity=".35"' if self.filled else '"none"'
         return (
-            f'<path d="{_way(at)}" fill={inside} stroke="var(--{self.colour})" stroke-width="{self.width:g}"{dash}'
-            f'{faint} stroke-linejoin="round" stroke-linecap="round"/>'
+            f'<path d="{_way(at)}" fill={inside} stroke="var(--{self.colour})" stroke-width="{self.width:g}" '
+            f'stroke-dasharray="{self.dash}" stroke-opacity="{self.opacity:g}" stroke-linejoin="round" '
+            'stroke-linecap="round"/>'
         )
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RoundMark:
-    """A ball.  points : its centre, (3,) m; radius : m; least : radius in pixels below which it does not shrink"""
+    """A ball or a dot, with words beside it.  points : its centre, (3,) m; reach : its radius, pixels"""
 
     points: Array
-    radius: float
     colour: str
-    least: float = 2.6
+    reach: float
+    words: str = ""
 
-    def svg(self, at: Array, scale: float) -> str:
-        """Return it as SVG, as `Stroke.svg`."""
-        x, y, radius = map(short_number, (*at[0], self.reach(scale)))
-        return f'<circle cx="{x}" cy="{y}" r="{radius}" fill="var(--{self.colour})" {_RIM}/>'
-
-    def reach(self, scale: float) -> float:
-        """Return its radius, pixels."""
-        return max(self.radius * scale, self.least)
-
-
-_RIM = 'stroke="var(--paper)" stroke-width="1"'
+    def svg(self, at: Array) -> str:
+        """Return it as SVG without its words, as `Stroke.svg`."""
+        place = f'cx="{at[0, 0]:.1f}" cy="{at[0, 1]:.1f}" r="{self.reach:g}"'
+        return f'<circle {place} fill="var(--{self.colour})" stroke="var(--paper)" stroke-width="1"/>'
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -177,8 +166,9 @@ class Arrow:
     points: Array
     words: str
     colour: str = "ink"
+    reach = _HALF_HEAD
 
-    def svg(self, at: Array, scale: float) -> str:
+    def svg(self, at: Array) -> str:
         """Return it as SVG without its name, as `Stroke.svg`."""
         tip, along = at[-1], _last_way(at)
         across, neck = np.array([-along[1], along[0]]), tip - _HEAD * along
@@ -189,29 +179,12 @@ class Arrow:
             f'<path d="{_way(shaft)}" fill="none" stroke={colour} stroke-width="2.4"/><path d="{head}" fill={colour}/>'
         )
 
-    def reach(self, scale: float) -> float:
-        """Return half of the width of its head, pixels."""
-        return _HALF_HEAD
+
+Part = Stroke | RoundMark | Arrow
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Caption:
-    """Words beside a place, (3,) m."""
-
-    points: Array
-    words: str
-
-
-Part = Stroke | RoundMark | Arrow | Caption
-
-
-class Viewport(NamedTuple):
-    """Frame of a scene, pixels."""
-
-    left: float
-    top: float
-    width: float
-    height: float
+Frame = tuple[float, float, float, float]
+"""Left, top, width and height, pixels."""
 
 
 def flat(points: Array) -> Array:
@@ -219,53 +192,51 @@ def flat(points: Array) -> Array:
     return np.stack([points @ RIGHT, -(points @ UP)], axis=1)
 
 
-def fitted(points: Array, frame: Viewport) -> tuple[float, Array]:
+def fitted(points: Array, frame: Frame) -> tuple[float, Array]:
     """Return scale and shift (2,) by which points, (n, 3) m, are as large as a frame allows: scale · seen + shift."""
     seen = flat(points)
     low, high = seen.min(axis=0), seen.max(axis=0)
-    size, room = np.maximum(high - low, 1e-12), np.array([frame.width, frame.height]) - 2 * _MARGIN
-    scale = float((room / size).min())
-    middle = np.array([frame.left + frame.width / 2, frame.top + frame.height / 2])
-    return scale, middle - scale * (low + high) / 2
+    corner, size = np.array(frame[:2]), np.array(frame[2:])
+    scale = float(((size - 2 * _MARGIN) / np.maximum(high - low, 1e-12)).min())
+    return scale, corner + size / 2 - scale * (low + high) / 2
 
 
-def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -> str:
+def drawn(parts: Sequence[Part], frame: Frame, within: Array | None = None) -> str:
     """Return a scene as SVG elements, as large as its frame allows; what lies outside of the frame is cut off.
 
     within : points that fill the frame, (n, 3) m, in place of those of the parts; several scenes get one scale by it
     """
     scale, shift = fitted(np.vstack([part.points for part in parts]) if within is None else within, frame)
     placed = [(part, flat(np.atleast_2d(part.points)) * scale + shift) for part in parts]
-    inside = "".join(part.svg(at, scale) for part, at in placed if not isinstance(part, Caption))
-    x, y, wide, high = map(short_number, frame)
-    cut = f'<svg x="{x}" y="{y}" width="{wide}" height="{high}" viewBox="{x} {y} {wide} {high}">{inside}</svg>'
-    return cut + "".join(_names(placed, scale, frame))
+    inside, place = "".join(part.svg(at) for part, at in placed), "{:.1f} {:.1f} {:.1f} {:.1f}".format(*frame)
+    x, y, wide, high = place.split()
+    cut = f'<svg x="{x}" y="{y}" width="{wide}" height="{high}" viewBox="{place}">{inside}</svg>'
+    return cut + "".join(_names(placed, frame))
 
 
-def _names(placed: Iterable[tuple[Part, Array]], scale: float, frame: Viewport) -> Iterator[str]:
-    """Yield the names of arrows and the captions inside of a frame, none over another, over a ball or over a head.
+def _names(placed: Iterable[tuple[Part, Array]], frame: Frame) -> Iterator[str]:
+    """Yield the words of parts inside of a frame, none over another, over a ball or over a head.
 
     placed : parts, and where their points stand, pixels
     """
-    placed, corner = [*placed], np.array(frame[:2])
-    marks = [(at[-2:], part.reach(scale)) for part, at in placed if isinstance(part, (Arrow, RoundMark))]
-    taken = [np.concatenate([at.min(axis=0) - reach, at.max(axis=0) + reach]) for at, reach in marks]
-    for part, at in placed:
-        if isinstance(part, (Arrow, Caption)):
-            kind, size = ("axis", FONT + 2) if isinstance(part, Arrow) else ("soft", FONT)
-            half = np.array([text_width(part.words, size) / 2, _HALF_LINE * size])
-            tried = at[-1] + _around(half[0], size)
-            if isinstance(part, Arrow):  # first of all ahead of it
-                along = _last_way(at)
-                reach = 6.0 + np.abs(along) @ [half[0], FONT / 2]
-                tried = np.vstack([at[-1] + reach * along, tried])
-            tried = np.minimum(np.maximum(tried, corner + half), corner + frame[2:] - half)
-            boxes, others = np.hstack([tried - half, tried + half])[:, None], np.array(taken).reshape(-1, 4)
-            over = np.minimum(boxes, others)[..., 2:] - np.maximum(boxes, others)[..., :2] + _APART
-            best = int(np.argmin(np.maximum(over, 0.0).prod(axis=2).sum(axis=1)))  # the first that covers nothing
-            taken.append(boxes[best, 0])
-            x, y = tried[best]
-            yield text(x, y + size * (0.5 - _DEEP / 2), part.words, kind, "middle", size)
+    marks = [(part, at) for part, at in placed if not isinstance(part, Stroke)]
+    taken = [np.concatenate([at[-2:].min(axis=0) - part.reach, at[-2:].max(axis=0) + part.reach]) for part, at in marks]
+    corner = np.array(frame[:2])
+    for part, at in (each for each in marks if each[0].words):
+        kind = "axis" if isinstance(part, Arrow) else "soft"
+        size = _size_of(kind)
+        half = np.array([_width(part.words, size) / 2, _HALF_LINE * size])
+        tried = at[-1] + _around(half[0], size)
+        if isinstance(part, Arrow):  # first of all ahead of it
+            along = _last_way(at)
+            tried = np.vstack([at[-1] + (6.0 + np.abs(along) @ [half[0], _FONT / 2]) * along, tried])
+        tried = np.minimum(np.maximum(tried, corner + half), corner + np.array(frame[2:]) - half)
+        boxes, others = np.hstack([tried - half, tried + half])[:, None], np.array(taken)
+        over = np.minimum(boxes, others)[..., 2:] - np.maximum(boxes, others)[..., :2] + _APART
+        best = int(np.argmin(np.maximum(over, 0.0).prod(axis=2).sum(axis=1)))  # the first that covers nothing
+        taken.append(boxes[best, 0])
+        x, y = tried[best]
+        yield text(x, y + size * (0.5 - _DEEP / 2), part.words, kind, "middle")
 
 
 def _around(half: float, size: float) -> Array:
@@ -288,4 +259,4 @@ def _last_way(at: Array) -> Array:
 
 def _way(corners: Iterable[Sequence[float] | Array]) -> str:
     """Return the `d` of a line through all corners, each (x, y)."""
-    return "M" + "L".join(f"{short_number(x)} {short_number(y)}" for x, y in corners)
+    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners)

@@ -9,13 +9,13 @@ from typing import Self
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.wrong_unit import refuse_implausible
 from axiscal.document.durable import write_whole
-from axiscal.evaluation.check import Check
+from axiscal.evaluation.check import Check, tolerance_of
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import listed, said
 from axiscal.measurement.readers.csv_readings import filled_sheet
 from axiscal.measurement.reading import Reading, place_text, reading_units
 from axiscal.present.answer import AnswerDocument
-from axiscal.present.check_answer import CheckAnswer, check_plan, check_sentences
+from axiscal.present.check_answer import check_plan, check_sentences
 from axiscal.present.guide.question import measured
 from axiscal.present.guide.slips import display_text
 from axiscal.present.sentences import spelt
@@ -42,7 +42,7 @@ class CheckToTake(AnswerDocument):
     def of(cls, campaign: Campaign, control: str, virtual: str) -> Self:
         """Return where tables of a control are to be checked.  virtual : the source of a machine, "" of a real one"""
         check, found = Check.from_campaign(campaign, control), list[CheckPlace]()
-        places, tolerance = check.planned(tolerance=check.known(None)), check.allowed(None)
+        places, tolerance = check.planned(tolerance=check.known(None)), tolerance_of(check.description.target, None)
         sides = check.asked(virtual, places) if virtual else ()
         axes, sides_of = check.description.machine.axes, {1: said("from below"), -1: said("from above")}
         for n, place in enumerate(places.listed(check.description.setups)):
@@ -83,7 +83,7 @@ class CheckJudged(AnswerDocument):
                 else:
                     readings.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others)))
         try:
-            check.allowed(tolerance.strip() or None)
+            check.known(tolerance.strip() or None)
         except InputError as failure:
             faults["tolerance"] = str(failure)
         if faults:
@@ -92,5 +92,4 @@ class CheckJudged(AnswerDocument):
         for name, each in zip(("found.csv", "left.csv"), sides, strict=True):
             write_whole(folder / name, filled_sheet(check.description.machine.axes, each).encode())
         judged = check.judged((tuple(sides[0]), tuple(sides[1])), tolerance.strip() or None)
-        answer = CheckAnswer(judged, check.positions(sides[1]), check.tables.certain)
-        return cls(verdict=judged.verdict, sentences=[spelt(line) for line in check_sentences(answer)])
+        return cls(verdict=judged.verdict, sentences=[spelt(line) for line in check_sentences(judged)])
