@@ -90,11 +90,11 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     assert "reading 1 of 4" in shown
     assert "+ where the tool stands too far towards +x" in shown
     terminal.type("-1,7")
-    assert "kept reading 1; it is on the disk" in terminal.until("reading [um] > ")
+    assert "Kept reading 1; it is on the disk" in terminal.until("reading [um] > ")
     terminal.type("twelve")
     assert "Type the number that the instrument shows" in terminal.until("reading [um] > ")
     terminal.type("0.0005 mm")
-    assert "kept reading 2" in terminal.until("reading [um] > ")
+    assert "Kept reading 2" in terminal.until("reading [um] > ")
     terminal.type("undo")
     assert "Took back reading 2" in terminal.until("reading [um] > ")
     terminal.type("400")
@@ -103,7 +103,7 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     terminal.until("reading [um] > ")
     for value in ("0.4", "1.1", "0.2"):
         terminal.type(value)
-        shown = terminal.until("kept reading ")
+        shown = terminal.until("Kept reading ")
     assert "Done: 4 readings taken" in terminal.until("note or pause > ")
     terminal.type("note it was 21.4 °C")
     terminal.until("note or pause > ")
@@ -141,7 +141,7 @@ def test_a_pause_goes_on_where_it_was_and_answers_no_question_of_another_program
     assert "the record has moved on" in shown
     assert "reading 3 of 4" in shown
     second.type("skip the beam is blocked")
-    assert "skipped" in second.until("reading [um] > ")
+    assert "Skipped" in second.until("reading [um] > ")
     second.type("\x04")
     assert second.ended() == 0
     assert kept(folder / "mill.axiscal") == [2.0, 2.5]

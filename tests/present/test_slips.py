@@ -13,8 +13,18 @@ from axiscal.description.first_campaign import Purpose
 from axiscal.description.first_files import first_described, of_builtin
 from axiscal.exceptions import ReadingError
 from axiscal.present.answer_of_campaign import standing_answer
-from axiscal.present.guide.question import Question
-from axiscal.present.guide.slips import CAUSES, Cause, Meant, causes, jog, keep_as, surprise_text, try_jog
+from axiscal.present.guide.question import Question, typed
+from axiscal.present.guide.slips import (
+    CAUSES,
+    Cause,
+    SurprisingError,
+    causes,
+    jog,
+    keep,
+    refuse_surprising,
+    surprise_text,
+    try_jog,
+)
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS
 from tests.web.served import started
@@ -92,12 +102,13 @@ def test_a_cause_does_what_it_says_and_is_noted(campaign: Campaign, typed: float
     question, value = asked(campaign), np.array([typed])
     assert surprise_text(question, value).startswith(f"It is about {abs(1e6 * typed - 400):.0f} um away")
     assert cause in causes(question, value)
-    reading, told = keep_as(campaign, question, value, cause)
+    told = keep(campaign, f"{1e6 * typed} um", cause)
+    reading = campaign.state.readings[-1]
     assert reading.value == pytest.approx(kept)
     assert reading.accepted is (cause == "really")
     noted = [note.text for note in campaign.state.notes]
     assert noted == ([] if cause == "really" else [f"reading 2: {CAUSES[cause]}"])
-    assert bool(told) is (cause != "really")
+    assert (told == "Kept reading 2; it is on the disk.") is (cause == "really")
     assert [each.mistake for each in campaign.state.accepted] == ["jump"] * (cause == "bumped")
 
 
@@ -106,9 +117,10 @@ def test_a_height_in_mm_is_asked_about_where_no_jog_has_shown_the_unit(tmp_path:
     with Campaign.create(tmp_path / "printer.axiscal", described) as campaign:
         question = Question.from_campaign(campaign, Asked(1, campaign.prepared()[0]))
         campaign.next()
-        asked = {text: Meant.of_text(campaign, question, text) for text in ("-0.042", "-42", "-0.042 mm", "0")}
-        assert {text: meant.surprising for text, meant in asked.items()} == {
-            "-0.042": True, "-42": False, "-0.042 mm": False, "0": False
-        }  # fmt: skip
-        assert {"mm", "really"} <= set(asked["-0.042"].causes)
-        assert keep_as(campaign, question, np.array([-0.042e-6]), "mm")[0].value == pytest.approx(-42e-6, rel=1e-9)
+        for text in ("-42", "-0.042 mm", "0"):
+            refuse_surprising(campaign, question, typed(campaign, text))
+        with pytest.raises(SurprisingError) as asked:
+            keep(campaign, "-0.042")
+        assert {"mm", "really"} <= set(asked.value.causes)
+        keep(campaign, "-0.042", "mm")
+        assert campaign.state.readings[-1].value == pytest.approx(-42e-6, rel=1e-9)

@@ -104,7 +104,7 @@ def test_the_set_up_that_is_asked_for_is_drawn_as_wide_as_the_page_wants(still: 
 
 
 NAMES = (
-    "start stage rows curve planned plan draft open leave state typed cost readings jogs skips notes zeros "
+    "start stage rows curve plan draft open leave state typed cost readings jogs skips notes zeros "
     "accepts undo next finish check"
 )
 """Of all paths."""

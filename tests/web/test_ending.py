@@ -12,17 +12,17 @@ from tests.web.served import PATIENCE, Served, serving, started
 
 LONG = """
 import functools, sys, time
-from axiscal.web.desk import Desk
-done = Desk.{step}
+from {room} import {holder}
+done = {holder}.{step}
 @functools.wraps(done)
-def long(desk, *words, **more):
+def long(subject, *words, **more):
     {before}
     sys.stderr.write("at work\\n")
     sys.stderr.flush()
     {lost}
     for _ in range(10**6):
         time.sleep(0.01)
-Desk.{step} = long
+{holder}.{step} = long
 from axiscal.cli import main
 sys.argv[0] = "axiscal"
 raise SystemExit(main())
@@ -62,14 +62,17 @@ def _read(page: Served, last: int) -> None:
 @pytest.mark.long
 def test_what_is_computed_meanwhile_is_broken_off(tmp_path: Path) -> None:
     record = started(tmp_path)
-    status, said, complaint = ended(record, LONG.format(step="think", before="pass", lost=LOST), asked=False)
+    status, said, complaint = ended(
+        record, LONG.format(room="axiscal.web.desk", holder="Desk", step="think", before="pass", lost=LOST), asked=False
+    )
     assert (status, complaint) == (0, "")
     assert "Ended; every reading is kept. What was being computed was broken off; what is kept is shown" in said
 
 
 def test_a_reading_that_was_kept_is_there_when_its_answer_was_broken_off(tmp_path: Path) -> None:
     record = started(tmp_path)
-    program = LONG.format(step="keep", before="done(desk, *words, **more)", lost="pass")
+    before = "done(subject, *words, **more)"
+    program = LONG.format(room="axiscal.present.guide", holder="slips", step="keep", before=before, lost="pass")
     status, said, complaint = ended(record, program, asked=True)
     assert (status, complaint) == (0, "")
     assert "What was being computed was broken off" in said

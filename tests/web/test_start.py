@@ -459,7 +459,7 @@ def test_a_campaign_that_is_open_is_not_begun_again(start: Served) -> None:
 
 
 @pytest.mark.long
-def test_a_plan_that_is_overtaken_by_another_choice_is_broken_off(start: Served) -> None:
+def test_a_plan_that_is_overtaken_by_another_choice_is_no_answer(start: Served) -> None:
     chosen = {"machine": "router", "compensated": "no"}
     start.call("draft", instruments=["dial", "square"], **chosen)
     with ThreadPoolExecutor(1) as aside:

@@ -34,19 +34,10 @@ def main() -> int:
 
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         gc.enable()
-    if status == 1:
-        _leave(status)
+    if status == 1:  # Python would end the process by the signal once more if Ctrl-C met the code of a text
+        import os
+
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
     return status
-
-
-def _leave(status: int) -> None:
-    """End the process here with its status.
-
-    Python would otherwise end the process by the signal once more if Ctrl-C met code made while loading. Dataclasses
-    make such code (`exec` of a text).
-    """
-    import os
-
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)

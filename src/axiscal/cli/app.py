@@ -220,7 +220,3 @@ def shielded(word: str) -> str:
     """Return a word of the command line; a negative number gets a true minus, so that it is not taken for an option."""
     is_number = word[:1] == "-" and word[1:].lstrip()[:1] in tuple("0123456789.")
     return "−" + word[1:] if is_number else word
-
-
-if __name__ == "__main__":
-    sys.exit(run(sys.argv[1:]))

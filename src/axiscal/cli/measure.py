@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -20,14 +19,8 @@ from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import WORDS, decimals, listed, put, said, speaking
 from axiscal.present.answer_of_campaign import cost_sentence, cost_words, results_beside
 from axiscal.present.answer_words import minutes_text
-from axiscal.present.guide import progress, slips
-from axiscal.present.guide.question import (
-    Question,
-    action,
-    degrees,
-    question_text,
-    typed,
-)
+from axiscal.present.guide import progress, slips, steps
+from axiscal.present.guide.question import Question, action, degrees, question_text, typed
 from axiscal.present.result_set import RECORD
 from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
@@ -35,6 +28,7 @@ from axiscal.units import um_text
 
 _LETTERS = dict(zip(slips.CAUSES, "smiabvk", strict=True))
 """What is typed for a cause of a surprise."""
+_STEPS = {"undo": steps.undo, "anew": steps.set_anew, "more": steps.go_on}
 _Then = Literal["same", "anew", "stands", "finish", "pause"]
 """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
 
@@ -59,9 +53,9 @@ class Prompt:
     def _asked(self, asked: Asked) -> _Then:
         question = Question.from_campaign(self.campaign, asked)
         if question.setup != self.mounted:
-            steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
             named = said('Set-up "{setup}"', setup=question.setup)
-            say("\n".join([f"\n{named}: {question.mount_sentence}.", *steps]))
+            to_do = [f"  {name:<9} {what}" for name, what in question.mounting]
+            say("\n".join([f"\n{named}: {question.mount_sentence}.", *to_do]))
             then = self._until_done(said("Enter when it stands, or ? > "), question, self._too_early)
             if then == "stands" and progress.open_temperature(self.campaign):
                 prompt = said("Temperature of the machine's scale [degC], Enter: not measured > ")
@@ -71,8 +65,8 @@ class Prompt:
             self.mounted = question.setup
         say(headline(self.campaign, question))
         say(question_lines(question))
-        take = partial(self._keep, question)
-        return self._until_done(said("reading [{unit}] > ", unit=question.asks), question, take, enter="same")
+        prompt = said("reading [{unit}] > ", unit=question.asks)
+        return self._until_done(prompt, question, self._keep, enter="same")
 
     def _until_done(
         self, prompt: str, question: Question | None, take: Callable[[str], _Then], enter: _Then = "stands"
@@ -103,44 +97,32 @@ class Prompt:
         return "same"
 
     def _take_temperature(self, text: str) -> _Then:
-        say(f"  {progress.take_note(self.campaign, degrees(text))}")
+        say(f"  {steps.note(self.campaign, degrees(text))}")
         return "stands"
 
     def _done(self, wanted: str, text: str, question: Question | None) -> _Then:
         """Do what a word asks for.  text : what followed it"""
         match wanted:
-            case "skip":
-                say(f"  {cost_sentence(cost_words(self.campaign, rest=False))}")
-                self.campaign.skip(text or ask("  " + said("why can it not be taken?") + " "))
-                say("  " + said("skipped; the plan is made anew around it"))
-                return "anew"
-            case "leave" if question is not None:
-                return self._leave(text, question)
+            case "skip" | "leave" if question is not None:
+                return self._skip(text, rest=wanted == "leave")
             case "stop":
                 return self._stop()
             case "help":
                 say("\n".join(f"  {said(word):<18} {said(does)}" for word, does in WORDS["prompt"]["rows"]))
             case "pause":
                 return "pause"
-            case "undo":
-                say(f"  {progress.take_back(self.campaign)[1]}")
-                return "anew"
-            case "anew":
-                say(f"  {progress.set_anew(self.campaign)}")
-                return "anew"
             case "note":
                 sentence = text or ask("  " + said("what is to be kept in the record?") + " ")
-                say(f"  {progress.take_note(self.campaign, sentence)}")
-            case "more" if question is None:
-                self.campaign.next(beyond=True)
+                say(f"  {steps.note(self.campaign, sentence)}")
+            case "undo" | "anew" | "more" if wanted != "more" or question is None:
+                say(f"  {_STEPS[wanted](self.campaign)}")
                 return "anew"
         return "same"
 
-    def _keep(self, question: Question, text: str) -> _Then:
-        values = typed(self.campaign, text)
-        cause: slips.Cause | None = None
+    def _keep(self, text: str) -> _Then:
+        before, asked = steps.doubted(self.campaign), steps.named_now(self.campaign)
         try:
-            slips.refuse_surprising(self.campaign, question, values)
+            told = slips.keep(self.campaign, text)
         except slips.SurprisingError as strange:
             say(f"  {strange.what}.")
             named_by = {_LETTERS[each]: each for each in strange.causes}
@@ -150,29 +132,26 @@ class Prompt:
             word = ask("  " + said("Type {causes}; Enter to read again:", causes=known) + " ").strip().lower()
             if (cause := named_by.get(word)) is None:
                 return "same"
-        before, asked = progress.doubted(self.campaign), progress.named_now(self.campaign)
-        kept, told = slips.keep_as(self.campaign, question, values, cause)
-        if told:
-            say(f"  {told}")
-        say("  " + said("kept reading {number}; it is on the disk", number=kept.number))
-        minds, named = progress.others_doubted(self.campaign, before), progress.named_now(self.campaign)
+            told = slips.keep(self.campaign, text, cause)
+        say(f"  {told}")
+        minds, named = steps.others_doubted(self.campaign, before), steps.named_now(self.campaign)
         if named is not None and named != asked:
             say(f"  {named.question}")
             if (chosen := _chosen(named)) is not None:
-                say(f"  {progress.confirmed(self.campaign, named, chosen)}")
+                say(f"  {steps.confirmed(self.campaign, named, chosen)}")
                 minds = []
-        for line in mind_lines(*progress.contradictions(self.campaign), *minds):
+        for line in mind_lines(*steps.contradictions(self.campaign), *minds):
             say(f"  {line}")
         return "anew"
 
-    def _leave(self, reason: str, question: Question) -> _Then:
-        costs = cost_words(self.campaign, rest=True)
+    def _skip(self, reason: str, *, rest: bool) -> _Then:
+        costs = cost_words(self.campaign, rest=rest)
         say(f"  {cost_sentence(costs)}")
-        if costs and not _is_yes(said("Type yes to leave it, Enter to go on:")):
+        if rest and costs and not _is_yes(said("Type yes to leave it, Enter to go on:")):
             return "same"
-        self.campaign.skip(reason or said("the set-up was left"), rest=True)
-        text = 'left "{setup}": the plan is made anew without it; undo goes back to it'
-        say("  " + said(text, setup=question.setup))
+        why = said("the set-up was left") if rest else ""
+        reason = reason or why or ask("  " + said("why can it not be taken?") + " ")
+        say(f"  {steps.skip(self.campaign, reason, rest=rest)}")
         return "anew"
 
     def _stop(self) -> _Then:
@@ -189,12 +168,13 @@ class Prompt:
         return self._until_done(prompt, None, self._too_early, enter="finish")
 
 
-def _chosen(named: progress.Named) -> progress.Answer | None:
+def _chosen(named: steps.Named) -> str | None:
     """Ask what is named, and return the answer; None where the person does not know, or says no."""
     if len(named.answers) == 1:
         return named.answers[0] if _is_yes(said("Type yes if so, Enter if not:")) else None
-    choice = said("Type {answers}; Enter if you do not know:", answers=listed(said(" or "), [*named.typed]))
-    return named.typed.get(ask(f"  {choice} ").strip().lower())
+    typed_for = {said(answer).lower(): answer for answer in named.answers}
+    choice = said("Type {answers}; Enter if you do not know:", answers=listed(said(" or "), [*typed_for]))
+    return typed_for.get(ask(f"  {choice} ").strip().lower())
 
 
 def _is_yes(choice: str) -> bool:

@@ -21,8 +21,8 @@ from axiscal.measurement.readers.columns import approach_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.present.answer_of_campaign import cost_sentence, cost_words
-from axiscal.present.guide.progress import contradictions, doubted, last_doubt, open_question, others_doubted
-from axiscal.present.guide.question import asked_text, found_at, value_texts
+from axiscal.present.guide.question import asked_text, measured
+from axiscal.present.guide.steps import contradictions, doubted, last_doubt, open_question, others_doubted
 from axiscal.units import format_quantity, parse_quantity, to_unit
 from axiscal_core.machine import Machine
 
@@ -60,12 +60,9 @@ def record(
             chosen, machine = _setup(campaign, setup), campaign.description.machine
             pose = placed_pose(chosen, machine, _position(at, machine))
             place = Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
-        mounted = campaign.description.setup(place.setup)
-        reads = mounted.reads_each
-        met = found_at(text, mounted, (campaign.description.machine, place.pose))
-        parts = value_texts(text, mounted) if met is None else []
-        number, *others = [*map(parse_quantity, parts, reads)] if met is None else met.tolist()
-        noise = None if std is None else parse_quantity(std, reads[0])
+        mounted, stands = campaign.description.setup(place.setup), (campaign.description.machine, place.pose)
+        number, *others = measured(text, mounted, stands, bare=False).tolist()
+        noise = None if std is None else parse_quantity(std, mounted.reads_each[0])
         before = doubted(campaign)
         left = _left(campaign, place)
         kept = campaign.record(number, noise, place, accepted=accept, others=tuple(others))

@@ -6,9 +6,6 @@ import sys
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from axiscal.campaign.evidence import signed_text
 from axiscal.campaign.possible import beginning_of, described
@@ -42,14 +39,6 @@ def copy_record(record: Path, to: Path | None = None) -> None:
         digest=name[:12],
     )
     say_either("axiscal-copy/1", document, [words])
-
-
-Take = Annotated[
-    bool | None,
-    typer.Option("--take/--leave", help="Whether readings in question count."),
-]
-Named = Annotated[str, typer.Option("--campaign", metavar="ID", help="Its id, where lines of several stand there.")]
-New = Annotated[Path, typer.Argument(metavar="NEW", help="The record to make.")]
 
 
 def repair(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from shlex import quote
 
 from axiscal.campaign.agreement_words import agreement_document, agreement_words, change_words
 from axiscal.campaign.campaign import Campaign
@@ -17,8 +16,9 @@ from axiscal.document.consent import asking
 from axiscal.exceptions import CodeError, RecordError
 from axiscal.language.spoken import counted, later, said
 from axiscal.present.answer_of_campaign import standing_answer
-from axiscal.present.guide.progress import contradictions
+from axiscal.present.guide.progress import RecordStanding
 from axiscal.present.guide.question import asked_text
+from axiscal.present.guide.steps import contradictions
 from axiscal.present.plan_answer import coming_answer
 from axiscal.record.events import State
 from axiscal.record.store import Record
@@ -118,31 +118,14 @@ def _say_folder(folder: Path) -> None:
     found, faults = standings(sorted(folder.glob("*.axiscal")))
     if not found and not faults:
         raise RecordError("There is no campaign record in this folder", "Name a folder of records, *.axiscal", folder)
-    records, rows = list[dict[str, object]](), [[said(head) for head in _HEADS]]
-    for file, machine, at, state in found:
-        rms, expanded = (
-            None if size is None else to_unit(size, "um") for size in (state.result.rms, state.result.expanded)
-        )
-        then = _next_of(file, state)
-        records.append(
-            {
-                "record": file.name,
-                "machine": machine,
-                "last": at,
-                "readings": len(state.readings),
-                "coming": len(state.coming),
-                "finished": state.finished,
-                "rms_um": rms,
-                "U_um": expanded,
-                "agreement": state.result.agreement or None,
-                "next": then or None,
-            }
-        )
-        rows.append([file.name, machine, at[:10], _standing_text(state), then or "-"])
+    records = [RecordStanding.of(each, folder) for each in found]
+    rows = [[said(head) for head in _HEADS]]
+    for each, (*_, state) in zip(records, found, strict=True):
+        rows.append([each.record, each.machine, each.last[:10], _standing_text(state), each.next or "-"])
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     lines += [said("Left out: {why}", why=str(fault)) for fault in faults]
-    document = {"records": records, "left_out": [str(fault) for fault in faults]}
+    document = {"records": [each.model_dump() for each in records], "left_out": [str(fault) for fault in faults]}
     say_either("axiscal-folder/1", document, lines)
 
 
@@ -162,11 +145,3 @@ def _standing_text(state: State) -> str:
     if result.rms is None:
         return said("{readings}, finished", readings=count)
     return said("{readings}, finished: RMS {rms}", readings=count, rms=said_quantity(result.rms, "um"))
-
-
-def _next_of(file: Path, state: State) -> str:
-    """Return the command that goes on with a campaign, "" where none has to."""
-    if state.finished is None:
-        command = "measure" if state.coming or not state.readings else "finish"
-        return f"axiscal {command} {quote(str(file))}"
-    return f"axiscal step undo {quote(str(file))}" if state.result.agreement == "contradict" else ""

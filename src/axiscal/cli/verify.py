@@ -49,16 +49,13 @@ def verify(
     if found is not None and left is not None and found.absolute() == left.absolute():
         raise typer.BadParameter(said("--found and --left are one file, and without and with the tables are two"))
     live = (source or "").partition(":")[0] == _LIVE
-    if live and (found is None or plan is not None):
-        raise typer.BadParameter(
-            said("{source} reads into two files: give --found and --left, and no --plan", source=_LIVE)
+    taken = found is not None
+    if (loaded is not None and not live) or (plan is not None and taken) or (source is not None and taken is not live):
+        what = (
+            "--found and --left are of readings taken, --plan and --source of new ones; --source {source} alone takes "
+            "--found and --left, to read into, and --loaded"
         )
-    if loaded is not None and not live:
-        raise typer.BadParameter(said("--loaded is for --source {source}", source=_LIVE))
-    if found is not None and not live and (plan is not None or source is not None):
-        raise typer.BadParameter(
-            said("--plan and --source are for new readings, --found and --left for readings taken")
-        )
+        raise typer.BadParameter(said(what, source=_LIVE))
     options = ExportOptions()
     if template is not None:
         options = ExportOptions(template=exact_text(template), template_name=str(template))

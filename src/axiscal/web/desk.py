@@ -10,26 +10,26 @@ import io
 import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
-from axiscal.campaign.agreement_words import agreement_words, change_words
+from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.campaign.sources import virtual_in
-from axiscal.estimation.promise.mistake import Explained
 from axiscal.evaluation.check import Check
-from axiscal.exceptions import AxiscalError, OvertakenError, RecordError, TableError
+from axiscal.exceptions import AxiscalError, OvertakenError, TableError
 from axiscal.language.spoken import said
 from axiscal.present.answer import Outcome, PlannedAnswer
 from axiscal.present.answer_of_campaign import results_beside, standing_answer
-from axiscal.present.guide import progress, slips
+from axiscal.present.guide import progress, slips, steps
 from axiscal.present.guide.checking import CheckJudged
-from axiscal.present.guide.question import Question, asked_text, typed
+from axiscal.present.guide.question import Question
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.tables import registry
-from axiscal.web.shapes import AnswerShape, Short, StateShape
+from axiscal.web.shapes import AnswerShape, StateShape
 
 
 class Desk:
@@ -71,7 +71,7 @@ class Desk:
         """Have second thoughts on the last reading, and find the answer."""
         minds, before, self._before = list(self._minds), self._before, None
         if before is not None:
-            minds += progress.others_doubted(self.campaign, before, command=False)
+            minds += steps.others_doubted(self.campaign, before, command=False)
         if self._answers != self._stands:  # what a report says stands
             self._answer, self._answers = None, self._stands  # tried once
             self._answer = coming_answer(self.campaign) or standing_answer(self.campaign)
@@ -83,71 +83,30 @@ class Desk:
         state = self.campaign.state
         return state.readings, state.plan, state.finished, state.warmed
 
-    def once(self, step: Callable[[Desk], str], after: int | None = None) -> str:
-        """Do a step.
+    def once(self, step: Step, after: int | None = None, **given: Any) -> str:
+        """Do a step of `STEPS`, and return a sentence of it.  given : what it takes
 
         after : `last` of the state that it answers, None for what answers none; OvertakenError if that has changed
+        A note answers nothing: who has seen the state before may still answer what is asked.
         """
         if self._moved_on():
             self._show()
-        if after is not None and self.campaign.state.last != after and after not in self._alike:
+        campaign, noted = self.campaign, step in (steps.note, slips.try_jog)
+        seen, count = campaign.state.last, len(campaign.state.readings)
+        if after is not None and seen != after and after not in self._alike:
             what = said("The record has moved on in the meantime, in another window or program: nothing was done")
             raise OvertakenError(what, said("Look at what is asked now, then do it again if it is still right"))
-        return step(self)
-
-    def keep(self, text: Short, cause: slips.Cause | None = None) -> str:
-        """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one.
-
-        text : as it is typed, "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question
-        """
-        asked = self.campaign.open_question()
-        question = self.state.question or Question.from_campaign(self.campaign, asked)
-        values = typed(self.campaign, text)
-        if cause is None:
-            slips.refuse_surprising(self.campaign, question, values)
-        before = progress.doubted(self.campaign) if self._before is None else self._before
-        kept, told = slips.keep_as(self.campaign, question, values, cause)
-        self._before = before
-        self._show()
-        return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
-
-    def jog(self, text: Short, *, anyway: bool = False) -> str:
-        """Keep what the display shows at the test of its sign; raises ReadingError where that is wrong.
-
-        anyway : go on although it is
-        """
-        return self._noted(lambda: slips.try_jog(self.campaign, text, anyway=anyway))
-
-    def accept(self) -> str:
-        """Put right the mistake that readings name; raises RecordError where they name none."""
-        named = self._explained()
-        if named is None:
-            raise RecordError(said("The readings name no mistake"), said("Go on with the readings"))
-        told = self.campaign.accept(named.mistake, self.campaign.description.setups[named.setups[0]].name)
-        self._show()
-        return said("Put right: {change}; undo takes it back.", change=change_words(told))
-
-    def skip(self, reason: Short, *, rest: bool = False) -> str:
-        """Keep in mind that the reading asked for cannot be taken; rest : nor any other of its set-up."""
-        skipped = self.campaign.skip(reason, rest=rest)
-        self._show()
-        if rest:
-            left = 'Left "{setup}": the plan is made anew without it; undo goes back to it.'
-            return said(left, setup=skipped.place.setup)
-        return said("Skipped {reading}; the plan is made anew around it.", reading=asked_text(self.campaign, skipped))
-
-    def note(self, text: Short) -> str:
-        """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
-        return self._noted(lambda: progress.take_note(self.campaign, text))
-
-    def _noted(self, told: Callable[[], str]) -> str:
-        """Keep a note, and return a sentence of it; who has seen the state before may still answer what is asked."""
-        seen = self.campaign.state.last
+        before = steps.doubted(campaign) if step is slips.keep and self._before is None else self._before
+        told = ""
         try:
-            return told()
+            told = step(self if step is Desk.finish else campaign, **given)
+            return told
         finally:
-            self._alike.add(seen)
-            self._show(self._minds, noted=True)
+            if len(campaign.state.readings) > count:
+                self._before = before
+            if told or campaign.state.last != seen:
+                self._alike |= {seen} if noted else set()
+                self._show(self._minds if noted else (), noted=noted)
 
     def setup_picture(self, width: float) -> str:
         """Return the set-up of the next reading, on the machine, as SVG; "" if there is none.  width : pixels"""
@@ -159,26 +118,6 @@ class Desk:
         setup = description.setup(asked.place.setup)
         return setup_picture(setup_schematic(description, setup, places, asked.place), width)
 
-    def set_anew(self) -> str:
-        """Keep that a zero was set anew before the next reading."""
-        told = progress.set_anew(self.campaign)
-        self._show()
-        return told
-
-    def undo(self) -> str:
-        """Take back the last reading, skip or end."""
-        _, sentence = progress.take_back(self.campaign)
-        self._show()
-        return sentence
-
-    def go_on(self) -> str:
-        """Ask for one more reading although a target is reached."""
-        asked = self.campaign.next(beyond=True)
-        self._show()
-        if isinstance(asked, Ended):
-            return said("Nothing more to ask: {because}.", because=because_text(asked.because))
-        return said("One more.")
-
     def finish(self) -> str:
         """End the campaign and write its results into the folder beside the record."""
         from axiscal.present.delivery import deliver  # pictures and tables, which no question waits for
@@ -187,11 +126,8 @@ class Desk:
         self.campaign.log.refuse_other(self.results / RECORD)
         known = self.campaign.estimate(ended=True)
         self.campaign.finish()
-        try:
-            result = deliver(self.campaign, known, self.results)
-            self._answer, self._answers = result.answer, self._stands
-        finally:
-            self._show()
+        result = deliver(self.campaign, known, self.results)
+        self._answer, self._answers = result.answer, self._stands
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
 
     def tables_packed(self, control: str) -> bytes:
@@ -230,11 +166,6 @@ class Desk:
         check = Check.from_campaign(self.campaign, control)
         return CheckJudged.of(check, found, left, tolerance, self.campaign.path.parent)
 
-    def _explained(self) -> Explained | None:
-        """Return the mistake that readings name which contradict each other, None for none."""
-        found = self.campaign.estimate().agreement
-        return found.explained[0] if found.contradicts and found.explained else None
-
     def _moved_on(self) -> bool:
         """Take in what others have written since, and return whether that was anything."""
         before = self.campaign.state.last
@@ -268,9 +199,9 @@ class Desk:
             readings=list(progress.latest(campaign)),
             notes=state.notes,
             due=progress.due(campaign),
-            undo=progress.last_step(campaign)[0],
-            minds=[spelt(each) for each in [*self._minds, *progress.contradictions(campaign, command=False)]],
-            named=state.finished is None and self._explained() is not None,
+            undo=steps.last_step(campaign)[0],
+            minds=[spelt(each) for each in [*self._minds, *steps.contradictions(campaign, command=False)]],
+            named=state.finished is None and steps.explained(campaign) is not None,
             answer=None if answer is None or overtaken else AnswerShape.of_campaign(campaign, answer),
             results=results.name if written else "",
             tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),
@@ -297,3 +228,19 @@ class Desk:
             self.campaign.looked_at_again()
             self._alike.clear()
             return self.campaign.next()
+
+
+Step = Callable[..., str]
+"""What a page may ask for: it takes the campaign and what is given, and returns a sentence."""
+STEPS: dict[str, Step] = {
+    "readings": slips.keep,
+    "jogs": slips.try_jog,
+    "accepts": steps.accept,
+    "skips": steps.skip,
+    "notes": steps.note,
+    "zeros": steps.set_anew,
+    "undo": steps.undo,
+    "next": steps.go_on,
+    "finish": Desk.finish,
+}
+"""By the names of their paths."""

@@ -11,7 +11,6 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -23,15 +22,14 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.first_campaign import UNSAID, Beginning, Purpose, setups_of
 from axiscal.description.target import RowName, rows_of
 from axiscal.document.durable import write_whole
-from axiscal.estimation.case import Case
 from axiscal.exceptions import DescriptionError, InputError, PlanError, RecordError
 from axiscal.language.spoken import WORDS, said
 from axiscal.machine import machine_from_text
-from axiscal.measurement.reading import Place
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.helping import rows_shown
 from axiscal.planning.next_readings import next_places
 from axiscal.present.answer_of_campaign import results_beside
+from axiscal.present.guide.progress import RecordStanding
 from axiscal.present.plan_answer import coming_answer, minutes_curve
 from axiscal.present.plan_words import open_questions, planned_figures
 from axiscal.present.row_words import said_row
@@ -43,8 +41,8 @@ from axiscal.web import shapes
 
 FOLDER, _CHOSEN = "axiscal-draft", "draft.json"
 """Of a draft, and of its choices."""
-_ROUGH, _FULL = Memo(1), Memo(1)
-"""The campaign of the last choices with a rough plan, of which minutes are asked afterwards; the plan that begins."""
+_ROUGH = Memo(1)
+"""The campaign of the last choices with a rough plan, of which minutes are asked afterwards."""
 _ALONE, _SHOWN = Memo(16), Memo(32)
 """Campaigns with one instrument, and the rows that it shows, by the machine: picture, choice and plan ask for them."""
 MACHINES = WORDS["machines"]
@@ -116,7 +114,7 @@ def _begun(here: Path) -> Path:
     if draft.file and draft.machine:
         _evaluate(record, described, draft)
     else:
-        with Campaign.create(record, described, _in_full) as campaign:
+        with Campaign.create(record, described) as campaign:
             campaign.prepared()
             if draft.virtual:
                 campaign.note(virtual_note(secrets.randbelow(_MACHINES)))
@@ -170,17 +168,6 @@ def shown_rows(here: Path, instrument: str) -> shapes.RowsShape:
     except InputError as failure:
         return shapes.RowsShape(fault=str(failure))
     return shapes.RowsShape(rows={row.name: said_row(row.name) for row in shown})
-
-
-def plan_in_full(here: Path) -> None:
-    """Make the plan by which the draft begins while its figures are looked at; raises InputError as `plan`."""
-    known = _planned(here).estimate()
-    _in_full(known.case, known.knowledge, ())
-
-
-def _in_full(case: Case, *known: Any) -> tuple[Place, ...]:
-    """Return the readings to come, as `next_places`, found once for what a campaign describes."""
-    return _FULL.answer(repr(case.description), lambda: next_places(case, *known))
 
 
 def curve(here: Path) -> shapes.CurveShape:
@@ -308,18 +295,7 @@ def _record_files(here: Path) -> list[Path]:
     return sorted(own, key=lambda file: -own[file])[:_LISTED]
 
 
-def _records(here: Path) -> tuple[list[shapes.BegunShape], list[str]]:
+def _records(here: Path) -> tuple[list[RecordStanding], list[str]]:
     """Return the campaigns that can be gone on with, and what cannot be read."""
     found, faults = standings(_record_files(here))
-    begun = [
-        shapes.BegunShape(
-            record=str(each.file.relative_to(here)),
-            machine=each.machine,
-            at=each.at,
-            finished=each.state.finished is not None,
-            taken=len(each.state.readings),
-            coming=len(each.state.coming),
-        )
-        for each in found
-    ]
-    return begun, [str(fault) for fault in faults]
+    return [RecordStanding.of(each, here) for each in found], [str(fault) for fault in faults]

@@ -10,12 +10,12 @@ from pydantic import Field
 from axiscal.campaign.agreement_words import agreement_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
-from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.answer import AnswerDocument, AnswerWords, BoughtAccuracy, Outcome, PlannedAnswer
 from axiscal.present.answer_words import answer_text
-from axiscal.present.guide.progress import Due, KeptReading, Progress
+from axiscal.present.guide.progress import Due, KeptReading, Progress, RecordStanding
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Jog
+from axiscal.present.guide.steps import Short
 from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Note
@@ -28,7 +28,6 @@ After = Annotated[int, Field(ge=0, description="`last` of the state that is answ
 Width = Annotated[float, Field(ge=120, le=2000, allow_inf_nan=False, description="Pixels")]
 LETTERS = 48_000
 """Of a dropped file at most: the page sends no more of it."""
-Short = Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
 class AnswerShape(AnswerWords):
@@ -140,17 +139,6 @@ class MachineShape(AnswerDocument):
     asks: bool = False
 
 
-class BegunShape(AnswerDocument):
-    """A campaign in the folder of the page; at : of its last event, ISO 8601, UTC."""
-
-    record: str
-    machine: str
-    taken: int
-    coming: int
-    at: str
-    finished: bool
-
-
 class StartShape(AnswerDocument):
     """All that the start shows.
 
@@ -160,7 +148,7 @@ class StartShape(AnswerDocument):
 
     document: Literal["axiscal-start/1"] = "axiscal-start/1"
     folder: str
-    begun: Sequence[BegunShape]
+    begun: Sequence[RecordStanding]
     left_out: Sequence[str]
     machines: Mapping[str, str]
     instruments: Mapping[str, str]

@@ -38,12 +38,9 @@ def open_source(
     active : whether a compensation is to be in force on a control that runs
     Raises SourceError for an unknown kind, InputError for a file that cannot be used.
     """
-    kind, _, rest = text.partition(":")
-    _refuse_gone(kind)
+    kind, rest = _parted(text)
     if kind in VIRTUAL:
         return SimulatedSource(*virtual_machine(text, simulator))
-    if kind in ("csv", "exec") and not rest.strip():
-        raise _nothing_named(text, kind)
     if kind == "csv":
         return CsvSource(Path(rest), taken, simulator.setups)
     if kind == "exec":
@@ -65,16 +62,20 @@ def answered(source: Source, request: Request) -> Answer | Skip:
     return found
 
 
-def _refuse_gone(kind: str) -> None:
-    instead = instead_of("sources", kind)
-    if instead:
-        raise SourceError("the source {kind} is gone", instead, kind=kind)
-
-
 _KINDS = (
     "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, and linuxcnc-live:HOST with a LinuxCNC "
     "that runs"
 )
+
+
+def _parted(text: str) -> tuple[str, str]:
+    """Return the kind of a source and what it names; raises SourceError for one that is gone, or names nothing."""
+    kind, _, rest = text.partition(":")
+    if instead := instead_of("sources", kind):
+        raise SourceError("the source {kind} is gone", instead, kind=kind)
+    if kind in ("truth", "csv", "exec") and not rest.strip():
+        raise SourceError("the source '{text}' names nothing after '{kind}:'", _KINDS, text=text, kind=kind)
+    return kind, rest
 
 
 def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, int]:
@@ -82,20 +83,17 @@ def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, in
 
     Raises SourceError for anything else, InputError for a file that cannot be used.
     """
-    kind, colon, rest = text.partition(":")
-    _refuse_gone(kind)
+    kind, rest = _parted(text)
     if kind not in VIRTUAL:
         what = "'{kind}' cannot be asked without a person and with tables"
         raise SourceError(what, "Take sim:SEED or truth:FILE.csv", kind=kind[:40])
     if kind == "truth":
-        if not rest.strip():
-            raise _nothing_named(text, kind)
         from axiscal.measurement.simulation import read_truth  # which whoever has a simulator has loaded
 
         return simulator.with_curves(read_truth(Path(rest)), TRUTH_SEED, Path(rest)), TRUTH_SEED
-    if colon and not (rest.isascii() and rest.isdigit() and len(rest) <= 18):
+    if text != kind and not (rest.isascii() and rest.isdigit() and len(rest) <= 18):
         raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in sim:7", text=rest[:40])
-    seed = int(rest) if colon else 0
+    seed = int(rest or 0)
     return simulator.drawn(seed), seed
 
 
@@ -112,7 +110,3 @@ def virtual_in(notes: Sequence[Note]) -> str:
     """Return the source that the notes of a campaign name whose readings a virtual machine gives, "" for none."""
     found = next((_VIRTUAL_NOTE.fullmatch(note.text) for note in notes[:1]), None)
     return "" if found is None else found[1]
-
-
-def _nothing_named(text: str, kind: str) -> SourceError:
-    return SourceError("the source '{text}' names nothing after '{kind}:'", _KINDS, text=text, kind=kind)

@@ -39,7 +39,12 @@ class ExecSource:
 
     def __init__(self, command: str, timeout: float = TIMEOUT) -> None:
         self._command, self._timeout = command, timeout
-        self._lines = _start(command)
+        try:
+            self._lines = Lines(shlex.split(command))
+        except (OSError, ValueError, IndexError) as error:
+            reason = getattr(error, "strerror", None) or error
+            remedy = "Write the source as exec:COMMAND with a program that can be started, such as exec:./instrument.py"
+            raise self._failure("the command `{command}` cannot be started: {reason}", remedy, reason=reason) from None
 
     def read(self, request: Request) -> Answer | Skip:
         """Send the request and return the answer; raises SourceError if the command dies, stalls or talks nonsense."""
@@ -140,23 +145,6 @@ def _number(number: object, unit: str) -> float:
     if not math.isfinite(value):
         raise SourceError("that is no finite number", 'Answer {"skip": "reason"} when there is no reading')
     return value
-
-
-def _start(command: str) -> Lines:
-    remedy = "Write the source as exec:COMMAND with a program that can be started, such as exec:./instrument.py"
-    try:
-        words = shlex.split(command)
-    except ValueError as error:
-        what = "the command `{command}` cannot be split: {error}"
-        raise SourceError(what, remedy, command=shortened(command), error=error) from None
-    if not words:
-        raise SourceError("exec: names no command", remedy)
-    try:
-        return Lines(words)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        what = "the command `{command}` cannot be started: {reason}"
-        raise SourceError(what, remedy, command=shortened(command), reason=reason) from None
 
 
 def _quoted(line: str) -> str:

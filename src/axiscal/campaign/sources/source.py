@@ -28,24 +28,6 @@ if TYPE_CHECKING:
     from axiscal.measurement.simulation import VirtualMachine
 
 
-class SimulatedSource:
-    """A virtual machine as a source."""
-
-    def __init__(self, machine: VirtualMachine, seed: int) -> None:
-        self._machine, self._seed = machine, seed
-
-    def read(self, request: Request) -> Answer:
-        """Return the simulated reading."""
-        from axiscal.measurement.simulation import by_number
-
-        rng = next(by_number(self._seed, request.reading))
-        value, *others = self._machine.read_all(request.setup, request.pose, request.approach, rng, request.seconds)
-        return Answer(value, others=tuple(others))
-
-    def close(self) -> None:
-        """Nothing is held."""
-
-
 @dataclass(frozen=True, slots=True)
 class Request:
     """A reading that is wanted.
@@ -108,7 +90,23 @@ class Source(Protocol):
         """Return the reading asked for."""
 
     def close(self) -> None:
-        """Let go of whatever it holds; may be called twice."""
+        """Let go of whatever it holds, by itself nothing; may be called twice."""
+        return
+
+
+class SimulatedSource(Source):
+    """A virtual machine as a source."""
+
+    def __init__(self, machine: VirtualMachine, seed: int) -> None:
+        self._machine, self._seed = machine, seed
+
+    def read(self, request: Request) -> Answer:
+        """Return the simulated reading."""
+        from axiscal.measurement.simulation import by_number
+
+        rng = next(by_number(self._seed, request.reading))
+        value, *others = self._machine.read_all(request.setup, request.pose, request.approach, rng, request.seconds)
+        return Answer(value, others=tuple(others))
 
 
 def at_the_terminal(text: str) -> str:
@@ -126,7 +124,7 @@ _SAME = {False: 1e-6, True: math.radians(1e-5)}
 """How far a row may stand from the position asked for: 1 um, or 1e-5 deg for a rotary axis."""
 
 
-class CsvSource:
+class CsvSource(Source):
     """READINGS.csv, one row for each reading in the order asked; set-ups and places may be left out.
 
     A row that contradicts the question is refused.  Raises ReadingError for a file that is no such table, SourceError
@@ -162,9 +160,6 @@ class CsvSource:
         except ReadingError as other_kind:
             raise other_kind.placed(self._file, row.line) from None
         return Answer(row.value, row.std, row.others)
-
-    def close(self) -> None:
-        """Nothing is held."""
 
 
 def _other_place(row: RawReading, request: Request) -> tuple[str, str] | None:

@@ -1,196 +1,26 @@
 """How far a campaign is: readings and minutes done and to come, and how well the machine is known.
 
 Beside it stands what is due beside the readings: the temperature.
-
-Words say what `undo` would take back or has taken back, and which readings are no longer believed since the last.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
-from typing import Literal, NamedTuple
+from pathlib import Path
+from shlex import quote
+from typing import Literal
 
-from axiscal.campaign.agreement_words import acceptance, agreement_words, change_words, question
-from axiscal.campaign.basis import rejected
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.listing import Standing
 from axiscal.description.stated_type_b import lacks_temperature
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.expanded import floor_of, known_to
-from axiscal.estimation.judged import Doubt
-from axiscal.estimation.promise.mistake import Mistake
-from axiscal.language.spoken import counted, decimals, listed, said
-from axiscal.measurement.reading import reading_text, reading_unit, reading_units, shown_coordinate, units_of
+from axiscal.language.spoken import counted, said
+from axiscal.measurement.reading import reading_units, shown_coordinate, units_of
 from axiscal.planning.promise import foreseen
 from axiscal.present.answer import AnswerDocument
-from axiscal.present.guide.question import asked_text
-from axiscal.record.accepted import Accepted
-from axiscal.record.events import Recorded, Skipped, Warmed
-from axiscal.units import format_quantity, said_quantity, to_unit
-
-
-def take_back(campaign: Campaign) -> tuple[dict[str, object], str]:
-    """Take back the last reading, skip, accepted mistake, temperature or finish; raises RecordError for none.
-
-    Returns the kind of its event, the number of its reading and how many readings are kept, and a sentence of it.
-    """
-    what, number = last_step(campaign)
-    undone, left = type(campaign.undo().event).__name__.lower(), len(campaign.state.readings)
-    kept = counted("{count} reading is kept", "{count} readings are kept", left)
-    sentence = said("Took back {what}; {kept}.", what=what, kept=kept)
-    return {"undone": undone, "reading": number, "readings": left}, sentence
-
-
-def last_step(campaign: Campaign) -> tuple[str, int | None]:
-    """Return what would be taken back, "" where there is nothing, and the number of its reading."""
-    state, description = campaign.state, campaign.description
-    if not state.undo:
-        return "", None
-    event = state.undo[-1].event
-    if isinstance(event, Recorded):
-        index, reading = len(state.readings) - 1, state.readings[-1]
-        setup = description.setup(reading.setup)
-        return reading_text(description.machine.axes, setup, reading, index), reading.number
-    if isinstance(event, Skipped):
-        asked = state.skipped[-1].asked
-        return said("the skip of {reading}", reading=asked_text(campaign, asked)), asked.reading
-    if isinstance(event, Accepted):
-        return said("what was accepted: {change}", change=change_words(event)), None
-    if isinstance(event, Warmed):
-        return said('the temperature of "{setup}", {text}', setup=event.setup, text=event.text), None
-    return said("the end"), None
-
-
-_SURPRISING = 3.0
-"""Standard deviations below which a reading that is believed again is not worth a sentence."""
-
-
-def doubted(campaign: Campaign) -> frozenset[int]:
-    """Return the indices of the readings that are doubted now: where a plan's question is open, those it names."""
-    state = campaign.state
-    if state.pending is not None and not state.renew:
-        return rejected(state.plan_basis)
-    return campaign.estimate().left_out
-
-
-def last_doubt(campaign: Campaign) -> Doubt | None:
-    """Return why the last reading is not used, None where it is."""
-    last = len(campaign.state.readings) - 1
-    return next((doubt for doubt in campaign.estimate().outliers if doubt.reading == last), None)
-
-
-def others_doubted(campaign: Campaign, before: frozenset[int], *, command: bool = True) -> list[str]:
-    """Return sentences about what the last reading changed: earlier readings doubted or believed, and its own surprise.
-
-    before : what was doubted before it; command : whether the option is said that keeps it all the same
-    """
-    last, now, known = len(campaign.state.readings) - 1, doubted(campaign), campaign.estimate()
-    doubtful = "with this one, {reading}, is no longer relied on. Read there again."
-    minds = [said(doubtful, reading=_shown(campaign, index)) for index in sorted(now - before - {last})]
-    minds += [said("with this one, {reading}, is believed.", reading=_shown(campaign, index)) for index in before - now]
-    doubt = last_doubt(campaign)
-    if doubt is not None:
-        refused = "{why}. It is not used: take it back and read there again. If it is right, record it with --accept."
-        kept = "{why}. It is not used: take it back and read there again. If it is right, keep it as really so."
-        minds.append(said(refused if command else kept, why=known.objection_to(doubt)))
-    elif not campaign.state.readings[last].accepted and (size := known.history.surprise(last)) >= _SURPRISING:
-        strange = (
-            "it is {size} standard deviations from what was expected. It is believed so far; take it back and read "
-            "there again if anything may have been wrong."
-        )
-        minds.append(said(strange, size=decimals(f"{size:.1f}")))
-    return minds
-
-
-Answer = Literal["jump", "backlash", "stuck", "still"]
-_ANSWERS: dict[Mistake, tuple[Answer, ...]] = {"jump": ("jump",), "stuck": ("stuck",), "still": ("still",)}
-"""What a person may say of a mistake, and besides that it is backlash where that explains it as well."""
-
-
-class Named(NamedTuple):
-    """What a person is asked about at once: a mistake, of which set-up, from which reading on.
-
-    answers : one, which is yes, or two of which one is right
-    """
-
-    mistake: Mistake
-    setup: str
-    number: int
-    question: str
-    answers: tuple[Answer, ...]
-
-    @property
-    def typed(self) -> dict[str, Answer]:
-        """What a person types for each of several answers."""
-        return {said("jump").lower(): "jump", said("backlash").lower(): "backlash"}
-
-
-def named_now(campaign: Campaign) -> Named | None:
-    """Return the likeliest zero that was set anew, or instrument that is stuck, which the readings name now."""
-    known = campaign.estimate()
-    for each in known.agreement.explained:
-        if (answers := _ANSWERS.get(each.mistake)) is not None:
-            event, answers = acceptance(each, known), (*answers, "backlash") if each.backlash else answers
-            return Named(each.mistake, event.setups[0], event.reading, question(known, each), answers)
-    return None
-
-
-def confirmed(campaign: Campaign, named: Named, answer: Answer) -> str:
-    """Keep the answer to what is asked, and return a sentence of it."""
-    if answer == "jump":
-        return set_anew(campaign, named.setup, named.number)
-    change = change_words(campaign.accept(answer, named.setup))
-    return said("Kept: {change}; undo takes it back.", change=change)
-
-
-def open_question(campaign: Campaign) -> str:
-    """Return what is asked about readings that agree, with the command that answers it; "" for nothing."""
-    named = None if campaign.estimate().agreement.contradicts else named_now(campaign)
-    if named is None:
-        return ""
-    what, causes = "{question} Answer: axiscal step accept {record} {causes}", listed(said(" or "), [*named.answers])
-    return said(what, question=named.question, record=campaign.path, causes=causes)
-
-
-def set_anew(campaign: Campaign, setup: str | None = None, before: int | None = None) -> str:
-    """Keep that a zero was set anew, by default before the next reading, and return a sentence of it."""
-    told = campaign.accept("jump", setup, campaign.state.free if before is None else before)
-    what = 'Kept: "{setup}" has another zero from reading {number} on; undo takes it back.'
-    return said(what, setup=told.setups[0], number=told.reading)
-
-
-def take_note(campaign: Campaign, text: str) -> str:
-    """Keep a sentence or a temperature in the record, and return a sentence of it."""
-    campaign.note(text)
-    warm = campaign.state.notes[-1].warmed
-    if warm is None:
-        return said("Noted; it is on the disk.")
-    what = 'The readings of "{setup}" are brought from {text} to 20 degC; undo takes it back.'
-    return said(what, setup=warm.setup, text=warm.text)
-
-
-def open_temperature(campaign: Campaign) -> bool:
-    """Return whether it counts how warm the scale is that the set-up asked for reads, and nobody has said it."""
-    asked, described = campaign.state.pending, campaign.description
-    return asked is not None and lacks_temperature(described.setup(asked.place.setup))
-
-
-def contradictions(campaign: Campaign, *, command: bool = True) -> list[str]:
-    """Return what is to be said of readings that contradict each other; nothing where they agree, or at the end.
-
-    command : whether the one that puts it right is said besides
-    """
-    if campaign.state.finished is not None:
-        return []
-    known = campaign.estimate()
-    return [agreement_words(known, campaign.path if command else None)] if known.agreement.contradicts else []
-
-
-def _shown(campaign: Campaign, index: int) -> str:
-    reading, description = campaign.state.readings[index], campaign.description
-    setup = description.setup(reading.setup)
-    value = format_quantity(reading.value, reading_unit(setup))
-    return f"{reading_text(description.machine.axes, setup, reading, index)}, {value}"
+from axiscal.units import said_quantity, to_unit
 
 
 class Progress(AnswerDocument):
@@ -247,6 +77,46 @@ def goals_text(target: Target) -> str:
     return " · ".join(goals)
 
 
+class RecordStanding(AnswerDocument):
+    """Where the campaign of a record stands, as the record says it by itself: for `status FOLDER` and page.
+
+    record : its path in the folder; last : time of the last event, ISO 8601, UTC; readings, coming : taken, planned
+    finished : why it ended; rms_um, U_um, agreement : as it was known then; next : the command that goes on with it
+    """
+
+    record: str
+    machine: str
+    last: str
+    readings: int
+    coming: int
+    finished: str | None
+    rms_um: float | None
+    U_um: float | None
+    agreement: str | None
+    next: str | None
+
+    @classmethod
+    def of(cls, standing: Standing, folder: Path) -> RecordStanding:
+        """Return it of a record in a folder."""
+        state, result, path = standing.state, standing.state.result, quote(str(standing.file))
+        rms, expanded = (None if size is None else to_unit(size, "um") for size in (result.rms, result.expanded))
+        then = f"axiscal step undo {path}" if result.agreement == "contradict" else None
+        if state.finished is None:
+            then = f"axiscal {'measure' if state.coming or not state.readings else 'finish'} {path}"
+        return cls(
+            record=str(standing.file.relative_to(folder)),
+            machine=standing.machine,
+            last=standing.at,
+            readings=len(state.readings),
+            coming=len(state.coming),
+            finished=state.finished,
+            rms_um=rms,
+            U_um=expanded,
+            agreement=result.agreement or None,
+            next=then,
+        )
+
+
 _EVERY = 30.0
 """Minutes after which the temperature is asked for again: a workshop moves by tenths of a kelvin in that time."""
 
@@ -260,6 +130,12 @@ class Due(AnswerDocument):
     temperature_degc: float | None
     minutes_ago: float
     ask: bool
+
+
+def open_temperature(campaign: Campaign) -> bool:
+    """Return whether it counts how warm the scale is that the set-up asked for reads, and nobody has said it."""
+    asked, described = campaign.state.pending, campaign.description
+    return asked is not None and lacks_temperature(described.setup(asked.place.setup))
 
 
 def due(campaign: Campaign) -> Due:

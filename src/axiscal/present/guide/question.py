@@ -45,13 +45,11 @@ Stands = tuple[Machine, Sequence[float]]
 _FOUND = later("found")  # before the places of X, Y, Z at which a ball was met
 ACTIONS = ("undo", "skip", "note", "leave", "stop", "pause", "help", "anew", "more")
 """What can be typed instead of a reading; `more` once a target is reached."""
-_SHORT = {"u": "undo", "s": "skip", "n": "note", "l": "leave", "a": "anew", "q": "pause", "p": "pause", "?": "help"}
-_SHORT |= {"h": "help", "quit": "pause", "exit": "pause", "finish": "stop", "end": "stop"}
 
 
 def action(word: str) -> str | None:
     """Return what a word asks for, in English or in the language that is spoken; None for none, "" for no word."""
-    known = _SHORT | {each: each for each in ACTIONS} | {said(each).lower(): each for each in ACTIONS}
+    known = {"?": "help"} | {each: each for each in ACTIONS} | {said(each).lower(): each for each in ACTIONS}
     return known.get(word.lower()) if word else ""
 
 
@@ -61,24 +59,23 @@ def typed(campaign: Campaign, text: str) -> Array:
     return measured(text, described.setup(place.setup), (described.machine, place.pose))
 
 
-def measured(text: str, setup: Setup, stands: Stands | None = None) -> Array:
+def measured(text: str, setup: Setup, stands: Stands | None = None, *, bare: bool = True) -> Array:
     """Return the reading that was typed, (k,) m or rad; raises ReadingError or UnitError.
 
     stands : as it was asked to, by which `found X Y Z` is a reading
-    A number is in the unit of the set-up where none is said, a place that was found in mm.
+    bare : a number is in the unit of the set-up where none is said; else it has to have one. A place found is in mm.
     Decimals come after a point or a comma. Three values are parted by blanks, semicolons or commas with a blank.
     """
-    if stands is not None and (met := found_at(text, setup, stands)) is not None:
+    if stands is not None and (met := _found_at(text, setup, stands)) is not None:
         return met
-    if not text.strip() or text.strip()[0].isalpha():
+    if bare and (not text.strip() or text.strip()[0].isalpha()):
         what = said('"{text}" is no reading', text=text.strip())
         raise ReadingError(what, said("Type the number that the instrument shows"))
-    of = setup.reads_each
-    each = zip(value_texts(text.strip(), setup), units_of(setup), of, strict=True)
-    return np.array([parse_quantity(_with_unit(part, unit), reads) for part, unit, reads in each])
+    each = zip(_value_texts(text.strip(), setup), units_of(setup), setup.reads_each, strict=True)
+    return np.array([parse_quantity(_with_unit(part, unit) if bare else part, reads) for part, unit, reads in each])
 
 
-def found_at(text: str, setup: Setup, stands: Stands) -> Array | None:
+def _found_at(text: str, setup: Setup, stands: Stands) -> Array | None:
     """Return the reading, (3,) m, of `found X Y Z`, where the machine's axes stood with a ball found; None of another.
 
     Raises ReadingError or UnitError.
@@ -88,7 +85,7 @@ def found_at(text: str, setup: Setup, stands: Stands) -> Array | None:
         return None
     refuse_other_values(setup, len("XYZ"))
     machine, pose = stands
-    met = [parse_quantity(_with_unit(part, "mm"), "length") for part in value_texts(places, setup)]
+    met = [parse_quantity(_with_unit(part, "mm"), "length") for part in _value_texts(places, setup)]
     return np.array(off_ball(machine, setup, np.array(pose), met))
 
 
@@ -113,7 +110,7 @@ def degrees(text: str) -> str:
     return text
 
 
-def value_texts(text: str, setup: Setup) -> list[str]:
+def _value_texts(text: str, setup: Setup) -> list[str]:
     """Return the texts of the values of a reading; a unit after the last alone is of all. Raises ReadingError."""
     count = len(setup.names)
     parts = _SEVERAL.split(text.strip()) if count > 1 else [text]
@@ -167,15 +164,8 @@ class ExpectedNumber(AnswerDocument):
     half: float
 
 
-class MountingStep(AnswerDocument):
-    """One thing to do."""
-
-    name: str
-    what: str
-
-
 class Question(AnswerDocument):
-    """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`.
+    """The reading to take. `mount` says whether its set-up has to be mounted first; mounting : names and what to do
 
     touch : the ball, and how to get there; again : which reading has been taken there before, in words
     check : that the place was drawn at random, in words
@@ -188,7 +178,7 @@ class Question(AnswerDocument):
     instrument: str
     mount: bool
     mount_sentence: str
-    mounting: list[MountingStep]
+    mounting: Sequence[tuple[str, str]]
     places: list[AxisPlace]
     touch: str
     again: str
@@ -217,7 +207,7 @@ class Question(AnswerDocument):
             instrument=setup.title,
             mount=not readings or readings[-1].setup != setup.name,
             mount_sentence=mount_sentence(setup, places),
-            mounting=[MountingStep(name=name, what=what) for name, what in mount_steps(setup, places, touch)],
+            mounting=mount_steps(setup, places, touch),
             places=places,
             touch=touch,
             again=again,

@@ -13,13 +13,13 @@ from axiscal.campaign.sources import virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.exceptions import AxiscalError, ReadingError
 from axiscal.language.spoken import WORDS, decimals, put, said
-from axiscal.measurement.reading import Reading, reading_unit, units_of
+from axiscal.measurement.reading import reading_unit, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.answer import AnswerDocument
-from axiscal.present.guide.progress import set_anew
 from axiscal.present.guide.question import SURPRISING, Question, measured, typed
+from axiscal.present.guide.steps import Short, zero_before
 from axiscal.present.sentences import spelt
 from axiscal.units import digits, to_unit
 
@@ -138,21 +138,25 @@ def causes(question: Question, values: Array) -> list[Cause]:
     return [cause for cause in CAUSES if away.get(cause, 0.0) < SURPRISING]
 
 
-def keep_as(campaign: Campaign, question: Question, values: Array, cause: Cause | None) -> tuple[Reading, str]:
-    """Keep a reading as its cause puts it right; return it, and a sentence of what else was done.
+def keep(campaign: Campaign, text: Short, cause: Cause | None = None) -> str:
+    """Keep a reading of what is asked; raises SurprisingError where nobody has said the cause of a strange one.
 
-    cause : None where it is no surprise.  Raises ReadingError for one that does not explain it.
+    text : as it is typed, "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question
+    cause : puts it right.  Raises ReadingError for one that does not explain it
     """
-    if cause is not None and cause not in causes(question, values):
+    question, values = Question.from_campaign(campaign, campaign.open_question()), typed(campaign, text)
+    if cause is None:
+        refuse_surprising(campaign, question, values)
+    elif cause not in causes(question, values):
         raise ReadingError(said("It would be a surprise all the same"), said("Read again, or name another cause"))
     factor = 1.0 if cause is None else _FACTORS.get(cause, 1.0)
     value, *others = (factor * float(each) for each in values)
     kept = campaign.record(value, accepted=cause == "really", others=tuple(others))
-    told = set_anew(campaign, question.setup, kept.number) if cause in ("anew", "bumped") else ""
+    told = zero_before(campaign, question.setup, kept.number) if cause in ("anew", "bumped") else ""
     if cause in (*_FACTORS, "bumped"):
         told = told or said("It is put right, and that is noted.")
         campaign.note(put("reading {number}: {cause}", number=kept.number or 0, cause=said(CAUSES[cause])))
-    return kept, told
+    return f"{said('Kept reading {number}; it is on the disk.', number=kept.number)} {told}".rstrip()
 
 
 def jog(campaign: Campaign) -> Jog | None:
@@ -193,7 +197,7 @@ def _passed(campaign: Campaign) -> bool:
     return asked is not None and asked.place.setup in passed
 
 
-def try_jog(campaign: Campaign, text: str, *, anyway: bool = False) -> str:
+def try_jog(campaign: Campaign, text: Short, *, anyway: bool = False) -> str:
     """Keep what the display shows after the test in the record as a note, and return a sentence of it.
 
     anyway : go on although it is not as it should be

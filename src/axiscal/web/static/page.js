@@ -79,7 +79,7 @@ function renderQuestion() {
   if (!question.mount) mounted = question.setup;
   text("mount-title", question.setup);
   text("mount-sentence", `${question.mount_sentence[0].toUpperCase()}${question.mount_sentence.slice(1)}.`);
-  find("mount-steps").replaceChildren(...question.mounting.flatMap((s) => [element("dt", s.name), element("dd", s.what)]));
+  find("mount-steps").replaceChildren(...question.mounting.flatMap(([name, what]) => [element("dt", name), element("dd", what)]));
   text("setup", question.setup);
   text("mount-sign", state.jog === null ? question.sign : "");
   renderPlaces(question);

@@ -99,7 +99,7 @@ function day(at) {
 function renderStart() {
   const going = start.begun.filter((each) => !each.finished), over = start.begun.filter((each) => each.finished);
   find("begun").replaceChildren(...[...going, ...over].map((each, n) => {
-    const values = { machine: each.machine, taken: each.taken, last: each.taken + each.coming, day: day(each.at), record: each.record };
+    const values = { machine: each.machine, taken: each.readings, last: each.readings + each.coming, day: day(each.last), record: each.record };
     const words = each.finished ? said("Look at: {machine}, {taken} readings, {day}", values) : said("Go on: {machine}, {taken} of {last} readings, {day}", values);
     const made = Object.assign(button(words, () => openRecord(each.record)), { className: n ? "" : "chief" });
     made.append(element("small", each.record));
@@ -216,7 +216,7 @@ function tick(name, words, short) {
   return label;
 }
 
-// Rows of the instruments that were touched, then the plan; at leisure what others would show, what minutes buy, and what begins.
+// Rows of the instruments that were touched, then the plan; at leisure what others would show, and what minutes buy.
 let later = 0;
 function renew() {
   clearTimeout(later);
@@ -224,7 +224,7 @@ function renew() {
   later = setTimeout(async () => {
     const of = version, around = () => [...machine.offered].map((name) => () => look(name));
     const steps = [...draft.instruments.map((name) => () => look(name)), makePlan];
-    steps.push(...(draft.screen === "plan" ? [makeCurve, () => planned.of === planOf() && call("/planned"), ...around()] : [...around(), makeCurve]));
+    steps.push(...(draft.screen === "plan" ? [makeCurve, ...around()] : [...around(), makeCurve]));
     for (const step of steps) if (of === version && !leaving) await step();
   }, 250);
 }
