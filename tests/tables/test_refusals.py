@@ -44,9 +44,9 @@ def test_a_spacing_is_of_an_axis_of_the_machine() -> None:
 
 def test_more_tables_than_a_sinumerik_has() -> None:
     one = table("X", "Y", [0.0, 0.1])
-    assert len(sinumerik.blocks_of([], [one] * 128)) == 128
+    assert len(sinumerik.cec_tables([one] * 128)) == 128
     with pytest.raises(TableError, match="129 CEC tables are needed, 128 fit"):
-        sinumerik.blocks_of([], [one] * 129)
+        sinumerik.cec_tables([one] * 129)
 
 
 def test_a_table_is_of_the_axis_that_is_said_on_the_command_line(tmp_path: Path) -> None:

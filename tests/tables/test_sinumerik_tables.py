@@ -71,4 +71,4 @@ def test_more_points_than_md18342_can_allow_are_refused() -> None:
     flat = np.zeros(2001)
     table = CompensationTable("X", at, flat + 1e-6, flat, flat)
     with pytest.raises(TableError, match="has 2001 points, MD18342 allows 2000"):
-        sinumerik.blocks_of([table], [])
+        sinumerik.cec_tables([table])

@@ -1,7 +1,7 @@
 """The small program beside a running LinuxCNC: it says how the machine stands, and makes one straight move at a time.
 
-It runs under the system's Python, which alone has the module `linuxcnc`. One JSON line answers one. It executes only
-the two kinds of lines below, none faster than `LARGEST`, and none while the machine is not as it has to be. A move
+It is sent as text to the system's Python, which alone has the module `linuxcnc`. One JSON line answers one. It executes
+only the two kinds of lines below, none faster than `LARGEST`, and none while the machine is not as it has to be. A move
 stops if the other side goes away, says nothing for `SILENCE`, or says stop. No further move is made once anybody else
 gives LinuxCNC a command. Coordinates are those of the machine, in mm and deg.
 """
@@ -14,6 +14,7 @@ import math
 import queue
 import re
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -22,8 +23,11 @@ from typing import Any
 
 import linuxcnc  # type: ignore[import-not-found]
 
-from axiscal.ports.linuxcnc.live.stance import LETTERS, Stance
-
+LETTERS = "XYZABCUVW"
+_SWITCHED = {"xyzac-trt-kins", "xyzbc-trt-kins", "5axiskins"}
+"""Kinematics whose type 1 is identity, or 0 with sparm=identityfirst."""
+_DUST = 1e-6
+"""mm or deg: the last decimal of what is sent."""
 SILENCE = 5.0
 """s; the other side says something every second."""
 LARGEST = 3000.0
@@ -53,12 +57,11 @@ class GoneError(Exception):
     """The other side has gone, or has said stop."""
 
 
-class Agent(Stance):
-    """LinuxCNC that is given commands, and the line to the other side."""
+class Agent:
+    """LinuxCNC that is looked at and given commands, and the line to the other side."""
 
     def __init__(self) -> None:
-        super().__init__(linuxcnc.stat(), linuxcnc.ini)
-        self.command, self.channel = linuxcnc.command(), linuxcnc.error_channel()
+        self.stat, self.command, self.channel = linuxcnc.stat(), linuxcnc.command(), linuxcnc.error_channel()
         self.asked: queue.Queue[dict[str, Any]] = queue.Queue()
         self.heard, self.gone = time.monotonic(), False
         self.before: list[str] = []
@@ -123,11 +126,6 @@ class Agent(Stance):
         except Exception as error:  # noqa: BLE001
             self._end_move()
             return {"failure": f"{type(error).__name__}: {error}"}
-
-    def status(self) -> dict[str, Any]:
-        """Return how the machine stands."""
-        self.stat.poll()
-        return {"idle": self.stat.interp_state == linuxcnc.INTERP_IDLE, **self.document()}
 
     def watched(self, seconds: float) -> str:
         """Wait until the probe has been closed and opened by hand; returns what was missing, or nothing."""
@@ -304,6 +302,103 @@ class Agent(Stance):
             if message[0] in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR):
                 texts.append(str(message[1]).strip())
         return texts
+
+    def status(self) -> dict[str, Any]:
+        """Return how the machine stands, mm and deg."""
+        self.stat.poll()
+        stat, letters, joints = self.stat, self.letters(), range(self.stat.joints)
+        return {
+            "idle": stat.interp_state == linuxcnc.INTERP_IDLE,
+            "homed": self.homed(),
+            "estop": bool(stat.estop),
+            "enabled": bool(stat.enabled),
+            "spindle": self.spins(),
+            "feed": float(stat.feedrate),
+            "feed_heeded": bool(stat.feed_override_enabled),
+            "probe": bool(stat.probe_val),
+            "offsets": [float(each) / self.unit("X") for each in stat.tool_offset],
+            "rotation": float(stat.rotation_xy),
+            "axes": {a: self.limits(a) for a in letters},
+            "position": {a: self.here(a) for a in letters},
+            "joints": self.joint_places(),
+            "compensated": [n for n in joints if self._said(f"JOINT_{n}", "COMP_FILE") or stat.joint[n]["backlash"]],
+            "whole": _pin("axiscal-vcomp.active") == "TRUE",
+            "checksum": _pin("axiscal-vcomp.checksum"),
+            "tip": self._tip(),
+        }
+
+    def homed(self) -> bool:
+        """Return whether every joint is."""
+        return all(self.stat.homed[joint] for joint in range(self.stat.joints))
+
+    def spins(self) -> bool:
+        """Return whether a spindle turns, or is on."""
+        return any(each["enabled"] or each["speed"] for each in getattr(self.stat, "spindle", ())[: self.stat.spindles])
+
+    def unit(self, letter: str) -> float:
+        """Return one mm or deg in the machine's units."""
+        return float(self.stat.angular_units if letter in "ABC" else self.stat.linear_units) or 1.0
+
+    def here(self, letter: str) -> float:
+        """Return where an axis stands, mm or deg."""
+        return float(self.stat.position[LETTERS.index(letter)]) / self.unit(letter)
+
+    def at_limits(self) -> dict[str, float]:
+        """Return the axes that stand at one of their limits, with it, mm or deg.
+
+        After a touch LinuxCNC goes on from where they are seen to stand, and takes no line that ends 1e-17 beyond.
+        """
+        ends = [(a, limit) for a in self.letters() for limit in self.limits(a)]
+        return {a: limit for a, limit in ends if abs(self.here(a) - limit) < _DUST}
+
+    def limits(self, letter: str) -> list[float]:
+        """Return between which an axis may stand, mm or deg."""
+        stated = self.stat.axis[LETTERS.index(letter)]
+        return [float(stated[f"{end}_position_limit"]) / self.unit(letter) for end in ("min", "max")]
+
+    def off(self, letter: str, end: float) -> float:
+        """Return how far an axis is from where it is to stand, mm or deg; full turns are none."""
+        way = abs(self.here(letter) - end)
+        return min(way % 360, -way % 360) if letter in "ABC" else way
+
+    def shift(self, letter: str) -> float:
+        """Return how far the zero of coordinates in force is from the machine's, mm."""
+        stat, k = self.stat, LETTERS.index(letter)
+        return float(stat.g5x_offset[k] + stat.g92_offset[k] + stat.tool_offset[k]) / self.unit(letter)
+
+    def letters(self) -> list[str]:
+        """Return the axes."""
+        return list(dict.fromkeys(self._joints()))
+
+    def _joints(self) -> str:
+        """Return the axis of each joint."""
+        found = re.search(r"coordinates=(\w+)", self._said("KINS", "KINEMATICS"))
+        return (found[1] if found else self._said("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
+
+    def joint_places(self) -> list[tuple[str, float]]:
+        """Return the axis of each joint and where the joint stands, mm or deg: two belts as X and Y."""
+        at = [float(each) for each in self.stat.joint_position[: self.stat.joints]]
+        if self._said("KINS", "KINEMATICS").startswith("corexykins"):
+            at[:2] = (at[0] + at[1]) / 2, (at[0] - at[1]) / 2
+        return [(axis, place / self.unit(axis)) for axis, place in zip(self._joints(), at, strict=False)]
+
+    def _tip(self) -> bool:
+        """Whether switchable kinematics are seen to hold the tool point; not every LinuxCNC shows it."""
+        first, *words = self._said("KINS", "KINEMATICS").split() or [""]
+        return first in _SWITCHED and _pin(f"kinstype.is-{int('sparm=identityfirst' in words)}") == "TRUE"
+
+    def _said(self, section: str, key: str) -> str:
+        """Return what the INI file says, "" where it is silent."""
+        return str(linuxcnc.ini(self.stat.ini_filename).find(section, key) or "")
+
+
+def _pin(name: str) -> str | None:
+    """Return what halcmd says of a pin, None where there is none."""
+    try:
+        found = subprocess.run(["halcmd", "getp", name], capture_output=True, text=True, timeout=5, check=False)
+    except OSError:
+        return None
+    return found.stdout.strip() if found.returncode == 0 else None
 
 
 def _tell(answer: dict[str, Any]) -> None:
