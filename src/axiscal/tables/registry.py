@@ -25,6 +25,8 @@ from axiscal_core.threads import one_thread
 
 _ABSURD = 1.0
 """m or rad: no compensation is as large; any value above what a machine can be off by would do."""
+_FARTHEST = 1e3
+"""m or rad: no axis goes so far."""
 _OTHERS = later("leave it out: it is for {takers}")
 
 
@@ -95,6 +97,8 @@ def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
     named = ", ".join(dict.fromkeys(file.name for file in options.old_files))
     try:
         found: Loaded = of_class(f"the result of {controller}.load", load(options.old_files, machine, options), Loaded)
+    except TableError as fault:
+        raise fault if fault.file else fault.placed(named) from None
     except AxiscalError:
         raise
     except (LookupError, ArithmeticError, ValueError) as fault:
@@ -108,8 +112,9 @@ def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
         faults.found.append(TableError("no table of {axis} is in this file", remedy, file.name, axis=file.axis))
     faults.refuse()
     for table in found.tables:
-        if not np.all(np.abs([table.forward, table.reverse]) < _ABSURD):
-            what = "the table of {axis} over {over} moves it by a metre, or a radian, or more"
+        absurd = np.abs([table.forward, table.reverse, table.positions / _FARTHEST]) >= _ABSURD
+        if np.any(absurd):
+            what = "the table of {axis} over {over} moves it by a metre, or a radian, or stands at a kilometre"
             remedy = "give the files as the control saved them, and the unit of the machine"
             raise TableError(what, remedy, named, axis=table.axis, over=table.over)
     return found

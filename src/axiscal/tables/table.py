@@ -8,6 +8,7 @@ curve itself lie on one side of every bend; the least-squares values spread what
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field, replace
 
@@ -196,6 +197,15 @@ class CompensationTable:
     def fine_unit(self) -> str:
         """The unit in which deviations are shown."""
         return "arcsec" if self.rotary else "um"
+
+    def refuse_more(self, most: int) -> None:
+        """Raise TableError where a control does not hold so many points."""
+        if (count := len(self.positions)) > most:
+            what = "the table of {axis} over {over} has {count} points, the control holds {most}"
+            remedy = "{most} points fit: over this travel one every {fits} or wider"
+            fits = math.ceil(float(np.ptp(self.positions)) / (most - 1) * 1e6) / 1e6
+            known = {"axis": self.axis, "over": self.over, "count": count, "most": most}
+            raise TableError(what, remedy, fits=format_quantity(fits, self.unit), **known)
 
     def resampled(self, at: Array) -> CompensationTable:
         """Return the table on other points (n,): lines between its own."""

@@ -162,38 +162,36 @@ def _plans(punched: Punched, machine: Machine, numbers: Mapping[str, int]) -> di
 
 def _plan(punched: Punched, axis: Axis, number: int) -> PitchParameters | None:
     """Return the points of an axis, None without an interval; raises TableError."""
-    values, what = {key: punched.value(key, number) for key in _NEEDED}, ""
-    told = {"name": axis.name, "number": number, "missing": ", ".join(str(k) for k, v in values.items() if v is None)}
-    if told["missing"]:
-        raise TableError(
-            "there are no parameters {missing} for {name} (axis {number})", _EXPECTED, punched.file, **told
-        )
+    values, told = (
+        {key: punched.value(key, number) for key in _NEEDED},
+        dict[str, object](name=axis.name, number=number),
+    )
+    if missing := ", ".join(str(key) for key, value in values.items() if value is None):
+        what = "there are no parameters {shown} for {name} (axis {number})"
+        raise TableError(what, _EXPECTED, punched.file, shown=missing, **told)
     reference, first, last, magnification, interval = (value or "0" for value in values.values())
     width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
     if width <= 0:
         return None
-    points = (min(int(each), _MOST + 1) for each in (reference, first, last, magnification))
-    (at, low, high, times), kind = points, (axis.rotary, axis.cyclic)
-    plan = PitchParameters(at, low, high, max(1, times), width, *kind)
-    begin, end = plan.covering(0.0, math.tau)
-    whole = abs((end - begin) * width - math.tau) < DETECTION[True] and (plan.first, plan.last) == (begin, end)
-    inside = plan.begin <= plan.reference <= plan.last and plan.first != plan.last and plan.first >= 0
+    at, begin, end, times = (min(int(each), _MOST + 1) for each in (reference, first, last, magnification))
+    plan = PitchParameters(at, begin, end, max(1, times), width, axis.rotary, axis.cyclic)
+    low, high = plan.covering(0.0, math.tau)
+    whole = abs((high - low) * width - math.tau) < DETECTION[True] and (begin, end) == (low, high)
+    inside = plan.begin <= at <= end and begin != end and begin >= 0
     if (punched.value(_NEGATIVE, number) or "").strip("0+-") and (punched.value(_BOTH, number) or "1").endswith("1"):
         what = "{name} (axis {number}) has entries of its own for the way down (3626)"
         remedy = "set 3605#0 to 0, so that one set serves both ways, and enter the reversal as backlash (1851)"
-    elif not inside or max(plan.last, plan.magnification) > _MOST or width > _WIDEST:
-        what = "{name} has points {first} to {last}, the reference point {at}, the magnification {times}, the interval "
-        what += "{interval}"
-        remedy = "the reference point lies between the others, none of these is above {most}, and an interval with a "
-        remedy += "point is in mm or deg"
+    elif not inside or max(end, times) > _MOST or width > _WIDEST:
+        what = "{name} has points {first} to {last}, reference {reference}, magnification {times}, interval {interval}"
+        remedy = "the reference point lies between the others, none is above {most}, and 3624 with a point is mm or deg"
     elif plan.turn and not whole:  # B-63980EN: 3621 = 3620, a turn further
         what = "{name} is a whole turn and has points {first} to {last}"
-        remedy = "3621 = 3620 = {begin} and 3622 = {end} hold a turn, with an interval that divides 360 deg"
-    if what:
-        texts = {"first": first, "last": last, "at": reference, "times": magnification, "interval": interval}
-        told |= {"most": _MOST, "begin": begin, "end": end} | {key: shortened(text) for key, text in texts.items()}
-        raise TableError(what, remedy, punched.file, **told)
-    return plan
+        remedy = "3621 = 3620 = {low} and 3622 = {high} hold a turn, with an interval that divides 360 deg"
+    else:
+        return plan
+    texts = {"first": first, "last": last, "reference": reference, "times": magnification, "interval": interval}
+    told |= {"most": _MOST, "low": low, "high": high} | {key: shortened(text) for key, text in texts.items()}
+    raise TableError(what, remedy, punched.file, **told)
 
 
 class Fanuc(TableFormat):

@@ -199,10 +199,8 @@ def cec_tables(tables: Sequence[CompensationTable]) -> tuple[CompensationTable, 
     if len(found) > _TABLES:
         remedy = "leave axes out of the description"
         raise TableError("{count} CEC tables are needed, {most} fit", remedy, count=len(found), most=_TABLES)
-    if longest := next((table for table in found if len(table.positions) > _POINTS), None):
-        what = "the CEC table of {axis} has {count} points, MD18342 allows {most}"
-        remedy = "export without --on-top-of, or give coarser tables to it"
-        raise TableError(what, remedy, axis=longest.axis, count=len(longest.positions), most=_POINTS)
+    for table in found:
+        table.refuse_more(_POINTS)
     return tuple(found)
 
 

@@ -17,7 +17,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import said
 from axiscal.ports.linuxcnc.tables import cross
-from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
+from axiscal.ports.linuxcnc.tables.writer import ROWS, notes, parse, resolution, write
 from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
@@ -26,8 +26,6 @@ from axiscal.units import from_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
-_LARGEST = 1e6
-"""In the machine's unit: a kilometre in millimetres, which no table corrects."""
 _MOST_TURNS = 5
 """256 rows hold five turns of 51 points."""
 _HAL_FILE = "axiscal-cross.hal"
@@ -55,21 +53,20 @@ class Linuxcnc(TableFormat):
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files."""
-        linear, speeds = options.unit_of(machine), {axis.name: axis.speed for axis in machine.axes}
-        wiring = cross.Wiring(options.joints(machine), speeds, linear)
+        linear, joints = options.unit_of(machine), options.joints(machine)
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
         files, said, steps = dict[str, str](), dict[str, None](), list[tuple[str, float]]()
         for table in own:
             acceleration, unit = machine.axis(table.axis).acceleration, table.value_unit(linear)
             files[f"{table.axis}.comp"] = write(table, unit)
             steps.append((table.axis, resolution(table, unit)))
-            said |= dict.fromkeys(notes(table, unit, wiring.joints[table.axis], acceleration))
+            said |= dict.fromkeys(notes(table, unit, joints[table.axis], acceleration))
         value, position = (float(from_unit(last, linear)) for last in (1e-7, 1e-6))
         steps += [(table.axis, value + cross.steepest(table) * position) for table in over]
         each = f"one COMP_FILE for each of {', '.join(table.axis for table in own)} (own positions, both directions)"
         holds = [each] if own else []
         if over:
-            files[_HAL_FILE] = cross.write(over, wiring)
+            files[_HAL_FILE] = cross.write(over, joints, {axis.name: axis.speed for axis in machine.axes}, linear)
             holds.append("HAL text that moves linear axes over the positions of other linear axes")
             said[
                 f"{_HAL_FILE} corrects axes over other axes: its first lines say how to wire it. Without it the "
@@ -154,11 +151,9 @@ def _table(file: OldFile, axis: str, unit: str, untaken: list[InputError]) -> Co
 
     COMP_FILE_TYPE is found from the values where nobody said: those of Type 0 go with the nominal ones.
     """
-    kind = file.file_type
-    if kind is None:
-        rows = _parsed(file, 1)
-        kind = int(len(rows.nominal) > 1 and np.ptp(rows.forward) <= 0.5 * np.ptp(rows.nominal))
-    kept = _parsed(file, kind)
+    kept = parse(file.text, 1 if file.file_type is None else file.file_type)
+    if file.file_type is None and not (len(kept.nominal) > 1 and np.ptp(kept.forward) <= 0.5 * np.ptp(kept.nominal)):
+        kept = parse(file.text, 0)
     if not len(kept.nominal):
         raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
     lines, remedy = file.text.split("\n"), said("take it out, or mend it: rows increase, 256 of them at most")
@@ -167,11 +162,3 @@ def _table(file: OldFile, axis: str, unit: str, untaken: list[InputError]) -> Co
         untaken.append(TableError("LinuxCNC skips this row: {text!r}", remedy, file.name, number, text=text))
     at, forward, reverse = (from_unit(values, unit) for values in (kept.nominal, kept.forward, kept.reverse))
     return CompensationTable(axis, at, -forward, -reverse)
-
-
-def _parsed(file: OldFile, file_type: int) -> LinuxcncTable:
-    kept = parse(file.text, file_type=file_type)
-    if not all(np.all(np.abs(column) < _LARGEST) for column in (kept.nominal, kept.forward, kept.reverse)):
-        remedy = "give the file as the control loads it"
-        raise TableError("it has a number that is too large for a machine", remedy, file.name)
-    return kept
