@@ -16,10 +16,9 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, Faults, TableError
 from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
-from axiscal.tables.exporter import OFF, Exporter, ExportOptions, Written, asked_about, informed, on_top
+from axiscal.tables.exporter import OFF, Exporter, ExportOptions, asked_about, informed, on_top
 from axiscal.tables.loaded import Loaded, refuse_long_numbers
-from axiscal.tables.offer import Export, tried_out, tried_over_box
-from axiscal.tables.surface import Control
+from axiscal.tables.offer import Export, tried_out
 from axiscal_core.machine import Machine
 from axiscal_core.threads import one_thread
 
@@ -35,19 +34,15 @@ _OTHERS = later("leave it out: it is for {takers}")
 def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
     name = named(controller)
-    return tried_out(name, estimate, _drafted(estimate, name, options))
-
-
-def _drafted(estimate: Estimate, name: str, options: ExportOptions) -> Written:
-    """Return the files for a controller before they are tried; raises as `export`."""
     refuse_untaken(name, options.given)
     control = exporter(name)
     for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
         estimate.machine.index(axis)
     if not options.old_files:
-        return asked_about(name, control, control.make(estimate, options), options)
+        return tried_out(name, estimate, asked_about(name, control, control.make(estimate, options), options))
     old = loaded(name, estimate.machine, options)
-    return on_top(estimate, control.make(estimate, replace(options, old=old)), old, options)
+    draft = control.make(estimate, replace(options, old=old))
+    return tried_out(name, estimate, on_top(estimate, draft, old, options))
 
 
 def refuse_untaken(controller: str, given: Sequence[str]) -> None:
@@ -56,8 +51,7 @@ def refuse_untaken(controller: str, given: Sequence[str]) -> None:
     for option in given:
         if option not in control.takes:
             takers = joined([name for name in controllers() if option in exporter(name).takes]) or "program"
-            usual = OFF if option == "--on-top-of" else _OTHERS
-            what, remedy = "{controller} does not take {option}", control.instead.get(option, usual)
+            what, remedy = "{controller} does not take {option}", OFF if option == "--on-top-of" else _OTHERS
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 
 
@@ -77,16 +71,6 @@ def named(controller: str) -> str:
 def offered(known: Estimation, controller: str) -> Export:
     """Return the files for a control as the campaign describes it; raises as `export`, and ReadingError."""
     return export(known.estimate(), controller, informed(ExportOptions(), known.case.description, controller))
-
-
-@one_thread()
-@stage("tables")
-def offered_control(known: Estimation, controller: str) -> Control:
-    """Return what a control does with the same files, of which nothing else is asked; raises as `offered`."""
-    estimate, options = known.estimate(), informed(ExportOptions(), known.case.description, controller)
-    draft = _drafted(estimate, named(controller), options)
-    tried_over_box(estimate, draft)
-    return draft.control
 
 
 def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:

@@ -23,7 +23,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
 from axiscal.tables.conditional import taken_by_rotor
-from axiscal.tables.exporter import Exporter, ExportOptions, Written
+from axiscal.tables.exporter import OFF, Exporter, ExportOptions, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import spread_poses
 from axiscal.tables.surface import Control, by_linear_axes, spanning_axes
@@ -112,7 +112,7 @@ class VolumetricFormat(Exporter):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Raise TableError: nothing goes on top of a whole correction."""
-        raise TableError("{name} reads no old files", self.instead["--on-top-of"], name=type(self).__name__)
+        raise TableError("{name} reads no old files", OFF, name=type(self).__name__)
 
 
 def content_of(

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from importlib import resources
-from typing import ClassVar
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.language.spoken import later
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
 from axiscal.tables.vcomp_file import CORE, VcompFile
@@ -25,9 +23,6 @@ class GrblHal(vcomp_file.VolumetricFormat):
     left_out = "the orientation of the tool beyond what rotary axes turn too far about themselves, and tool lengths."
     takes = frozenset({"--number"})
     step = 1e-8  # two rounds and twelve digits; a controller rounds to 1e-7 of a position besides
-    instead: ClassVar = {
-        "--on-top-of": later("a whole correction goes on top of none: measure with the firmware as it was, $160 to 0")
-    }
 
     def seconds(self, estimate: Estimate) -> list[float]:
         """Return a second for each axis: the plugin turns a side within a part of a line."""

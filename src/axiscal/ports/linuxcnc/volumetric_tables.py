@@ -7,13 +7,11 @@ installed once by halcompile, and reads the file of a campaign when it is loaded
 from __future__ import annotations
 
 from importlib import resources
-from typing import ClassVar
 
 import numpy as np
 
 from axiscal.document.ports import rendered
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.language.spoken import later
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
 from axiscal.tables.offer import spread_poses
@@ -44,12 +42,6 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
     )
     takes = frozenset({"--unit", "--number", "--ini"})
     step = 1e-9  # by twelve digits
-    instead: ClassVar = {
-        "--on-top-of": later(
-            "a whole correction goes on top of none: measure with axiscal-vcomp.active false, without COMP_FILE and "
-            "BACKLASH"
-        ),
-    }
 
     def seconds(self, estimate: Estimate) -> list[float]:
         """Return for each axis how long its reversal takes, s: T = sqrt(4 J / (0.2 a)), J the step of a joint.

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -199,7 +198,6 @@ class Fanuc(TableFormat):
 
     takes = frozenset({"--template", "--number"})
     unstated = "own"
-    instead: ClassVar = {"--spacing": later("leave it out: parameters 3620 to 3624 say where the points are")}
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the file, with what to enter as backlash; raises TableError."""

@@ -10,7 +10,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -54,7 +53,6 @@ class Sinumerik(TableFormat):
     left_out = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
     takes = TableFormat.takes | {"--number", "--measuring-system", "--on-top-of"}
     unstated = "across"
-    instead: ClassVar = {"--unit": later("leave it out: the tables are in mm and deg, load them in metric")}
     points = 200  # what an 828D holds for an axis
     grid = (1e-6, float(np.radians(1e-3)))  # by the decimals that are written
 

@@ -8,6 +8,7 @@ Beyond its ends a `COMP_FILE` is constant, and a joint counts on after 360 deg, 
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -18,7 +19,7 @@ from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import said
 from axiscal.ports.linuxcnc.tables import cross
 from axiscal.ports.linuxcnc.tables.writer import ROWS, notes, parse, resolution, write
-from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.table import CompensationTable
@@ -55,14 +56,15 @@ class Linuxcnc(TableFormat):
         """Return the files."""
         linear, joints = options.unit_of(machine), options.joints(machine)
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
-        files, said, steps = dict[str, str](), dict[str, None](), list[tuple[str, float]]()
+        files, said, steps = dict[str, str](), dict[str, None](), defaultdict[str, float](float)
         for table in own:
             acceleration, unit = machine.axis(table.axis).acceleration, table.value_unit(linear)
             files[f"{table.axis}.comp"] = write(table, unit)
-            steps.append((table.axis, resolution(table, unit)))
+            steps[table.axis] += resolution(table, unit)
             said |= dict.fromkeys(notes(table, unit, joints[table.axis], acceleration))
         value, position = (float(from_unit(last, linear)) for last in (1e-7, 1e-6))
-        steps += [(table.axis, value + cross.steepest(table) * position) for table in over]
+        for table in over:
+            steps[table.axis] += value + cross.steepest(table) * position
         each = f"one COMP_FILE for each of {', '.join(table.axis for table in own)} (own positions, both directions)"
         holds = [each] if own else []
         if over:
@@ -76,7 +78,7 @@ class Linuxcnc(TableFormat):
         if any(axis.rotary for axis in machine.axes):
             acts = "COMP_FILEs act on joints: with xyzac-trt-kins and its kin they are right as well, the HAL text too."
             said[acts] = None
-        return Written(files, summed(steps), tuple(said), f"{' and '.join(holds)}.")
+        return Written(files, steps, tuple(said), f"{' and '.join(holds)}.")
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what files did, by what they say alone; raises TableError."""
