@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import resources
+from typing import Any
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
-from axiscal.tables.vcomp_file import CORE, VcompFile
+from axiscal.tables.vcomp_file import CORE
 
 _FILE, _TABLE, _PLUGIN = "axiscal.vcomp", "axiscal_table.h", "axiscal_grblhal.c"
 TRIED = "Its code was tried against grblHAL's interface of 2026, never in a controller with drives."
@@ -28,20 +30,19 @@ class GrblHal(vcomp_file.VolumetricFormat):
         """Return a second for each axis: the plugin turns a side within a part of a line."""
         return [1.0] * len(estimate.machine.axes)
 
-    def write(self, file: VcompFile) -> Written:
+    def write(self, file: Mapping[str, Any]) -> Written:
         """Return the table, once more as a header, and the plugin."""
         text = vcomp_file.text_of(file, TRIED)
         files = {_FILE: text, _TABLE: _as_header(file, text)}
         for name, place in ((_PLUGIN, __package__), (CORE, "axiscal.tables")):
             files[name] = resources.files(place).joinpath(name).read_text(encoding="ascii")
-        notes = paragraphs(__package__, "notes.jinja", campaign=file.campaign, limit=file.limit, tried=TRIED)
+        notes = paragraphs(__package__, "notes.jinja", tried=TRIED, **file)
         return Written(files, {}, notes)
 
 
-def _as_header(file: VcompFile, text: str) -> str:
+def _as_header(file: Mapping[str, Any], text: str) -> str:
     """Return a table as a string of C, with the room that it takes."""
-    knots = max(len(axis["knots"]) for axis in file.axes)
+    axes = file["axes"]
     lines = "\n".join(f'    "{line}\\n"' for line in text.splitlines())
-    return (
-        f"#define VC_AXES {len(file.axes)}\n#define VC_KNOTS {knots}\nstatic const char AXISCAL_TABLE[] =\n{lines};\n"
-    )
+    room = f"#define VC_AXES {len(axes)}\n#define VC_KNOTS {max(len(axis['knots']) for axis in axes)}\n"
+    return f"{room}static const char AXISCAL_TABLE[] =\n{lines};\n"

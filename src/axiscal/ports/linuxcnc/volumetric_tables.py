@@ -6,7 +6,9 @@ installed once by halcompile, and reads the file of a campaign when it is loaded
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import resources
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +17,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
 from axiscal.tables.offer import spread_poses
-from axiscal.tables.vcomp_file import CORE, VcompFile, whole_control
+from axiscal.tables.vcomp_file import CORE, whole_control
 from axiscal.units import format_quantity
 
 _FILE, HAL_FILE, _COMPONENT = "axiscal.vcomp", "axiscal-volumetric.hal", "axiscal_vcomp.comp"
@@ -58,17 +60,21 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
             times.append(min(max(time, _QUICKEST), _SLOWEST))
         return times
 
-    def write(self, file: VcompFile) -> Written:
+    def write(self, file: Mapping[str, Any]) -> Written:
         """Return the file, the HAL text, and the source of the component."""
-        joints = sorted(n for axis in file.axes for n in axis["joints"])
+        joints = sorted(n for axis in file["axes"] for n in axis["joints"])
         values = {"joints": joints, "nets": {}, "thread": "", "statement": _STATEMENT, "load": LOADRT}
         files = {_FILE: vcomp_file.text_of(file, _STATEMENT)}
         files[HAL_FILE] = rendered("axiscal.ports.linuxcnc", "volumetric.hal.jinja", **values)
         for name, place in ((_COMPONENT, __package__), (CORE, "axiscal.tables")):
             files[name] = resources.files(place).joinpath(name).read_text(encoding="ascii")
-        reversing = [axis for axis in file.axes if axis["reversals"].shape[1]]
+        reversing = [axis for axis in file["axes"] if axis["reversals"].shape[1]]
         seconds = ", ".join(f"{axis['name']} {format_quantity(axis['seconds'], 's', 3)}" for axis in reversing)
-        told = {"file": file, "limit": f"{file.limit:.4g}", "rotary": [axis for axis in file.axes if axis["rotary"]]}
+        told = {
+            "file": file,
+            "limit": f"{file['limit']:.4g}",
+            "rotary": [axis for axis in file["axes"] if axis["rotary"]],
+        }
         told |= {"reversing": seconds, "statement": _STATEMENT, "vcomp": _FILE, "hal": HAL_FILE}
         notes, first = (paragraphs(str(__package__), f"volumetric_{part}.jinja", **told) for part in ("notes", "first"))
         return Written(files, {}, notes, first=first)
