@@ -25,9 +25,9 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.numerics import Array
-from axiscal.tables.loaded import Loaded, OldFile, read_old, refuse_long_numbers, table_control
+from axiscal.tables.loaded import Loaded, OldFile, read_old, refuse_long_numbers
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
-from axiscal.tables.surface import Control, sum_of
+from axiscal.tables.surface import Control, remainder
 from axiscal.tables.table import CompensationTable
 from axiscal_core.machine import Machine
 
@@ -109,7 +109,7 @@ def on_top(estimate: Estimate, draft: Written, old: Loaded, options: ExportOptio
         f"These files hold what was active while measuring ({names}) and on top of it what was found: load them in its "
         "place, not beside it. The figures above count from the machine as it was measured, with the old compensation."
     )
-    control, wanted = (sum_of(whole, lambda at, ways: -held(at, ways)) for whole in (draft.control, draft.wanted))
+    control, wanted = (remainder(whole, held) for whole in (draft.control, draft.wanted))
     return replace(draft, control=control, wanted=wanted, notes=(note, *draft.notes))
 
 
@@ -326,4 +326,4 @@ class TableFormat(Exporter):
         """Return the files with their tables; raises TableError."""
         machine, tables = estimate.machine, self.tables(estimate, options)
         written = self.write(tables, machine, options)
-        return self.draft(written, table_control(machine, tables), machine, options, tables)
+        return self.draft(written, Loaded(tables).control(machine), machine, options, tables)

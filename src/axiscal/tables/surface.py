@@ -158,15 +158,11 @@ class CommandedMachine(VirtualMachine):
         return cls(truth.model, truth.curves, truth.offsets, truth.drifts, control=control)
 
     def does(self, poses: Array, approaches: Array) -> Deviation:
-        """Return how the tool deviates from commands (m, q), turns to first order in what the control adds."""
-        sent, machine = poses + self.control(poses, approaches), self.model
+        """Return how the tool deviates from commands (m, q)."""
+        sent = poses + self.control(poses, approaches)
         straight, turned = VirtualMachine.does(self, sent, approaches)
-        nominal = machine.frames(poses)
-        for k, axis in enumerate(machine.axes):
-            if axis.rotary:
-                ways = nominal.rotations[k] @ np.array(axis.direction)
-                turned = turned + (sent[:, k] - poses[:, k])[:, None] * ways
-        return Deviation(machine.frames(sent).tcp - nominal.tcp + straight, turned)
+        nominal, reached = (self.model.frames(each) for each in (poses, sent))
+        return Deviation(reached.tcp - nominal.tcp + straight, turn_between(nominal.tool, reached.tool) + turned)
 
 
 _GAUSS = 6
@@ -270,21 +266,9 @@ def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
     return Mesh(sides[0].points, sides[1].points, -sides[0].best(sides[1].best(found).T).T)
 
 
-def mesh_control(machine: Machine, mesh: Mesh) -> Control:
-    """Return the control that adds the heights to Z."""
-    x, y, z = plane_axes(machine)
-
-    def control(poses: Array, approaches: Array) -> Array:
-        added = np.zeros_like(poses)
-        added[:, z] = mesh.at(poses[:, x], poses[:, y])
-        return added
-
-    return control
-
-
-def sum_of(*controls: Control) -> Control:
-    """Return the control that does what all of them do."""
-    return lambda poses, approaches: np.sum([control(poses, approaches) for control in controls], axis=0)
+def remainder(whole: Control, part: Control) -> Control:
+    """Return the control that does what the whole does, less a part of it."""
+    return lambda poses, approaches: whole(poses, approaches) - part(poses, approaches)
 
 
 PLANES = ("XY", "XZ", "YZ")
@@ -303,17 +287,3 @@ def skew_of(estimate: Estimate) -> Skew:
         line = np.polynomial.polynomial.polyfit(at - at.mean(), tables[plane].deviation(at, 0), 1)
         slopes[plane] = float(line[1])
     return slopes
-
-
-def skew_control(machine: Machine, skew: Skew) -> Control:
-    """Return the control that takes the skew away."""
-    x, y, z = plane_axes(machine)
-    xy, xz, yz = (skew.get(plane, 0.0) for plane in PLANES)
-
-    def control(poses: Array, approaches: Array) -> Array:
-        added = np.zeros_like(poses)
-        added[:, x] = -poses[:, y] * xy - poses[:, z] * (xz - xy * yz)
-        added[:, y] = -poses[:, z] * yz
-        return added
-
-    return control

@@ -11,6 +11,7 @@ import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -47,9 +48,12 @@ class Linuxcnc(TableFormat):
         """Return tables of axes over as many turns as they make, and curves of axes over others."""
         machine = estimate.machine
         new = tuple(_one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
-        own = tuple(_over_turns(t, machine) for t in options.old.alone(within=True).under_tables(new, machine, ROWS))
+        before, over = (
+            Loaded(tuple(t for t in options.old.tables if (t.axis == t.over) is own)) for own in (True, False)
+        )
+        own = tuple(_over_turns(t, machine) for t in before.under_tables(new, machine, ROWS))
         across = cross_tables(estimate, most=cross.POINTS, uneven=options.spacing is None)
-        across = options.old.alone(within=False).under_tables(across, machine, cross.POINTS, even=True)
+        across = over.under_tables(across, machine, cross.POINTS, even=True)
         return (*own, *(t.averaged() for t in across))  # a lincurve has no direction
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
@@ -137,10 +141,11 @@ def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) 
     """Return the axis that a file is for: as said, by its joint, or by its name, X.comp or joint0.comp."""
     if file.axis:
         return machine.axis(file.axis).name
-    numbered = re.search(r"joint_?(\d+)", file.stem, re.IGNORECASE)
+    stem = Path(file.name).stem
+    numbered = re.search(r"joint_?(\d+)", stem, re.IGNORECASE)
     number = int(numbered[1]) if file.joint is None and numbered else file.joint
     owners = [axis for axis, numbers in joints.items() if number in numbers]
-    words = {word.casefold() for word in re.split(r"[^A-Za-z0-9]+", file.stem)}
+    words = {word.casefold() for word in re.split(r"[^A-Za-z0-9]+", stem)}
     owners += [axis.name for axis in machine.axes if axis.name.casefold() in words]
     if not owners:
         remedy = "write --on-top-of X={path}"
