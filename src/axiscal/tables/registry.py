@@ -33,16 +33,16 @@ _OTHERS = later("leave it out: it is for {takers}")
 @stage("tables")
 def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
-    name = named(controller)
-    refuse_untaken(name, options.given)
-    control = exporter(name)
+    refuse_untaken(controller, options.given)
+    control = exporter(controller)
     for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
         estimate.machine.index(axis)
     if not options.old_files:
-        return tried_out(name, estimate, asked_about(name, control, control.make(estimate, options), options))
-    old = loaded(name, estimate.machine, options)
-    draft = control.make(estimate, replace(options, old=old))
-    return tried_out(name, estimate, on_top(estimate, draft, old, options))
+        draft = asked_about(controller, control, control.make(estimate, options), options)
+    else:
+        old = loaded(controller, estimate.machine, options)
+        draft = on_top(estimate, control.make(estimate, replace(options, old=old)), old, options)
+    return tried_out(controller, estimate, draft)
 
 
 def refuse_untaken(controller: str, given: Sequence[str]) -> None:
@@ -61,11 +61,6 @@ def unstated(controller: str) -> str:
         return found
     what = "{controller} states which way it takes its tables"
     raise TableError(what, "Leave --probe-sign and --bump out", controller=controller)
-
-
-def named(controller: str) -> str:
-    """Return the name of a control that is written in capitals too; any other one as it is."""
-    return next((known for known in controllers() if known == controller.casefold()), controller)
 
 
 def offered(known: Estimation, controller: str) -> Export:

@@ -1,4 +1,4 @@
-"""From the belief to tables: what a correction along one axis, over one axis, can take away.
+"""From the belief to tables: what a correction along one axis, over one axis, can take away, and at which points.
 
 A carriage that is told to go c(t) less far moves the TCP by −c(t) along the axis. The best c(t), in least squares over
 the volume, is the mean deviation along the axis at t over all positions of the others. It holds the positioning error
@@ -10,11 +10,9 @@ The deviation is the posterior mean: a part that the readings did not show shrin
 point in a cell that was read takes the rest of the cell as well. So a table leaves only the scatter at the targets of a
 test.
 
-The points of a table whose line is near the curve, for a control that takes them anywhere.
-
-A line between two points is off by about h² |f''| / 8: points belong where the curve bends. They are set one by one
-where the line is farthest from the curve. They begin with the ends, or with the knots of the errors: only there the
-bend of a spline differs on both sides.
+A line between two points is off by about h² |f''| / 8: points belong where the curve bends, for a control that takes
+them anywhere. They are set one by one where the line is farthest from the curve. They begin with the ends, or with the
+knots of the errors: only there the bend of a spline differs on both sides.
 """
 
 from __future__ import annotations

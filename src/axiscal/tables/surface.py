@@ -24,6 +24,7 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal.tables.sampling import cross_tables, hats_along
+from axiscal.tables.table import between
 from axiscal.units import format_quantity
 from axiscal_core.machine import Machine
 from axiscal_core.splines import gauss
@@ -183,12 +184,8 @@ class Mesh:
 
     def at(self, x: Array, y: Array) -> Array:
         """Return what is added at places (m,): bilinear between the points, constant outside."""
-        columns, rows = (
-            np.clip(np.searchsorted(grid, place, side="right") - 1, 0, len(grid) - 2)
-            for grid, place in ((self.x, x), (self.y, y))
-        )
-        u = np.clip((x - self.x[columns]) / (self.x[columns + 1] - self.x[columns]), 0, 1)
-        v = np.clip((y - self.y[rows]) / (self.y[rows + 1] - self.y[rows]), 0, 1)
+        (columns, u), (rows, v) = between(self.x, x), between(self.y, y)
+        u, v = np.clip(u, 0, 1), np.clip(v, 0, 1)
         low = (1 - u) * self.added[rows, columns] + u * self.added[rows, columns + 1]
         high = (1 - u) * self.added[rows + 1, columns] + u * self.added[rows + 1, columns + 1]
         return (1 - v) * low + v * high

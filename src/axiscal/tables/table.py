@@ -65,7 +65,7 @@ class Hats:
         A hat meets its two neighbours only, so few entries of the normal equations are not nought; where the last
         point is the first one their hats are one.
         """
-        index, share = self._between(self.nodes)
+        index, share = between(self.points, self.nodes)
         count, nodes = len(self.points) - self.closed, np.arange(len(share))
         places, shares = np.stack([index, index + 1]) % count, np.stack([1 - share, share])
         weighted = self.weights * shares
@@ -101,14 +101,15 @@ class Hats:
 
     def at(self, place: float, values: Array) -> Array:
         """Return what lines through values (points, …) are at a place."""
-        index, share = self._between(np.array([place]))
-        between: Array = (1 - share[0]) * values[index[0]] + share[0] * values[index[0] + 1]
-        return between
+        index, share = between(self.points, np.array([place]))
+        there: Array = (1 - share[0]) * values[index[0]] + share[0] * values[index[0] + 1]
+        return there
 
-    def _between(self, places: Array) -> tuple[NDArray[np.intp], Array]:
-        """Return between which point and the next one places lie, and the share of the way, (m,) each."""
-        index = np.clip(np.searchsorted(self.points, places, side="right") - 1, 0, len(self.points) - 2)
-        return index, (places - self.points[index]) / (self.points[index + 1] - self.points[index])
+
+def between(points: Array, places: Array) -> tuple[NDArray[np.intp], Array]:
+    """Return between which point and the next one places lie, and the share of the way, (m,) each."""
+    index = np.clip(np.searchsorted(points, places, side="right") - 1, 0, len(points) - 2)
+    return index, (places - points[index]) / (points[index + 1] - points[index])
 
 
 def _extremes(cubics: Array) -> Array:
