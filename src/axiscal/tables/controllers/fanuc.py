@@ -25,7 +25,9 @@ _EXPECTED = later(
     "punch parameters and pitch data from the control: records like N10000P0; between % and %, with N3620 to N3624 for "
     "each axis as N3620A1P100A2P200;"
 )
-_RECORD = re.compile(r"\s*N0*(\d+)(?:Q\d+)?((?:[A-Z]\d*)?P-?[\d.]+(?:[A-Z]\d*P-?[\d.]+)*)\s*;?\s*")
+_RECORD = re.compile(
+    r"\s*N0*(\d{1,9})(?:Q\d+)?((?:(?:[A-Z]\d{0,9})?P-?[\d.]{1,20})(?:[A-Z]\d{0,9}P-?[\d.]{1,20})*)\s*;?\s*"
+)
 _VALUE = re.compile(r"(?:A(\d+))?P(-?[\d.]+)")
 
 DETECTION = {False: 1e-6, True: math.radians(1e-3)}
