@@ -290,12 +290,12 @@ class Exporter(ABC):
         """Return files that were just written, read back, beside what they are meant to do."""
         name = type(self).__name__
         of_class(f"the result of {name}.write", written, Written)
-        own = {what: getattr(written, what) or getattr(self, what, None) for what in ("holds", "left_out")}
-        for what, text in own.items():
-            of_class(f"{name}.{what}", text, str)
+        for what in ("holds", "left_out"):
+            own = getattr(written, what) or getattr(self, what, None)
+            written = replace(written, **{what: of_class(f"{name}.{what}", own, str)})
         loaded = self.load([OldFile(*file) for file in written.files.items()], machine, options)
         held = of_class(f"the result of {name}.load", loaded, Loaded).control(machine)
-        return replace(written, control=held, wanted=wanted, tables=tables, tried=self.tried, **own)
+        return replace(written, control=held, wanted=wanted, tables=tables, tried=self.tried)
 
 
 class TableFormat(Exporter):

@@ -205,8 +205,8 @@ class CompensationTable:
             what = "the table of {axis} over {over} has {count} points, the control holds {most}"
             remedy = "{most} points fit: over this travel one every {fits} or wider"
             fits = math.ceil(float(np.ptp(self.positions)) / (most - 1) * 1e6) / 1e6
-            known = {"axis": self.axis, "over": self.over, "count": count, "most": most}
-            raise TableError(what, remedy, fits=format_quantity(fits, self.unit), **known)
+            shown = format_quantity(fits, self.unit)
+            raise TableError(what, remedy, axis=self.axis, over=self.over, count=count, most=most, fits=shown)
 
     def resampled(self, at: Array) -> CompensationTable:
         """Return the table on other points (n,): lines between its own."""

@@ -100,7 +100,11 @@ class VolumetricFormat(Exporter):
         if not np.any(turning):  # a constant deviation is taken off, as a displacement of the last axis
             axes[-1]["place"][:3] -= axes[-1]["side"] * to_unit(1.0, unit) * _at_zero(machine, mean)
         limits = [max(_MARGIN * float(np.max(largest[own], initial=0.0)), _LEAST) for own in (~turning, turning)]
-        file = {"campaign": options.origin[:16] or "none", "unit": {"mm": "mm", "in": "inch"}[unit], "axes": axes}
+        file: dict[str, Any] = {
+            "campaign": options.origin[:16] or "none",
+            "unit": {"mm": "mm", "in": "inch"}[unit],
+            "axes": axes,
+        }
         file |= {"limit": float(to_unit(limits[0], unit)), "limit_deg": float(to_unit(limits[1], "deg"))}
         written = self.write(file | {"tool": np.array([0.0, 0.0, -to_unit(machine.tool_length, unit)])})
         steps = {axis.name: self.step for axis in machine.axes}

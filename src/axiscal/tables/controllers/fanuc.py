@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -165,7 +166,7 @@ def _plan(punched: Punched, axis: Axis, number: int) -> PitchParameters | None:
     """Return the points of an axis, None without an interval; raises TableError."""
     values, told = (
         {key: punched.value(key, number) for key in _NEEDED},
-        dict[str, object](name=axis.name, number=number),
+        dict[str, Any](name=axis.name, number=number),
     )
     if missing := ", ".join(str(key) for key, value in values.items() if value is None):
         what = "there are no parameters {shown} for {name} (axis {number})"

@@ -66,15 +66,14 @@ class Sinumerik(TableFormat):
         own = [table for table in tables if table.axis == table.over]
         lines: dict[str, list[str]] = {_ENC: [], _CEC: []}
         for table in own:
-            values = _shown(table, (table.forward + table.reverse) / 2).items()
-            lines[_ENC] += [f"$AA_ENC_COMP[{encoder},{i},{names[table.axis]}]={value}" for i, value in values]
-            span = _span(table).items()
-            lines[_ENC] += [f"$AA_ENC_COMP_{key}[{encoder},{names[table.axis]}]={value}" for key, value in span]
+            mean, axis = _shown(table, (table.forward + table.reverse) / 2), names[table.axis]
+            lines[_ENC] += [f"$AA_ENC_COMP[{encoder},{i},{axis}]={value}" for i, value in enumerate(mean)]
+            lines[_ENC] += [f"$AA_ENC_COMP_{key}[{encoder},{axis}]={value}" for key, value in _span(table).items()]
         sums, slopes = (dict[str, dict[int, float]]() for _ in range(2))
         for number, table in enumerate(cec):
             direction, values = _direction(table), table.reverse if _direction(table) < 0 else table.forward
-            written = _shown(table, options.sign * values).items()
-            lines[_CEC] += [f"$AN_CEC[{number},{i}]={value}" for i, value in written]
+            written = _shown(table, options.sign * values)
+            lines[_CEC] += [f"$AN_CEC[{number},{i}]={value}" for i, value in enumerate(written)]
             modulo = {"IS_MODULO": (keys := _span(table)).pop("IS_MODULO")}
             keys = {"INPUT_AXIS": f"({names[table.over]})", "OUTPUT_AXIS": f"({names[table.axis]})", **keys}
             keys |= {"DIRECTION": str(direction), "MULT_BY_TABLE": "0", **modulo}
@@ -207,10 +206,8 @@ def _direction(table: CompensationTable) -> int:
     return 0 if np.array_equal(table.forward, table.reverse) else 1 if np.any(table.forward) else -1
 
 
-def _shown(table: CompensationTable, values: Array) -> dict[int, str]:
-    """Return the values of a table as they are written, by the numbers of the points."""
-    rounded = np.round(np.asarray(to_unit(values, table.value_unit())), 6) + 0.0
-    return {number: f"{value:.6f}" for number, value in enumerate(rounded)}
+def _shown(table: CompensationTable, values: Array) -> list[str]:
+    return [f"{value:.6f}" for value in np.round(np.asarray(to_unit(values, table.value_unit())), 6) + 0.0]
 
 
 def _span(table: CompensationTable) -> dict[str, str]:

@@ -48,6 +48,6 @@ class InForce:
         if other or (found != ["axiscal-vcomp"] if self.checksum is not None else bool(found) is not self.active):
             wanted = said("a compensation") if self.active else said("nothing")
             wanted = wanted if self.checksum is None else f"axiscal-vcomp, {self.checksum:#010x}"
-            held = {"found": joined(found) or said("nothing"), "checksum": status["checksum"] or "-"}
+            held, checksum = joined(found) or said("nothing"), status["checksum"] or "-"
             what = "in force is {found} (axiscal-vcomp.checksum: {checksum}), and it is to be {wanted}"
-            raise SourceError(what, _REMEDY, wanted=wanted, **held)
+            raise SourceError(what, _REMEDY, found=held, checksum=checksum, wanted=wanted)
