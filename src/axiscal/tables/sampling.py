@@ -29,7 +29,6 @@ from axiscal.numerics import Array
 from axiscal.tables.conditional import mean_along, turned
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.units import format_quantity
-from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
 SAMPLES = 1025
@@ -139,7 +138,13 @@ def points(
     start, stop = own.travel
     chosen = spacing.get(own.name) if isinstance(spacing, Mapping) else None if own.rotary else spacing
     if chosen is not None:
-        return _spaced(own, chosen, most)
+        count = min(max(round((stop - start) / chosen), 1), most - 1)
+        if abs(count * chosen - (stop - start)) > 1e-9:
+            near, shown, travel = (format_quantity(x, own.unit) for x in ((stop - start) / count, chosen, stop - start))
+            what = "{shown} does not divide the {travel} of {name} into {most} parts or fewer"
+            remedy = "{near} would, or leave the spacing out"
+            raise TableError(what, remedy, shown=shown, travel=travel, name=own.name, near=near, most=most - 1)
+        return np.linspace(start, stop, count + 1)
     intervals = max((len(f.spline.knots) - 1 for f in model.curves if f.axis == axis), default=1)
     count = max(min(_POINTS_PER_INTERVAL * intervals, most - 1), 1)
     if multiple is None:
@@ -152,22 +157,6 @@ def points(
     step = np.ceil((stop - first) / count / multiple - 1e-6) * multiple
     spread: Array = first + step * np.arange(int(np.ceil((stop - first) / step - 1e-6)) + 1)
     return spread
-
-
-def _spaced(axis: Axis, spacing: float, most: int) -> Array:
-    (start, stop), name = axis.travel, axis.name
-    count = round((stop - start) / spacing)
-    shown, travel = format_quantity(spacing, axis.unit), format_quantity(stop - start, axis.unit)
-    if count < 1 or abs(count * spacing - (stop - start)) > 1e-9:
-        near = format_quantity((stop - start) / max(count, 1), axis.unit)
-        what, remedy = "{shown} does not divide the {travel} of {name}", "{near} would, or leave the spacing out"
-        raise TableError(what, remedy, shown=shown, travel=travel, name=name, near=near)
-    if count + 1 > most:
-        fits = format_quantity((stop - start) / (most - 1), axis.unit, 4)
-        what = "every {shown} makes {count} points of {name}, this control holds {most}"
-        remedy = "{most} fit: take {fits} or more"
-        raise TableError(what, remedy, shown=shown, count=count + 1, name=name, most=most, fits=fits)
-    return np.linspace(start, stop, count + 1)
 
 
 def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> list[Array]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from importlib import resources
 from typing import Any, ClassVar
 
 import numpy as np
@@ -66,11 +67,12 @@ def refuse_changed(text: str, name: str) -> None:
 class VolumetricFormat(Exporter):
     """A control that knows the chain and reads one such file.
 
-    step : m or rad, that digits and rounds of it may leave of any axis
+    step : m or rad, that digits and rounds of it may leave of any axis; source : package and name of what reads it
     """
 
     tried = True
     step: ClassVar[float]
+    source: ClassVar[tuple[str, str]]
 
     @abstractmethod
     def seconds(self, estimate: Estimate) -> list[float]:
@@ -107,8 +109,10 @@ class VolumetricFormat(Exporter):
         }
         file |= {"limit": float(to_unit(limits[0], unit)), "limit_deg": float(to_unit(limits[1], "deg"))}
         written = self.write(file | {"tool": np.array([0.0, 0.0, -to_unit(machine.tool_length, unit)])})
+        sources = {name: resources.files(place) / name for place, name in (self.source, ("axiscal.tables", CORE))}
+        files = {**written.files, **{name: each.read_text(encoding="ascii") for name, each in sources.items()}}
         steps = {axis.name: self.step for axis in machine.axes}
-        known = replace(written, steps=steps, holds=self.holds, left_out=self.left_out, tried=self.tried)
+        known = replace(written, files=files, steps=steps, holds=self.holds, left_out=self.left_out, tried=self.tried)
         return replace(known, control=wanted, wanted=wanted)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:

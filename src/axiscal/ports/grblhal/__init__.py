@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import resources
 from typing import Any
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
-from axiscal.tables.vcomp_file import CORE
 
-_FILE, _TABLE, _PLUGIN = "axiscal.vcomp", "axiscal_table.h", "axiscal_grblhal.c"
+_FILE, _TABLE = "axiscal.vcomp", "axiscal_table.h"
 TRIED = "Its code was tried against grblHAL's interface of 2026, never in a controller with drives."
 
 
@@ -24,6 +22,7 @@ class GrblHal(vcomp_file.VolumetricFormat):
     )
     left_out = "the orientation of the tool beyond what rotary axes turn too far about themselves, and tool lengths."
     takes = frozenset({"--number"})
+    source = __package__, "axiscal_grblhal.c"
     step = 1e-8  # two rounds and twelve digits; a controller rounds to 1e-7 of a position besides
 
     def seconds(self, estimate: Estimate) -> list[float]:
@@ -31,11 +30,9 @@ class GrblHal(vcomp_file.VolumetricFormat):
         return [1.0] * len(estimate.machine.axes)
 
     def write(self, file: Mapping[str, Any]) -> Written:
-        """Return the table, once more as a header, and the plugin."""
+        """Return the table, and once more as a header."""
         text = vcomp_file.text_of(file, TRIED)
         files = {_FILE: text, _TABLE: _as_header(file, text)}
-        for name, place in ((_PLUGIN, __package__), (CORE, "axiscal.tables")):
-            files[name] = resources.files(place).joinpath(name).read_text(encoding="ascii")
         notes = paragraphs(__package__, "notes.jinja", tried=TRIED, **file)
         return Written(files, {}, notes)
 
