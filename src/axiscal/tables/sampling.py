@@ -17,7 +17,7 @@ knots of the errors: only there the bend of a spline differs on both sides.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -94,9 +94,11 @@ def cross_tables(
     for over in axes:
         hats, moved = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple)), [*axes]
         moved.remove(over)
-        for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
+        for axis, rows in zip(moved, _along(estimate, moved, over, hats.nodes), strict=True):
             if np.ptp(rows @ estimate.mean) > _NOTHING:  # no table over another axis holds a constant
-                table = (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
+                table = _fitted(estimate, axis, over, hats, rows)
+                if uneven:
+                    table = _nearest(estimate, table, lambda at, k=axis, over=over: _along(estimate, [k], over, at)[0])
                 found.append(replace(table, told=table.told and estimate.sees(rows.mean(axis=0))))
     return tuple(table for table in found if table.told is told)
 
@@ -115,14 +117,16 @@ def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = Fa
 
     positions : (n,) m or rad, increasing; uneven : as many may stand elsewhere between the first and the last
     """
+
+    def rows(at: Array) -> Array:
+        if not estimate.machine.axes[axis].rotary:
+            return _along(estimate, [axis], axis, at)[0]
+        known = estimate.model, estimate.box, axis, _read_at(estimate, axis, at)
+        return np.stack([turned(*known, sign) for sign in _sides(estimate, axis)])
+
     hats = hats_along(estimate, axis, positions)
-    if estimate.machine.axes[axis].rotary:
-        sides = _sides(estimate, axis)
-        at = _read_at(estimate, axis, hats.nodes)
-        rows = np.stack([turned(estimate.model, estimate.box, axis, at, sign) for sign in sides])
-    else:
-        (rows,) = _along(estimate, [axis], axis, hats)
-    return (_nearest if uneven else _fitted)(estimate, axis, axis, hats, rows)
+    even = _fitted(estimate, axis, axis, hats, rows(hats.nodes))
+    return _nearest(estimate, even, rows) if uneven else even
 
 
 def points(
@@ -159,9 +163,12 @@ def points(
     return spread
 
 
-def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> list[Array]:
-    """Return the mean deviation along each moved axis, by the sides it is reached from, as rows (s, nodes, size)."""
-    known = estimate.model, estimate.box, moved, over, _read_at(estimate, over, hats.nodes)
+def _along(estimate: Estimate, moved: Sequence[int], over: int, at: Array) -> list[Array]:
+    """Return the mean deviation along each moved axis, by the sides it is reached from, as rows (s, m, size).
+
+    at : (m,) positions of the axis, increasing
+    """
+    known = estimate.model, estimate.box, moved, over, _read_at(estimate, over, at)
     return list(np.stack([mean_along(*known, sign) for sign in _sides(estimate, over)], axis=1))
 
 
@@ -182,13 +189,16 @@ def hats_along(estimate: Estimate, over: int, positions: Array) -> Hats:
     return Hats.on(positions, knots if len(knots) else positions, estimate.box[over], closed)
 
 
-def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
-    """Return the table with as many points, set so that its line is nearest to the curve; never farther than `hats`."""
-    shown, at = curves @ estimate.mean, np.linspace(hats.points[0], hats.points[-1], SAMPLES)
+def _nearest(estimate: Estimate, even: CompensationTable, rows: Callable[[Array], Array]) -> CompensationTable:
+    """Return a table with as many points, set so that its line is nearest to the curve; never farther than `even`.
+
+    rows : the curve at positions (m,), rows (s, m, size)
+    """
+    axis, over = estimate.machine.index(even.axis), estimate.machine.index(even.over)
+    at = np.linspace(*even.positions[[0, -1]], SAMPLES)
     knots = np.concatenate([np.zeros(0), *estimate.model.knots_along(over)])
-    other = hats_along(estimate, over, closest(shown @ hats.carried(at).T, at, knots, hats.points))
-    pairs = (hats, curves), (other, hats.carried(other.nodes) @ curves)
-    even, found = (_fitted(estimate, axis, over, *pair) for pair in pairs)
+    hats = hats_along(estimate, over, closest(rows(at) @ estimate.mean, at, knots, even.positions))
+    found = _fitted(estimate, axis, over, hats, rows(hats.nodes))
     return found if found.departure < even.departure - _NEARER else even  # along a straight line any are as near
 
 

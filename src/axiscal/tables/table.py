@@ -25,8 +25,6 @@ from axiscal_core.splines import gauss
 
 _CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, increasing=True))
 """Mathematics: from the values at five points of Gauss to the cubic's coefficients."""
-_NODES = np.polynomial.legendre.leggauss(5)[0]
-"""Mathematics."""
 _APART = 1e-9
 """Share of the way from one point to the next: rounding of a place on the first."""
 _OUTSIDE = 1e-6
@@ -74,17 +72,6 @@ class Hats:
         rows, columns = (np.broadcast_to(each, squares.shape).ravel() for each in (places[:, None], places))
         values = sparse_solution(squares.ravel(), rows, columns, right)
         return np.concatenate([values, values[:1]]) if self.closed else values
-
-    def carried(self, at: Array) -> Array:
-        """Return the map (len(at), nodes) from a curve at the nodes to it elsewhere: one cubic on every stretch."""
-        nodes = self.nodes.reshape(-1, 5)
-        half = (nodes[:, 4] - nodes[:, 0]) / (_NODES[4] - _NODES[0])
-        stretch = np.clip(np.searchsorted(nodes[:, 2] + half, at), 0, len(nodes) - 1)
-        share = (at - nodes[stretch, 2]) / half[stretch]
-        result = np.zeros((len(at), len(self.nodes)))
-        columns = 5 * stretch[:, None] + np.arange(5)
-        np.put_along_axis(result, columns, np.vander(share, 4, increasing=True) @ _CUBIC, axis=1)
-        return result
 
     def departure(self, curve: Array, values: Array) -> float:
         """Return the largest distance within the bounds between a piecewise cubic and the line through values.
