@@ -21,26 +21,25 @@ from axiscal_core.machine import Machine
 from axiscal_core.splines import gauss
 
 
-def mean_along(model: Machine, box: Box, moved: Sequence[int], over: int, positions: Array, sign: int) -> Array:
-    """Return rows (moved, positions, size) of E[ δp · u_o | t_over ] for every linear axis o in `moved`.
+def mean_along(model: Machine, box: Box, moved: int, over: int, positions: Array, sign: int) -> Array:
+    """Return rows (positions, size) of E[ δp · u_o | t_over ] of a linear axis o.
 
-    sign : +1 or -1, the direction in which the position was approached
+    moved : the axis o; sign : +1 or -1, the direction in which the position was approached
     What rotary axes turn too far is left out: their own tables take it away.
     """
     nodes, shares = _lagrange(positions, (positions[0], positions[-1]), rotary=False)
     axes = [_along(model, k, bounds) for k, bounds in enumerate(box)]
     axes[over] = nodes, positions, shares.T
-    levers = np.moveaxis(_levers_along(model, [nodes for nodes, *_ in axes], moved, over, sign), 2 + over, 2)
-    rows = np.zeros((len(moved), len(positions), model.size))
+    levers = np.moveaxis(_levers_along(model, [nodes for nodes, *_ in axes], moved, over, sign), 1 + over, 1)
+    rows = np.zeros((len(positions), model.size))
     for term, lever in zip(model.terms, levers, strict=True):
         sides, left = {side.axis: side for side in term.sides}, lever[..., None]
         for k, (_, at, weighted) in enumerate(axes):  # one axis of the grid after another
             if k == over:
                 continue
             along = weighted @ sides[k].rows(at) if k in sides else weighted.sum(axis=1)[:, None]
-            left = np.einsum("oij...n,jn->oi...n", left, along)
-        own = sides[over].rows(positions) if over in sides else 1.0
-        rows[:, :, term.columns] = np.einsum("oin,pi->opn", left, shares) * own
+            left = np.einsum("ij...n,jn->i...n", left, along)
+        rows[:, term.columns] = (shares @ left) * (sides[over].rows(positions) if over in sides else 1.0)
     return rows
 
 
@@ -60,16 +59,14 @@ def _along(model: Machine, axis: int, bounds: tuple[float, float]) -> tuple[Arra
     return nodes, positions, shares.T * (weights / (stop - start))
 
 
-def _levers_along(model: Machine, nodes: Sequence[Array], moved: Sequence[int], over: int, sign: int) -> Array:
-    """Return the levers of all terms along moved axes, (terms, moved, ...) at the nodes of all axes."""
+def _levers_along(model: Machine, nodes: Sequence[Array], moved: int, over: int, sign: int) -> Array:
+    """Return the levers of all terms along an axis, (terms, ...) at the nodes of all axes."""
     grid = np.meshgrid(*nodes, indexing="ij")
     poses = np.stack([each.ravel() for each in grid], axis=1)
-    rotations = model.frames(poses).rotations
-    along_axes = [rotations[o] @ np.array(model.axes[o].direction) for o in moved]
-    ways = np.array(along_axes).reshape(len(moved), len(poses), 3)  # of no axis too
+    ways = model.frames(poses).rotations[moved] @ np.array(model.axes[moved].direction)
     counted = np.array([_counted(model, index, over, sign) for index in range(len(model.terms))])
-    found: Array = np.einsum("f,fmc,omc->fom", counted, model.levers(poses), ways)
-    return found.reshape(len(counted), len(moved), *grid[0].shape)
+    found: Array = np.einsum("f,fmc,mc->fm", counted, model.levers(poses), ways)
+    return found.reshape(len(counted), *grid[0].shape)
 
 
 def _counted(model: Machine, index: int, over: int, sign: int) -> float:

@@ -17,7 +17,7 @@ knots of the errors: only there the bend of a spline differs on both sides.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -92,14 +92,13 @@ def cross_tables(
     """
     axes, found = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary], list[CompensationTable]()
     for over in axes:
-        hats, moved = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple)), [*axes]
-        moved.remove(over)
-        for axis, rows in zip(moved, _along(estimate, moved, over, hats.nodes), strict=True):
-            if np.ptp(rows @ estimate.mean) > _NOTHING:  # no table over another axis holds a constant
-                table = _fitted(estimate, axis, over, hats, rows)
-                if uneven:
-                    table = _nearest(estimate, table, lambda at, k=axis, over=over: _along(estimate, [k], over, at)[0])
-                found.append(replace(table, told=table.told and estimate.sees(rows.mean(axis=0))))
+        hats = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple))
+        for axis in (axis for axis in axes if axis != over):
+            curves = curves_at(estimate, axis, over, hats.nodes)
+            if np.ptp(curves @ estimate.mean) > _NOTHING:  # no table over another axis holds a constant
+                table = _fitted(estimate, axis, over, hats, curves)
+                table = _nearest(estimate, table) if uneven else table
+                found.append(replace(table, told=table.told and estimate.sees(curves.mean(axis=0))))
     return tuple(table for table in found if table.told is told)
 
 
@@ -117,16 +116,9 @@ def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = Fa
 
     positions : (n,) m or rad, increasing; uneven : as many may stand elsewhere between the first and the last
     """
-
-    def rows(at: Array) -> Array:
-        if not estimate.machine.axes[axis].rotary:
-            return _along(estimate, [axis], axis, at)[0]
-        known = estimate.model, estimate.box, axis, _read_at(estimate, axis, at)
-        return np.stack([turned(*known, sign) for sign in _sides(estimate, axis)])
-
     hats = hats_along(estimate, axis, positions)
-    even = _fitted(estimate, axis, axis, hats, rows(hats.nodes))
-    return _nearest(estimate, even, rows) if uneven else even
+    even = _fitted(estimate, axis, axis, hats, curves_at(estimate, axis, axis, hats.nodes))
+    return _nearest(estimate, even) if uneven else even
 
 
 def points(
@@ -163,23 +155,25 @@ def points(
     return spread
 
 
-def _along(estimate: Estimate, moved: Sequence[int], over: int, at: Array) -> list[Array]:
-    """Return the mean deviation along each moved axis, by the sides it is reached from, as rows (s, m, size).
+def curves_at(estimate: Estimate, axis: int, over: int, at: Array) -> Array:
+    """Return the mean deviation along an axis at positions of one (m,), increasing, as rows (s, m, size).
 
-    at : (m,) positions of the axis, increasing
+    There is one for each side from which a position is reached, one where they make no difference. Of a rotary axis it
+    is the rotation.
     """
-    known = estimate.model, estimate.box, moved, over, _read_at(estimate, over, at)
-    return list(np.stack([mean_along(*known, sign) for sign in _sides(estimate, over)], axis=1))
+    model, sides, at = (
+        estimate.model,
+        (1, -1) if over in estimate.model.reversing else (1,),
+        _read_at(estimate, over, at),
+    )
+    if model.axes[axis].rotary:
+        return np.stack([turned(model, estimate.box, axis, at, sign) for sign in sides])
+    return np.stack([mean_along(model, estimate.box, axis, over, at, sign) for sign in sides])
 
 
 def _read_at(estimate: Estimate, axis: int, positions: Array) -> Array:
     """Return positions of an axis, and beyond what was read the end of that: a table is constant there."""
     return np.clip(positions, *estimate.read[axis]) if estimate.read else positions
-
-
-def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:
-    """Return the sides from which a position of an axis is reached: one where they make no difference."""
-    return (1, -1) if over in estimate.model.reversing else (1,)
 
 
 def hats_along(estimate: Estimate, over: int, positions: Array) -> Hats:
@@ -189,16 +183,13 @@ def hats_along(estimate: Estimate, over: int, positions: Array) -> Hats:
     return Hats.on(positions, knots if len(knots) else positions, estimate.box[over], closed)
 
 
-def _nearest(estimate: Estimate, even: CompensationTable, rows: Callable[[Array], Array]) -> CompensationTable:
-    """Return a table with as many points, set so that its line is nearest to the curve; never farther than `even`.
-
-    rows : the curve at positions (m,), rows (s, m, size)
-    """
+def _nearest(estimate: Estimate, even: CompensationTable) -> CompensationTable:
+    """Return a table with as many points, set so that its line is nearest to the curve; never farther than `even`."""
     axis, over = estimate.machine.index(even.axis), estimate.machine.index(even.over)
     at = np.linspace(*even.positions[[0, -1]], SAMPLES)
-    knots = np.concatenate([np.zeros(0), *estimate.model.knots_along(over)])
-    hats = hats_along(estimate, over, closest(rows(at) @ estimate.mean, at, knots, even.positions))
-    found = _fitted(estimate, axis, over, hats, rows(hats.nodes))
+    knots, shown = np.concatenate([np.zeros(0), *estimate.model.knots_along(over)]), curves_at(estimate, axis, over, at)
+    hats = hats_along(estimate, over, closest(shown @ estimate.mean, at, knots, even.positions))
+    found = _fitted(estimate, axis, over, hats, curves_at(estimate, axis, over, hats.nodes))
     return found if found.departure < even.departure - _NEARER else even  # along a straight line any are as near
 
 
