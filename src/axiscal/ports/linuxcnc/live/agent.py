@@ -40,10 +40,8 @@ _EASED = 1.0
 """s after a change of an override in which other commands are taken to belong to it."""
 _FIRST_TURN = 1.0
 """deg: so far each rotary axis turns alone at first."""
-_WORDS = r"((?: [{}]-?\d+(?:\.\d+)?)+) F(\d+)"
-_LINES = tuple(
-    re.compile(f"({kind})" + _WORDS.format(letters)) for kind, letters in (("G53 G1", LETTERS), (r"G38\.3", "XYZUVW"))
-)
+_LINES = re.compile(rf"(G53 G1|G38\.3(?!.*[ABC]))((?: [{LETTERS}]-?\d+(?:\.\d+)?)+) F(\d+)")
+"""The two kinds of lines; a touch names no rotary axis."""
 _PLAIN = "G21 G90 G94 G61 G17 G40"
 """mm, absolute, mm/min, exact stop: before every move, and what was in force is set again at the end."""
 _NEEDED = {210, 900, 940, 610}
@@ -64,12 +62,11 @@ class Agent:
         self.stat, self.command, self.channel = linuxcnc.stat(), linuxcnc.command(), linuxcnc.error_channel()
         self.asked: queue.Queue[dict[str, Any]] = queue.Queue()
         self.heard, self.gone = time.monotonic(), False
-        self.before: list[str] = []
+        self.before, self.turned = list[str](), set[str]()
         self.moving = False  # a move of ours is under way
         self.ours = -1  # number of the last command that is ours, or known
         self.overrides: object = None
         self.eased = -math.inf
-        self.turned: set[str] = set()
         threading.Thread(target=self._listen, daemon=True).start()
 
     def serve(self) -> None:
@@ -144,16 +141,14 @@ class Agent:
 
     def line(self, code: str) -> dict[str, Any]:
         """Make one move and wait until it is done; whatever is not as it has to be is said instead."""
-        found = next((match for pattern in _LINES if (match := pattern.fullmatch(code))), None)
-        if found is None or not 0 < float(found[3]) <= LARGEST:
+        if (found := _LINES.fullmatch(code)) is None or not 0 < float(found[3]) <= LARGEST:
             return {"failure": f"{code!r} is no line that is executed here"}
         ends = {word[0]: float(word[1:]) for word in found[2].split()}
         self.stat.poll()
         first = self._first_turn(ends)
         if found[1] == "G38.3":  # it names no rotary axis, and one at a limit would end 1e-17 beyond
             first = {a: limit for a, limit in self.at_limits().items() if a in "ABC"}
-        failure = (self._made("G53 G1", first, found[3]) if first else "") or self._made(found[1], ends, found[3])
-        if failure:
+        if failure := (first and self._made("G53 G1", first, found[3])) or self._made(found[1], ends, found[3]):
             return {"failure": failure}
         probed = {a: float(at) / self.unit(a) for a, at in zip(LETTERS, self.stat.probed_position, strict=False)}
         return {"tripped": bool(self.stat.probe_tripped), "probed": probed, "probe": bool(self.stat.probe_val)}
@@ -167,8 +162,7 @@ class Agent:
 
     def _made(self, kind: str, ends: dict[str, float], feed: str) -> str:
         """Make one move and return what was amiss, or nothing.  ends : letter -> where in the machine, mm or deg"""
-        amiss = self._unfit() or self._plain() or self._unfit()
-        if amiss:
+        if amiss := self._unfit() or self._plain() or self._unfit():
             return amiss
         begun, probing = [self.here(a) for a in self.letters()], kind == "G38.3"
         ends = ends if probing else self.at_limits() | ends
@@ -176,14 +170,15 @@ class Agent:
         self.moving = True
         self._give(self.command.mdi, f"G21 G90 G94 {kind} {words} F{feed}", wait=False)
         amiss = self._awaited()
-        said = "; ".join(self._drain())
-        if said or amiss:
+        if amiss := "; ".join(self._drain()) or amiss:
             self._end_move()
-            return said or amiss
+            return amiss
         self.moving = False
         stood = all(abs(self.here(a) - at) < _WITHIN for a, at in zip(self.letters(), begun, strict=True))
         touched = probing and self.stat.probe_tripped and not stood
-        if not touched and any(self.off(a, end) > _WITHIN for a, end in ends.items()):
+        ways = {a: abs(self.here(a) - end) for a, end in ends.items()}
+        off = max(min(way % 360, -way % 360) if a in "ABC" else way for a, way in ways.items())  # full turns are none
+        if not touched and off > _WITHIN:
             return f"the axes are not where the move ends: {_SOMEBODY}"
         return self._apart()
 
@@ -191,8 +186,8 @@ class Agent:
         """Return why no move may begin, or nothing."""
         stat = self.stat
         stat.poll()
-        ready = self.homed() and stat.enabled and not stat.estop and not self.spins()
-        if not ready or stat.interp_state != linuxcnc.INTERP_IDLE or not stat.inpos:
+        ready = {"homed": True, "estop": False, "enabled": True, "spindle": False}
+        if self.drives() != ready or stat.interp_state != linuxcnc.INTERP_IDLE or not stat.inpos:
             return "the machine is no longer as it was"
         if self.before and (stat.task_mode != linuxcnc.MODE_MDI or self._interfered()):
             return _SOMEBODY
@@ -297,11 +292,8 @@ class Agent:
 
     def _drain(self) -> list[str]:
         """Return the messages of LinuxCNC that are errors."""
-        texts = []
-        while (message := self.channel.poll()) is not None:
-            if message[0] in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR):
-                texts.append(str(message[1]).strip())
-        return texts
+        messages = iter(self.channel.poll, None)
+        return [str(text).strip() for kind, text in messages if kind in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR)]
 
     def status(self) -> dict[str, Any]:
         """Return how the machine stands, mm and deg."""
@@ -309,10 +301,7 @@ class Agent:
         stat, letters, joints = self.stat, self.letters(), range(self.stat.joints)
         return {
             "idle": stat.interp_state == linuxcnc.INTERP_IDLE,
-            "homed": self.homed(),
-            "estop": bool(stat.estop),
-            "enabled": bool(stat.enabled),
-            "spindle": self.spins(),
+            **self.drives(),
             "feed": float(stat.feedrate),
             "feed_heeded": bool(stat.feed_override_enabled),
             "probe": bool(stat.probe_val),
@@ -327,13 +316,12 @@ class Agent:
             "tip": self._tip(),
         }
 
-    def homed(self) -> bool:
-        """Return whether every joint is."""
-        return all(self.stat.homed[joint] for joint in range(self.stat.joints))
-
-    def spins(self) -> bool:
-        """Return whether a spindle turns, or is on."""
-        return any(each["enabled"] or each["speed"] for each in getattr(self.stat, "spindle", ())[: self.stat.spindles])
+    def drives(self) -> dict[str, bool]:
+        """Return whether every joint is homed, the drives are on, and a spindle turns or is on."""
+        stat = self.stat
+        homed = all(stat.homed[joint] for joint in range(stat.joints))
+        spins = any(each["enabled"] or each["speed"] for each in getattr(stat, "spindle", ())[: stat.spindles])
+        return {"homed": homed, "estop": bool(stat.estop), "enabled": bool(stat.enabled), "spindle": spins}
 
     def unit(self, letter: str) -> float:
         """Return one mm or deg in the machine's units."""
@@ -356,21 +344,12 @@ class Agent:
         stated = self.stat.axis[LETTERS.index(letter)]
         return [float(stated[f"{end}_position_limit"]) / self.unit(letter) for end in ("min", "max")]
 
-    def off(self, letter: str, end: float) -> float:
-        """Return how far an axis is from where it is to stand, mm or deg; full turns are none."""
-        way = abs(self.here(letter) - end)
-        return min(way % 360, -way % 360) if letter in "ABC" else way
-
     def shift(self, letter: str) -> float:
         """Return how far the zero of coordinates in force is from the machine's, mm."""
         stat, k = self.stat, LETTERS.index(letter)
         return float(stat.g5x_offset[k] + stat.g92_offset[k] + stat.tool_offset[k]) / self.unit(letter)
 
-    def letters(self) -> list[str]:
-        """Return the axes."""
-        return list(dict.fromkeys(self._joints()))
-
-    def _joints(self) -> str:
+    def letters(self) -> str:
         """Return the axis of each joint."""
         found = re.search(r"coordinates=(\w+)", self._said("KINS", "KINEMATICS"))
         return (found[1] if found else self._said("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
@@ -380,7 +359,7 @@ class Agent:
         at = [float(each) for each in self.stat.joint_position[: self.stat.joints]]
         if self._said("KINS", "KINEMATICS").startswith("corexykins"):
             at[:2] = (at[0] + at[1]) / 2, (at[0] - at[1]) / 2
-        return [(axis, place / self.unit(axis)) for axis, place in zip(self._joints(), at, strict=False)]
+        return [(axis, place / self.unit(axis)) for axis, place in zip(self.letters(), at, strict=False)]
 
     def _tip(self) -> bool:
         """Whether switchable kinematics are seen to hold the tool point; not every LinuxCNC shows it."""
