@@ -186,7 +186,7 @@ def hats_along(estimate: Estimate, over: int, positions: Array) -> Hats:
 def _nearest(estimate: Estimate, even: CompensationTable) -> CompensationTable:
     """Return a table with as many points, set so that its line is nearest to the curve; never farther than `even`."""
     axis, over = estimate.machine.index(even.axis), estimate.machine.index(even.over)
-    at = np.linspace(*even.positions[[0, -1]], SAMPLES)
+    at = np.linspace(even.positions[0], even.positions[-1], SAMPLES)
     knots, shown = np.concatenate([np.zeros(0), *estimate.model.knots_along(over)]), curves_at(estimate, axis, over, at)
     hats = hats_along(estimate, over, closest(shown @ estimate.mean, at, knots, even.positions))
     found = _fitted(estimate, axis, over, hats, curves_at(estimate, axis, over, hats.nodes))
