@@ -144,7 +144,7 @@ def module(control: Control, monkeypatch: pytest.MonkeyPatch) -> types.ModuleTyp
     }.items():
         setattr(fake, name, value)
     monkeypatch.setitem(sys.modules, "linuxcnc", fake)
-    spec = spec_from_file_location("live_agent", connection._PARTS[-1])
+    spec = spec_from_file_location("live_agent", connection._AGENT)
     assert spec is not None
     assert spec.loader is not None
     loaded = module_from_spec(spec)

@@ -106,7 +106,7 @@ def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
 def test_a_bump_is_exported_and_the_sign_that_it_shows_is_kept(record: Path, tmp_path: Path, command: Command) -> None:
     def exported(*options: str) -> dict[str, str]:
         """Return the files by name, and as "" what was printed."""
-        printed = command("export", record, "--to", "ISG", "--out", tmp_path / "isg", *options).printed
+        printed = command("export", record, "--to", "isg", "--out", tmp_path / "isg", *options).printed
         return {file.name: file.read_text() for file in (tmp_path / "isg").iterdir()} | {"": printed}
 
     assumed, bump = exported(), exported("--probe-sign")
@@ -121,7 +121,7 @@ def test_a_bump_is_exported_and_the_sign_that_it_shows_is_kept(record: Path, tmp
     assert exported("--probe-sign")["volcomp.lis"] == bump["volcomp.lis"]
     assert command("verify", record, "--to", "isg", "--bump", "-9.6 um", "--json").document["sign"] == "as assumed"
     assert exported()["volcomp.lis"] == assumed["volcomp.lis"]
-    assert "--to fanuc --template FILE" in command("verify", record, "--to", "FANUC", "--bump", "10 um").printed
+    assert "--to fanuc --template FILE" in command("verify", record, "--to", "fanuc", "--bump", "10 um").printed
     assert "by 1 um" in command("verify", record, "--to", "isg", "--bump", "1 um").refusal
     assert "linuxcnc states which way" in command("verify", record, "--to", "linuxcnc", "--bump", "10 um").refusal
 

@@ -183,10 +183,13 @@ def test_what_is_to_be_in_force_is_what_was_exported(check: Check, tmp_path: Pat
     wanted.refuse(there)
     wanted.refuse(there | {"checksum": hex(wanted.checksum)})
     for other, why in (
-        ({"checksum": None}, "is not loaded"),
-        ({"checksum": "17"}, "holds another file"),
-        ({"whole": False}, "is not true"),
-        ({"compensated": [1]}, "of joint 1 is in force beside"),
+        (
+            {"checksum": None},
+            r"in force is axiscal-vcomp \(axiscal-vcomp.checksum: -\), and it is to be axiscal-vcomp, 0x",
+        ),
+        ({"checksum": "17"}, "checksum: 17"),
+        ({"whole": False}, "in force is nothing"),
+        ({"compensated": [1]}, "in force is COMP_FILE or BACKLASH of joint 1 and axiscal-vcomp"),
     ):
         with pytest.raises(SourceError, match=why):
             wanted.refuse(there | other)

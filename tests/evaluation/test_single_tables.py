@@ -11,7 +11,7 @@ from axiscal.evaluation.check import Check
 from axiscal.evaluation.table_checks import Judgement, parts_of, shares
 from axiscal.measurement.reading import Places
 from axiscal.measurement.simulation import Simulator, VirtualMachine
-from axiscal.tables.loaded import table_control
+from axiscal.tables.loaded import Loaded
 from axiscal.tables.surface import Control
 from tests.evaluation.said import idle, measured, readings_of, said_of
 from tests.generators.campaigns import on
@@ -53,7 +53,7 @@ def judged(check: Check, truth: VirtualMachine, places: Places, loaded: Control,
 def with_share(check: Check, name: str, share: float) -> Control:
     """Return the tables with one of them loaded so many times: 0 is a missing file, -1 one with the wrong sign."""
     (table,) = (t for t in check.tables.tables if name == (t.axis if t.axis == t.over else f"{t.axis} over {t.over}"))
-    alone = table_control(check.estimate.machine, [table])
+    alone = Loaded((table,)).control(check.estimate.machine)
     return lambda poses, ways: check.tables.control(poses, ways) + (share - 1) * alone(poses, ways)
 
 
@@ -102,7 +102,7 @@ def test_a_single_table_that_is_wrong_or_missing_fails_whatever_the_tolerance(
 def test_a_reversal_that_is_missing_fails(folder: Path) -> None:
     check, truth = checked(folder)
     means = [table.averaged() for table in check.tables.tables]
-    judgement = judged(check, truth, check.planned(), table_control(check.estimate.machine, means))
+    judgement = judged(check, truth, check.planned(), Loaded(tuple(means)).control(check.estimate.machine))
     assert [each.name for each in judgement.faulty] == ["reversal of X"]
     assert judgement.verdict == "faulty"
 

@@ -109,10 +109,9 @@ def running(text: str | None = None, machine: Sequence[Joint] | None = None) -> 
 
 def quickened(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     """Let the program beside LinuxCNC move as fast as can be but for the slow touch.  folder : where it is kept"""
-    *parts, last = connection._PARTS
-    agent = last.read_text(encoding="utf-8").replace("LARGEST = 3000.0", "LARGEST = 99999.0")
+    agent = connection._AGENT.read_text(encoding="utf-8").replace("LARGEST = 3000.0", "LARGEST = 99999.0")
     (folder / "agent.py").write_text(agent, encoding="utf-8")
-    monkeypatch.setattr(connection, "_PARTS", (*parts, folder / "agent.py"))
+    monkeypatch.setattr(connection, "_AGENT", folder / "agent.py")
     monkeypatch.setattr(attached, "_FASTEST", 90_000)
     monkeypatch.setattr(touched, "Cycle", partial(touched.Cycle, fast=0.04))
 

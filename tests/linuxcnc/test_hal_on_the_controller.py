@@ -10,6 +10,7 @@ from tests.linuxcnc.needed import LONG
 
 pytestmark = LONG
 
+JOINTS = {"X": (0,), "Y": (1,), "Z": (2,)}
 SPEEDS = {"X": 0.2, "Y": 0.2, "Z": 0.2}
 
 
@@ -45,8 +46,7 @@ def forget(session: Session, count: int) -> None:
 def test_a_correction_comes_and_goes_smoothly_with_homing() -> None:
     """X is off by 100 um where Y stands; Y's joint is homed there, and its coordinate becomes zero."""
     table = bend("X", "Y", 1e-4)
-    wiring = cross.Wiring({"X": (0,), "Y": (1,), "Z": (2,)}, SPEEDS)
-    text = cross.write([table, bend("X", "Z", 5e-5)], wiring) + watched(["axiscal-x-correction"])
+    text = cross.write([table, bend("X", "Z", 5e-5)], JOINTS, SPEEDS) + watched(["axiscal-x-correction"])
     limit = cross.fastest([table, bend("X", "Z", 5e-5)], SPEEDS) * 1e3
     joints = [Joint(axis, velocity=200.0, acceleration=2000.0) for axis in "XYZ"]
     with Session(joints, Settings(text)) as session:
@@ -71,8 +71,7 @@ def test_before_all_joints_are_homed_nothing_is_added_and_then_it_is_ramped() ->
     """The curve is 50 um where the machine is switched on, and the DISPLAY program homes at once."""
     at = np.linspace(-0.2, 0.2, 3)
     table = CompensationTable("X", at, np.full(3, 5e-5), np.full(3, 5e-5), np.full(3, 1e-7), "Y")
-    wiring = cross.Wiring({"X": (0,), "Y": (1,), "Z": (2,)}, SPEEDS)
-    text = cross.write([table], wiring) + watched(["axiscal-x-correction"])
+    text = cross.write([table], JOINTS, SPEEDS) + watched(["axiscal-x-correction"])
     with Session([Joint(axis) for axis in "XYZ"], Settings(text)) as session:
         early = session.read(["axiscal-x-correction"])[0]
         session.move(["G4 P1.2"])

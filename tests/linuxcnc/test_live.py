@@ -175,7 +175,7 @@ def test_another_machine_is_refused(bench: Bench) -> None:
     ]:
         with pytest.raises(SourceError, match=why):
             LiveSource(Connection(bench.words()), other, InForce())
-    with pytest.raises(SourceError, match="a compensation is to be in force"):
+    with pytest.raises(SourceError, match=r"in force is nothing .*, and it is to be a compensation"):
         LiveSource(Connection(bench.words()), machine, InForce(True))
 
 

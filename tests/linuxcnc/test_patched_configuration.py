@@ -131,17 +131,6 @@ class TestStarted:
         ini.write_text(first + "\n[".join(kept) + "\n#INCLUDE parts/z.inc\n")
         run_as_foretold(ini, export_into(ini, known("three-axis")[0], ExportOptions()))
 
-    @pytest.mark.parametrize("named", ["core_sim.hal", "LIB:core_sim.hal"])
-    def test_a_file_of_the_library_is_copied_and_changed(self, tmp_path: Path, named: str) -> None:
-        """As sample configurations have it, with which many a machine runs."""
-        ini = owned(tmp_path)
-        text = ini.read_text().replace("HALFILE = mill.hal\nHALFILE = z.hal  # of Z", f"HALFILE = {named}")
-        ini.write_text(text.replace("[EMCMOT]\n", "[EMCMOT]\nBASE_PERIOD = 100000\n"))
-        made = export_into(ini, known("three-axis")[0], ExportOptions())
-        run_as_foretold(ini, made)
-        assert "core_sim.hal is a copy out of LinuxCNC's library." in made.readme
-        assert "net Xpos axiscal-vcomp.drive-0 => axiscal-vcomp.encoder-0 ddt_x.in\n" in made.files["core_sim.hal"]
-
 
 def test_another_machine_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"the INI file has axes X Y Z, machine.toml A C X Y Z"):

@@ -72,9 +72,6 @@ BY_HAND = {  # which axis is moved at X 100, Y 100, Z 50 mm, and by how much com
     "linuxcnc, BACKLASH": ("linuxcnc", OldFile("mill.ini", "", joint=1, backlash=0.03), "Y", 15, -15),
     "sinumerik: positive values move an axis down": ("sinumerik", OldFile("AX_EEC.INI", ENC), "X", -4.2, -4.2),
     "sinumerik, an archive": ("sinumerik", OldFile("AX_EEC.INI", ARCHIVE), "X", -4.2, -4.2),
-    "sinumerik, an axis under its own name that somebody gives": (
-        "sinumerik", OldFile("s.ini", ENC.replace("AX1", "MX1").replace(EMPTY, ""), "X"), "X", -4.2, -4.2
-    ),
     "sinumerik, over another axis": ("sinumerik", OldFile("NC_CEC.INI", CEC), "Y", -10, -10),
     "fanuc: increments times the magnification": (
         "fanuc", OldFile("p", PITCH), "X", 10, 10

@@ -23,7 +23,6 @@ JOINTS = {joints}
 COORDINATES = {axes}
 LINEAR_UNITS = mm
 [HAL]
-HALFILE = LIB:core_sim.hal
 HALFILE = mill.hal
 """
 HAL = """\
@@ -31,14 +30,6 @@ loadrt [KINS]KINEMATICS
 addf motion-command-handler servo-thread
 addf motion-controller servo-thread
 """
-
-
-@pytest.fixture(autouse=True)
-def _library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Lay LinuxCNC's own HAL file where no LinuxCNC is installed."""
-    (tmp_path / "hallib").mkdir()
-    (tmp_path / "hallib" / "core_sim.hal").touch()
-    monkeypatch.setattr("axiscal.ports.linuxcnc.configuring.LIBRARY", tmp_path / "hallib")
 
 
 def ini(folder: Path, axes: str = "XYZ", kinematics: str = "trivkins", hal: str = "") -> Path:

@@ -55,7 +55,7 @@ def test_rows_are_the_mean_over_all_other_axes(machine: str, over: str, moved: s
     at = np.linspace(low[index], high[index], 3)
     spread = low + (high - low) * qmc.Sobol(len(low), rng=1).random(2**13)
     for side in (1, -1):
-        found = mean_along(model, box, axes, index, at, side)
+        found = np.stack([mean_along(model, box, axis, index, at, side) for axis in axes])
         for number, position in enumerate(at):
             spread[:, index] = position
             sides = np.zeros_like(spread)

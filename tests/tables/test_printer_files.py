@@ -6,8 +6,9 @@ import pytest
 from axiscal.ports.printers.contents import play_of
 from axiscal.ports.printers.marlin import Marlin
 from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import Loaded
 from axiscal.tables.sampling import axis_tables, backlash
-from axiscal.tables.surface import skew_control, skew_of
+from axiscal.tables.surface import skew_of
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import known as drawn_machine
 from tests.tables.test_sampling import machine as linear_machine
@@ -41,7 +42,7 @@ def test_a_skew_is_the_slope_of_the_mean_of_both_sides_and_is_taken_away_as_prin
         assert abs(slope) > 4e-5  # each plane is skewed ten times what the slope may differ by
     x, y, z = (MACHINE.index(name) for name in "XYZ")
     poses = np.array([[0.1, 0.2, 0.3]])[:, np.argsort([x, y, z])]
-    added = skew_control(MACHINE, {"XY": 0.01, "XZ": 0.02, "YZ": -0.03})(poses, np.zeros((1, 3)))
+    added = Loaded(skew={"XY": 0.01, "XZ": 0.02, "YZ": -0.03}).control(MACHINE)(poses, np.zeros((1, 3)))
     by_name = dict(zip("XYZ", poses[0, [x, y, z]].tolist(), strict=True))
     assert added[0, x] == pytest.approx(-by_name["Y"] * 0.01 - by_name["Z"] * (0.02 + 0.01 * 0.03))
     assert added[0, y] == pytest.approx(by_name["Z"] * 0.03)

@@ -44,9 +44,9 @@ def test_a_spacing_is_of_an_axis_of_the_machine() -> None:
 
 def test_more_tables_than_a_sinumerik_has() -> None:
     one = table("X", "Y", [0.0, 0.1])
-    assert len(sinumerik.blocks_of([], [one] * 128)) == 128
+    assert len(sinumerik.cec_tables([one] * 128)) == 128
     with pytest.raises(TableError, match="129 CEC tables are needed, 128 fit"):
-        sinumerik.blocks_of([], [one] * 129)
+        sinumerik.cec_tables([one] * 129)
 
 
 def test_a_table_is_of_the_axis_that_is_said_on_the_command_line(tmp_path: Path) -> None:
@@ -62,17 +62,16 @@ def test_a_folder_without_files(tmp_path: Path) -> None:
 
 
 def test_uneven_points_where_the_control_knows_one_distance() -> None:
-    uneven = table("X", "X", [0.0, 0.01, 0.03])
     with pytest.raises(TableError, match="not evenly spaced"):
-        sinumerik.write([uneven], [], {"X": "X1"}, 1, 0)
+        sinumerik.Sinumerik().write([table("X", "X", [0.0, 0.01, 0.03])], THREE, ExportOptions())
 
 
 def test_what_a_lincurve_cannot_hold() -> None:
-    wiring = cross.Wiring({"X": (0,), "Y": (1,)}, {"X": 0.1, "Y": 0.1}, "mm")
-    with pytest.raises(TableError, match="the table of X over Y has 17 points, a lincurve holds 16"):
-        cross.write([table("X", "Y", np.linspace(0, 0.2, 17).tolist())], wiring)
-    with pytest.raises(TableError, match="Z has no joint in LinuxCNC"):
-        cross.write([table("X", "Z", [0.0, 0.1])], wiring)
+    joints, speeds = {"X": (0,), "Y": (1,)}, {"X": 0.1, "Y": 0.1}
+    with pytest.raises(TableError, match="the table of X over Y has 17 points, the control holds 16"):
+        cross.write([table("X", "Y", np.linspace(0, 0.2, 17).tolist())], joints, speeds)
+    with pytest.raises(TableError, match="LinuxCNC has no axis X2"):
+        cross.write([table("X", "X2", [0.0, 0.1])], joints, speeds)
 
 
 def table(axis: str, over: str, at: list[float]) -> CompensationTable:

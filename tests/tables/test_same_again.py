@@ -11,19 +11,8 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import TableError
 from axiscal.tables.controllers import plain_csv
-from axiscal.tables.controllers.fanuc import read_records, replace_values
 from axiscal.tables.table import CompensationTable
 from tests.tables.test_linuxcnc import table
-
-
-@given(st.dictionaries(st.tuples(st.integers(1, 9999), st.integers(1, 3)), st.integers(-128, 127), min_size=1))
-def test_fanuc(stored: dict[tuple[int, int], int]) -> None:
-    rows = [f"N{number:05d}Q1A{axis}P{value}" for (number, axis), value in sorted(stored.items())]
-    text = "\n".join(["%", *rows, "%", ""])
-    found = read_records(text, "saved")
-    again = {(number, axis): int(value) for number, row in found.items() for axis, value in row.items()}
-    assert {place: again[place] for place in stored} == stored
-    assert replace_values(text, {place: again[place] for place in stored}, "saved") == text
 
 
 def test_sizes_of_the_reversal_step() -> None:

@@ -16,7 +16,7 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.tables.controllers.isg import curves, tip_control
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.loaded import table_control
+from axiscal.tables.loaded import Loaded
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import Effect, effect_of_control
 from axiscal.tables.table import CompensationTable, Hats
@@ -58,7 +58,7 @@ def poses(estimate: Estimate, count: int = 600) -> Array:
 
 
 def reached(estimate: Estimate, truth: VirtualMachine, tables: tuple[CompensationTable, ...]) -> Effect:
-    control = table_control(estimate.machine, tables)
+    control = Loaded(tables).control(estimate.machine)
     return effect_of_control(estimate.machine, truth.deviation, control, poses(estimate), estimate.box)
 
 

@@ -21,7 +21,7 @@ from axiscal.ports.linuxcnc.volumetric_tables import LinuxcncVolumetric
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded
-from axiscal.tables.offer import effect_sentence, foreword, shifts
+from axiscal.tables.offer import effect_sentence, foreword
 from axiscal.tables.round_trip import drawn_and_known
 from axiscal.tables.surface import CommandedMachine, Effect, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
@@ -147,9 +147,6 @@ def test_what_files_move_is_the_mean_of_both_directions() -> None:
         added[:, x], added[:, y] = 10e-6 + 4e-6 * sides[:, x], 3e-6 * at[:, y]
         return added
 
-    poses = np.array([[0.0, 0.0, 0.0], [0.3, 0.3, 0.3]])
-    moved = shifts(carrying, control, poses)
-    assert moved == pytest.approx(np.array([[10e-6, 0.0, 0.0], [10e-6, 0.9e-6, 0.0]]), abs=1e-15)
     model = carrying
     estimate = Estimate(model, Normal(np.zeros(model.size), np.eye(model.size)), whole_travel(model))
     (sentence,) = foreword(estimate, control)

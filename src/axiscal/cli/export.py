@@ -61,7 +61,6 @@ def export(
     if to == "list":
         say("\n".join([*registry.controllers(), PROGRAM]))
         return
-    to = registry.named(to)
     options = ExportOptions(
         spacing=_spacing(spacing or []),
         unit=unit or "",

@@ -60,7 +60,7 @@ def verify(
     if template is not None:
         options = ExportOptions(template=exact_text(template), template_name=str(template))
     with Campaign.open(record, write=False) as campaign:
-        control = registry.named(to or advised_control(campaign))
+        control = to or advised_control(campaign)
         registry.refuse_untaken(control, options.given)
         check = Check.from_campaign(campaign, control, options)
     again = f"axiscal verify {shlex.quote(str(record))} --to {check.tables.controller}"
@@ -102,7 +102,7 @@ def _keep_sign(record: Path, to: str | None, bump: str) -> None:
     """Keep and say which way a control takes its tables.  bump : what it moved the tool by"""
     if to is None:
         raise typer.BadParameter(said("--bump is of one control: name it, --to CONTROLLER"))
-    control, moved = registry.named(to), parse_quantity(bump, "length")
+    control, moved = to, parse_quantity(bump, "length")
     registry.unstated(control)
     other = other_way(moved)
     with opened_to_write(record) as campaign:

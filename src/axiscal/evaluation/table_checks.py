@@ -23,9 +23,9 @@ from axiscal.language.spoken import said
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.tables.loaded import table_control
+from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Export, title
-from axiscal.tables.surface import Control, sum_of, tour
+from axiscal.tables.surface import Control, remainder, tour
 from axiscal.units import format_quantity
 from axiscal_core.machine import Machine
 from axiscal_core.ties import ALIKE, first_best
@@ -105,10 +105,9 @@ def parts_of(estimate: Estimate, offered: Export) -> tuple[Part, ...]:
                 values = one.deviation(at, 1)
                 apart = np.round(np.abs(values - (values[0] + values[-1]) / 2), 12)  # of what is even all along
                 places = (float(at[first_best(sizes, ALIKE)]) for sizes in (apart, np.abs(values)))
-                control, both = table_control(estimate.machine, [one]), name != title(table)
+                control, both = Loaded((one,)).control(estimate.machine), name != title(table)
                 parts.append(Part(name, control, over, (*ends, *places), both, most, one.rotary))
-    tables = table_control(estimate.machine, offered.tables)
-    rest = sum_of(offered.control, lambda at, sides: -tables(at, sides))
+    rest = remainder(offered.control, Loaded(offered.tables).control(estimate.machine))
     low, high = np.array(estimate.box).T
     poses, ways = tour(low + (high - low) * np.random.default_rng(0).uniform(size=(64, len(low))), estimate.box)
     most = float(np.max(np.abs(rest(poses, ways))))

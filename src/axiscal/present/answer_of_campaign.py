@@ -45,7 +45,7 @@ from axiscal.present.answer import (
 from axiscal.present.bed_screws import screw_turns
 from axiscal.present.row_words import one_sided, row_name
 from axiscal.tables.offer import places
-from axiscal.tables.registry import controllers, exporter, offered_control
+from axiscal.tables.registry import controllers, exporter, offered
 from axiscal.tables.surface import Control, left_by, turned_by
 from axiscal.units import digits, to_unit
 from axiscal_core.axes import Axis
@@ -234,7 +234,7 @@ def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:
     """Yield each control of the campaign with what its tables do, those left out that cannot be made."""
     for name in known.case.description.controls if known.readings else ():
         with suppress(TableError, ReadingError):
-            yield name, offered_control(known, name)
+            yield name, offered(known, name).control
 
 
 def best_control(rows: Sequence[AnswerRow], names: Sequence[str]) -> str:
@@ -268,7 +268,7 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
                 yield NextStep(code="export", control=control)
         with suppress(TableError, ReadingError):  # without a table there is nothing to check
             if not control:
-                offered_control(known, "csv")
+                offered(known, "csv")
             yield NextStep(code="verify", control=control)
     else:
         yield NextStep(code="finish")

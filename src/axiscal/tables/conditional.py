@@ -12,7 +12,6 @@ remain, of spline rows against the Lagrange functions of those nodes: a small te
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,61 +21,52 @@ from axiscal_core.machine import Machine
 from axiscal_core.splines import gauss
 
 
-class _AlongAxis(NamedTuple):
-    """What a mean along one axis needs.
+def mean_along(model: Machine, box: Box, moved: int, over: int, positions: Array, sign: int) -> Array:
+    """Return rows (positions, size) of E[ δp · u_o | t_over ] of a linear axis o.
 
-    nodes : (k,) of the levers; positions : (p,) of a quadrature
-    weighted : (k, p) its weights times the Lagrange functions ℓ_i of the nodes
-    """
-
-    nodes: Array
-    positions: Array
-    weighted: Array
-
-
-def mean_along(model: Machine, box: Box, moved: Sequence[int], over: int, positions: Array, sign: int) -> Array:
-    """Return rows (moved, positions, size) of E[ δp · u_o | t_over ] for every linear axis o in `moved`.
-
-    sign : +1 or -1, the direction in which the position was approached
+    moved : the axis o; sign : +1 or -1, the direction in which the position was approached
     What rotary axes turn too far is left out: their own tables take it away.
     """
     nodes, shares = _lagrange(positions, (positions[0], positions[-1]), rotary=False)
     axes = [_along(model, k, bounds) for k, bounds in enumerate(box)]
-    axes[over] = _AlongAxis(nodes, positions, shares.T)
-    levers = np.moveaxis(_levers_along(model, axes, moved, over, sign), 2 + over, 2)
-    rows = np.zeros((len(moved), len(positions), model.size))
+    axes[over] = nodes, positions, shares.T
+    levers = np.moveaxis(_levers_along(model, [nodes for nodes, *_ in axes], moved, over, sign), 1 + over, 1)
+    rows = np.zeros((len(positions), model.size))
     for term, lever in zip(model.terms, levers, strict=True):
         sides, left = {side.axis: side for side in term.sides}, lever[..., None]
-        for k, axis in ((k, axis) for k, axis in enumerate(axes) if k != over):  # one axis of the grid after another
-            along = axis.weighted @ sides[k].rows(axis.positions) if k in sides else axis.weighted.sum(axis=1)[:, None]
-            left = np.einsum("oij...n,jn->oi...n", left, along)
-        own = sides[over].rows(positions) if over in sides else 1.0
-        rows[:, :, term.columns] = np.einsum("oin,pi->opn", left, shares) * own
+        for k, (_, at, weighted) in enumerate(axes):  # one axis of the grid after another
+            if k == over:
+                continue
+            along = weighted @ sides[k].rows(at) if k in sides else weighted.sum(axis=1)[:, None]
+            left = np.einsum("ij...n,jn->i...n", left, along)
+        rows[:, term.columns] = (shares @ left) * (sides[over].rows(positions) if over in sides else 1.0)
     return rows
 
 
-def _along(model: Machine, axis: int, bounds: tuple[float, float]) -> _AlongAxis:
-    """Return one axis of a mean, also where it stands: by Gauss between all knots, weights summing to one."""
+def _along(model: Machine, axis: int, bounds: tuple[float, float]) -> tuple[Array, Array, Array]:
+    """Return what a mean along one axis needs, also where it stands: by Gauss between all knots.
+
+    That is the nodes (k,) of the levers, the positions (p,) of a quadrature, and (k, p) its weights, whose sum is one,
+    times the Lagrange functions of the nodes.
+    """
     start, stop = bounds
     if start == stop:
-        return _AlongAxis(np.array([start]), np.array([start]), np.ones((1, 1)))
+        return np.array([start]), np.array([start]), np.ones((1, 1))
     inner = np.unique(np.concatenate([*model.knots_along(axis), np.linspace(start, stop, 5)]))
     breaks = np.concatenate([[start], inner[(inner > start) & (inner < stop)], [stop]])
     positions, weights = (each.ravel() for each in gauss(breaks, _GAUSS))
     nodes, shares = _lagrange(positions, bounds, model.axes[axis].rotary)
-    return _AlongAxis(nodes, positions, shares.T * (weights / (stop - start)))
+    return nodes, positions, shares.T * (weights / (stop - start))
 
 
-def _levers_along(model: Machine, axes: Sequence[_AlongAxis], moved: Sequence[int], over: int, sign: int) -> Array:
-    """Return the levers of all terms along moved axes, (terms, moved, ...) at the nodes of all axes."""
-    grid = np.meshgrid(*(axis.nodes for axis in axes), indexing="ij")
+def _levers_along(model: Machine, nodes: Sequence[Array], moved: int, over: int, sign: int) -> Array:
+    """Return the levers of all terms along an axis, (terms, ...) at the nodes of all axes."""
+    grid = np.meshgrid(*nodes, indexing="ij")
     poses = np.stack([each.ravel() for each in grid], axis=1)
-    rotations = model.frames(poses).rotations
-    along_axes = [rotations[o] @ np.array(model.axes[o].direction) for o in moved]
-    ways = np.array(along_axes).reshape(len(moved), len(poses), 3)  # of no axis too
+    ways = model.frames(poses).rotations[moved] @ np.array(model.axes[moved].direction)
     counted = np.array([_counted(model, index, over, sign) for index in range(len(model.terms))])
-    found: Array = np.einsum("f,fmc,omc->fom", counted, model.levers(poses), ways)
-    return found.reshape(len(counted), len(moved), *grid[0].shape)
+    found: Array = np.einsum("f,fmc,mc->fm", counted, model.levers(poses), ways)
+    return found.reshape(len(counted), *grid[0].shape)
 
 
 def _counted(model: Machine, index: int, over: int, sign: int) -> float:

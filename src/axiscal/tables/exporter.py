@@ -10,9 +10,8 @@ go on top of it, instead of it, or nobody knows.
 
 from __future__ import annotations
 
-import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import ClassVar
@@ -26,9 +25,9 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.numerics import Array
-from axiscal.tables.loaded import Loaded, OldFile, read_old, refuse_long_numbers, table_control
+from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
-from axiscal.tables.surface import Control, sum_of
+from axiscal.tables.surface import Control, remainder
 from axiscal.tables.table import CompensationTable
 from axiscal_core.machine import Machine
 
@@ -68,9 +67,9 @@ def informed(options: ExportOptions, description: CampaignDescription, controlle
     options, active = replace(options, zero=options.zero or description.zero_at), description.compensation_active
     if active is None or isinstance(active, bool):
         return replace(options, active=active)
-    named = () if options.old_files or controller in REPORTS else active
-    old = options.old_files or read_old(named, Path(description.source).parent)
-    return replace(options, active=True, old_files=old)
+    if not options.old_files and controller not in REPORTS:
+        options = replace(options, old_files=read_old(active, Path(description.source).parent))
+    return replace(options, active=True)
 
 
 def sign_said(options: ExportOptions, text: str) -> tuple[str]:
@@ -110,7 +109,7 @@ def on_top(estimate: Estimate, draft: Written, old: Loaded, options: ExportOptio
         f"These files hold what was active while measuring ({names}) and on top of it what was found: load them in its "
         "place, not beside it. The figures above count from the machine as it was measured, with the old compensation."
     )
-    control, wanted = (sum_of(whole, lambda at, ways: -held(at, ways)) for whole in (draft.control, draft.wanted))
+    control, wanted = (remainder(whole, held) for whole in (draft.control, draft.wanted))
     return replace(draft, control=control, wanted=wanted, notes=(note, *draft.notes))
 
 
@@ -122,7 +121,7 @@ def asked_about(controller: str, control: Exporter, draft: Written, options: Exp
     adds = "--on-top-of" in control.takes
     if options.active and controller not in REPORTS:
         what = "a compensation was active while measuring (compensation_active), and these files would take its place"
-        raise TableError(what, _ON_TOP if adds else control.instead.get("--on-top-of", OFF))
+        raise TableError(what, _ON_TOP if adds else OFF)
     if options.active is False:
         return draft
     again = "export again with --on-top-of OLD, the files that were active"
@@ -164,8 +163,6 @@ class ExportOptions:
     origin: str = ""
 
     def __post_init__(self) -> None:
-        if not re.fullmatch(r"[0-9a-f]{0,128}", self.origin):
-            raise TableError("{origin} is not the hash of a record", "Leave it out", origin=shown(self.origin))
         if self.unit not in ("", "mm", "in"):
             raise TableError("{unit} is not the unit of a machine", "It can be mm or in", unit=shown(self.unit))
         if self.mesh is not None and not 2 <= self.mesh <= _LARGEST_MESH:
@@ -187,7 +184,6 @@ class ExportOptions:
         if self.template is None:
             what = "{controller} files are made from one of your control"
             raise TableError(what, "give it: --template FILE", controller=controller)
-        refuse_long_numbers(self.template, self.template_name)
         return self.template
 
     @property
@@ -202,10 +198,9 @@ class ExportOptions:
         Raises TableError as `joints`, and for an axis that was given several numbers.
         """
         found = self.joints(machine, 1)
-        for name, numbers in found.items():
-            if len(numbers) > 1:
-                what, remedy = "{name} is given the numbers {numbers}", "This control takes one for each axis"
-                raise TableError(what, remedy, name=name, numbers=joined(list(map(str, numbers))))
+        if several := next((name for name, numbers in found.items() if len(numbers) > 1), ""):
+            what, remedy = "{name} is given the numbers {numbers}", "This control takes one for each axis"
+            raise TableError(what, remedy, name=several, numbers=joined(list(map(str, found[several]))))
         return {name: numbers[0] for name, numbers in found.items()}
 
     def joints(self, machine: Machine, first: int = 0) -> dict[str, tuple[int, ...]]:
@@ -226,9 +221,7 @@ class ExportOptions:
         known = ", ".join(f"{name}={number}" for name, numbers in found.items() for number in numbers)
         for name, number in ((name, number) for name, numbers in found.items() for number in numbers):
             if (other := owner.setdefault(number, name)) != name or found[name].count(number) > 1:
-                what = "{name} is given twice the same number {number} (numbers are {known})"
-                if other != name:
-                    what = "{other} and {name} have the same number {number} (numbers are {known})"
+                what = "{other} and {name} have the same number {number} (numbers are {known})"
                 remedy = "Give each axis its own: --number X=3; an axis of two joints --number Y=1 --number Y=2"
                 raise TableError(what, remedy, name=name, other=other, number=number, known=known)
         return found
@@ -263,20 +256,12 @@ class Written:
     about: Estimate | None = None
 
 
-def summed(steps: Iterable[tuple[str, float]]) -> dict[str, float]:
-    """Return the sums by axis."""
-    found = dict[str, float]()
-    for axis, step in steps:
-        found[axis] = found.get(axis, 0.0) + step
-    return found
-
-
 class Exporter(ABC):
     """A control that files are written for.
 
     holds, left_out : what its files hold, and what not, each a sentence for README.txt
     tried : whether a real control of this kind has been seen to take them
-    takes : options of the command line that it has a use for; instead : what to do in place of another one
+    takes : options of the command line that it has a use for
     unstated : tables whose sign no source states, "own" of an axis itself, "across" of one axis over another
     """
 
@@ -284,7 +269,6 @@ class Exporter(ABC):
     left_out: ClassVar[str]
     tried: ClassVar[bool] = False
     takes: ClassVar[frozenset[str]] = frozenset()
-    instead: ClassVar[Mapping[str, str]] = {}
     unstated: ClassVar[str] = ""
 
     @abstractmethod
@@ -341,4 +325,4 @@ class TableFormat(Exporter):
         """Return the files with their tables; raises TableError."""
         machine, tables = estimate.machine, self.tables(estimate, options)
         written = self.write(tables, machine, options)
-        return self.draft(written, table_control(machine, tables), machine, options, tables)
+        return self.draft(written, Loaded(tables).control(machine), machine, options, tables)

@@ -20,7 +20,7 @@ from axiscal.description.ini_machine import unit_in
 from axiscal.exceptions import InputError, TableError
 from axiscal.measurement.readers.text_file import read_text
 from axiscal.numerics import Array
-from axiscal.tables.surface import Control, Mesh, Skew, mesh_control, skew_control, sum_of
+from axiscal.tables.surface import PLANES, Control, Mesh, Skew, plane_axes
 from axiscal.tables.table import CompensationTable
 from axiscal_core.machine import Machine
 
@@ -29,8 +29,6 @@ _JOINT = re.compile(r"(?:JOINT|AXIS)_(\d{1,2})")
 _NAMED = re.compile(r"([A-Z][0-9]?)=(.+)")
 _OTHERS = re.compile(r"README\.txt|manifest.*\.json")
 """Files of an export that no control loads."""
-_TOO_LONG = re.compile(r"\d{61,}")
-"""Digits in a row: a double has 17, and the zeros of a small one written out are fewer than the others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,19 +47,6 @@ class OldFile:
     file_type: int | None = None
     backlash: float | None = None
     unit: str = ""
-
-    @property
-    def stem(self) -> str:
-        """The name of the file without folder and ending."""
-        return Path(self.name).stem
-
-
-def refuse_long_numbers(text: str, name: str) -> None:
-    """Raise TableError for the first line of a control's file with a number that is too long for any control."""
-    found = _TOO_LONG.search(text)
-    if found is not None:
-        what, remedy = "a number of {count:,} digits is in no table", "give the file as the control saved it"
-        raise TableError(what, remedy, name, text.count("\n", 0, found.start()) + 1, count=len(found[0]))
 
 
 def read_old(names: Iterable[str], folder: Path = Path()) -> tuple[OldFile, ...]:
@@ -114,19 +99,6 @@ _APART = 1e-9
 """m or rad: positions nearer than this are one, by their decimals."""
 
 
-def table_control(machine: Machine, tables: Iterable[CompensationTable]) -> Control:
-    """Return the control that takes the deviations of tables away exactly as they say."""
-    known = [(machine.index(table.axis), machine.index(table.over), table) for table in tables]
-
-    def control(poses: Array, approaches: Array) -> Array:
-        added = np.zeros_like(poses)
-        for axis, over, table in known:
-            added[:, axis] -= table.deviation(poses[:, over], approaches[:, over])
-        return added
-
-    return control
-
-
 def lost_motion(machine: Machine, play: Mapping[str, float]) -> tuple[CompensationTable, ...]:
     """Return the tables that make up for what axes lose as they turn round, m or rad, half of it to each side."""
     travels = [(axis, np.array(machine.axis(axis).travel), np.full(2, lost / 2)) for axis, lost in play.items()]
@@ -148,14 +120,25 @@ class Loaded:
     untaken: tuple[InputError, ...] = ()
 
     def control(self, machine: Machine) -> Control:
-        """Return what it adds to commands."""
-        parts = [table_control(machine, self.tables), *self.others]
-        parts += [mesh_control(machine, mesh) for mesh in self.meshes]
-        return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew else []))
+        """Return what it adds to commands: away with what tables say and the skew, and heights."""
+        known = [(machine.index(table.axis), machine.index(table.over), table) for table in self.tables]
+        x, y, z = plane_axes(machine) if self.meshes or self.skew else (0, 0, 0)
+        xy, xz, yz = (self.skew.get(plane, 0.0) for plane in PLANES)
 
-    def alone(self, within: bool) -> Loaded:
-        """Return the tables of axes over themselves alone, or over others."""
-        return Loaded(tuple(one for one in self.tables if (one.axis == one.over) is within))
+        def control(poses: Array, approaches: Array) -> Array:
+            added = np.zeros_like(poses)
+            for axis, over, table in known:
+                added[:, axis] -= table.deviation(poses[:, over], approaches[:, over])
+            for mesh in self.meshes:
+                added[:, z] += mesh.at(poses[:, x], poses[:, y])
+            if self.skew:
+                added[:, x] -= poses[:, y] * xy + poses[:, z] * (xz - xy * yz)
+                added[:, y] -= poses[:, z] * yz
+            for other in self.others:
+                added += other(poses, approaches)
+            return added
+
+        return control
 
     def under_tables(
         self, tables: Sequence[CompensationTable], machine: Machine, most: int, *, even: bool = False

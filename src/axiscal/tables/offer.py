@@ -21,7 +21,6 @@ from axiscal.tables.sampling import axis_tables, cross_tables
 from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, rms, tour
 from axiscal.tables.table import CompensationTable
 from axiscal.units import digits, format_quantity, to_unit
-from axiscal_core.machine import Machine
 
 POSES = 1000
 """Poses at which a file is tried: a file that adds the wrong thing does so at almost every pose."""
@@ -70,56 +69,51 @@ class Export:
         return after < before or (self.by_row and after == before)
 
 
-def tried_over_box(estimate: Estimate, draft: Written) -> Effect:
-    """Return what files do over the box of axes; raises TableError when they would not do what they are meant to."""
+def tried_out(controller: str, estimate: Estimate, draft: Written) -> Export:
+    """Return the files with what they do; raises TableError when they would not do what they are meant to."""
     of_class("Written.notes", draft.notes, tuple)
     for name, lost in draft.steps.items():
         of_class(f"Written.steps[{name!r}]", lost, float, int)
-    for name in draft.files:
-        if Path(name).name != name:
-            remedy = "Give files names without folders"
-            raise TableError("{name} is no file beside README.txt", remedy, name=shown(name))
+    if name := next((name for name in draft.files if Path(name).name != name), ""):
+        raise TableError("{name} is no file beside README.txt", "Give files names without folders", name=shown(name))
     if not draft.files:
         raise TableError("there is no deviation that these files could hold", _nothing_held(estimate))
     estimate = draft.about or estimate
-    poses, approaches = spread_poses(estimate)
+    machine, (poses, approaches) = estimate.machine, spread_poses(estimate)
     apart = np.max(np.abs(draft.control(poses, approaches) - draft.wanted(poses, approaches)), axis=0)
     slack, far = _WORTH, 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box))
-    for axis, worst in zip(estimate.machine.axes, apart, strict=True):
+    for axis, worst in zip(machine.axes, apart, strict=True):
         step = draft.steps.get(axis.name, 0.0)
-        slack += step * (far + estimate.machine.tool_length if axis.rotary else 1.0)  # times its lever on the TCP
+        slack += step * (far + machine.tool_length if axis.rotary else 1.0)  # times its lever on the TCP
         if not worst <= step + 1e-12:
             shown_worst = format_quantity(float(worst), "arcsec" if axis.rotary else "um", 3)
             what = "read back, the files move {axis} by {shown} more or less than they should"
             raise TableError(what, _DEFECT, axis=axis.name, shown=shown_worst)
-    tried = estimate.machine, estimate.deviation
-    effect = effect_of_control(*tried, draft.control, poses, estimate.box, counted=estimate.counted)
-    meant = rms(left_by(*tried, draft.wanted, poses, approaches), estimate.counted)
+    tried = machine, estimate.deviation, draft.control
+    effect = effect_of_control(*tried, poses, estimate.box, counted=estimate.counted)
+    meant = rms(left_by(machine, estimate.deviation, draft.wanted, poses, approaches), estimate.counted)
     if effect.after > min(meant, effect.before) + slack:
         before, after = (format_quantity(value, "um", 3) for value in effect)
         what = "these files would take the error from {before} to {after}"
         raise TableError(what, _DEFECT if effect.after > meant + slack else _BEYOND, before=before, after=after)
-    return effect
-
-
-def tried_out(controller: str, estimate: Estimate, draft: Written) -> Export:
-    """Return the files with what they do; raises TableError when they would not do it."""
-    effect, estimate = tried_over_box(estimate, draft), draft.about or estimate
-    poses, approaches = spread_poses(estimate)
+    if estimate.sample is not None:
+        effect = effect_of_control(*tried, places(estimate)[0], estimate.box, estimate.alignment, estimate.counted)
     together = planes_left(estimate, draft.control, poses, approaches)
     silent = joined([title(table) for table in _untold(estimate)]) if draft.tables else ""
     silent = silent and f"what a table would take less than 10 % away from ({silent})"
-    if estimate.sample is not None:
-        tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
-        effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
-    parts = [part.removesuffix(".") for part in (draft.left_out, together, silent) if part]
-    told = replace(draft, left_out="; ".join(parts))
-    left = effect_sentence("They", effect, estimate.unknown)
-    first = (*draft.first, *foreword(estimate, draft.control))
-    known = {"controller": controller, "draft": told, "left": left, "first": first}
-    readme = rendered("axiscal.tables", "readme.jinja", title=title, quantity=format_quantity, **known)
+    left_out = "; ".join(part.removesuffix(".") for part in (draft.left_out, together, silent) if part)
+    readme = rendered(
+        "axiscal.tables",
+        "readme.jinja",
+        title=title,
+        quantity=format_quantity,
+        controller=controller,
+        draft=replace(draft, left_out=left_out),
+        left=effect_sentence("They", effect, estimate.unknown),
+        first=(*draft.first, *foreword(estimate, draft.control)),
+    )
     moved = np.any(draft.control(poses, approaches), axis=0)
-    idle = tuple(axis.name for axis, moves in zip(estimate.machine.axes, moved, strict=True) if not moves)
+    idle = tuple(axis.name for axis, moves in zip(machine.axes, moved, strict=True) if not moves)
     by_row = any((table.axis, table.over) in estimate.told for table in draft.tables)
     done = draft.files, draft.tables, draft.control, effect, estimate.unknown, readme, idle
     return Export(controller, *done, by_row)
@@ -194,24 +188,15 @@ def foreword(estimate: Estimate, control: Control) -> tuple[str, ...]:
     its travel nearest to it. Rotary axes have a place: files then hold the constant that puts the tool right to them.
     """
     machine = estimate.machine
-    places = np.stack([np.array(machine.zero), np.mean(np.array(estimate.box), axis=1)])
-    moved = to_unit(shifts(machine, control, places), "um").tolist()
-    at_zero, in_the_middle = (
-        " ".join(
-            f"{axis.name} {format_quantity(float(at) + 0.0, axis.unit)}"
-            for axis, at in zip(machine.axes, pose, strict=True)
+    poses = np.stack([np.array(machine.zero), np.mean(np.array(estimate.box), axis=1)])
+    sent = [machine.frames(poses + control(poses, np.full(poses.shape, side))).tcp for side in (1.0, -1.0)]
+    moved = to_unit((sent[0] + sent[1]) / 2 - machine.frames(poses).tcp, "um").tolist()
+    told = list[str]()
+    for pose, shift in zip(poses, moved, strict=True):
+        at = " ".join(
+            f"{a.name} {format_quantity(float(v) + 0.0, a.unit)}" for a, v in zip(machine.axes, pose, strict=True)
         )
-        + " by "
-        + ", ".join(f"{name} {round(value, 1) + 0.0:+.1f}" for name, value in zip("xyz", each, strict=True))
-        + " um"
-        for pose, each in zip(places, moved, strict=True)
-    )
-    values = {"machine": machine, "unsaid": joined(uncounted(machine))}
-    return paragraphs("axiscal.tables", "foreword.jinja", at_zero=at_zero, in_the_middle=in_the_middle, **values)
-
-
-def shifts(machine: Machine, control: Control, poses: Array) -> Array:
-    """Return how a control moves the tool on the workpiece at poses (m, q), the mean of both directions, (m, 3), m."""
-    ways = [np.full(poses.shape, side) for side in (1.0, -1.0)]
-    sent = [machine.frames(poses + control(poses, way)).tcp for way in ways]
-    return (sent[0] + sent[1]) / 2 - machine.frames(poses).tcp
+        by = ", ".join(f"{name} {round(value, 1) + 0.0:+.1f}" for name, value in zip("xyz", shift, strict=True))
+        told.append(f"{at} by {by} um")
+    values = {"machine": machine, "unsaid": joined(uncounted(machine)), "at_zero": told[0], "in_the_middle": told[1]}
+    return paragraphs("axiscal.tables", "foreword.jinja", **values)

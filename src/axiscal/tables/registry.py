@@ -16,15 +16,16 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, Faults, TableError
 from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
-from axiscal.tables.exporter import OFF, Exporter, ExportOptions, Written, asked_about, informed, on_top
-from axiscal.tables.loaded import Loaded, refuse_long_numbers
-from axiscal.tables.offer import Export, tried_out, tried_over_box
-from axiscal.tables.surface import Control
+from axiscal.tables.exporter import OFF, Exporter, ExportOptions, asked_about, informed, on_top
+from axiscal.tables.loaded import Loaded
+from axiscal.tables.offer import Export, tried_out
 from axiscal_core.machine import Machine
 from axiscal_core.threads import one_thread
 
 _ABSURD = 1.0
 """m or rad: no compensation is as large; any value above what a machine can be off by would do."""
+_FARTHEST = 1e3
+"""m or rad: no axis goes so far."""
 _OTHERS = later("leave it out: it is for {takers}")
 
 
@@ -32,20 +33,16 @@ _OTHERS = later("leave it out: it is for {takers}")
 @stage("tables")
 def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
-    name = named(controller)
-    return tried_out(name, estimate, _drafted(estimate, name, options))
-
-
-def _drafted(estimate: Estimate, name: str, options: ExportOptions) -> Written:
-    """Return the files for a controller before they are tried; raises as `export`."""
-    refuse_untaken(name, options.given)
-    control = exporter(name)
+    refuse_untaken(controller, options.given)
+    control = exporter(controller)
     for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
         estimate.machine.index(axis)
     if not options.old_files:
-        return asked_about(name, control, control.make(estimate, options), options)
-    old = loaded(name, estimate.machine, options)
-    return on_top(estimate, control.make(estimate, replace(options, old=old)), old, options)
+        draft = asked_about(controller, control, control.make(estimate, options), options)
+    else:
+        old = loaded(controller, estimate.machine, options)
+        draft = on_top(estimate, control.make(estimate, replace(options, old=old)), old, options)
+    return tried_out(controller, estimate, draft)
 
 
 def refuse_untaken(controller: str, given: Sequence[str]) -> None:
@@ -54,8 +51,7 @@ def refuse_untaken(controller: str, given: Sequence[str]) -> None:
     for option in given:
         if option not in control.takes:
             takers = joined([name for name in controllers() if option in exporter(name).takes]) or "program"
-            usual = OFF if option == "--on-top-of" else _OTHERS
-            what, remedy = "{controller} does not take {option}", control.instead.get(option, usual)
+            what, remedy = "{controller} does not take {option}", OFF if option == "--on-top-of" else _OTHERS
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 
 
@@ -67,34 +63,19 @@ def unstated(controller: str) -> str:
     raise TableError(what, "Leave --probe-sign and --bump out", controller=controller)
 
 
-def named(controller: str) -> str:
-    """Return the name of a control that is written in capitals too; any other one as it is."""
-    return next((known for known in controllers() if known == controller.casefold()), controller)
-
-
 def offered(known: Estimation, controller: str) -> Export:
     """Return the files for a control as the campaign describes it; raises as `export`, and ReadingError."""
     return export(known.estimate(), controller, informed(ExportOptions(), known.case.description, controller))
 
 
-@one_thread()
-@stage("tables")
-def offered_control(known: Estimation, controller: str) -> Control:
-    """Return what a control does with the same files, of which nothing else is asked; raises as `offered`."""
-    estimate, options = known.estimate(), informed(ExportOptions(), known.case.description, controller)
-    draft = _drafted(estimate, named(controller), options)
-    tried_over_box(estimate, draft)
-    return draft.control
-
-
 def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
     """Return what the old files of a control did; raises TableError, ReadingError."""
     load = exporter(controller).load
-    for file in options.old_files:
-        refuse_long_numbers(file.text, file.name)
     named = ", ".join(dict.fromkeys(file.name for file in options.old_files))
     try:
         found: Loaded = of_class(f"the result of {controller}.load", load(options.old_files, machine, options), Loaded)
+    except TableError as fault:
+        raise fault if fault.file else fault.placed(named) from None
     except AxiscalError:
         raise
     except (LookupError, ArithmeticError, ValueError) as fault:
@@ -108,8 +89,9 @@ def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
         faults.found.append(TableError("no table of {axis} is in this file", remedy, file.name, axis=file.axis))
     faults.refuse()
     for table in found.tables:
-        if not np.all(np.abs([table.forward, table.reverse]) < _ABSURD):
-            what = "the table of {axis} over {over} moves it by a metre, or a radian, or more"
+        absurd = np.abs([table.forward, table.reverse, table.positions / _FARTHEST]) >= _ABSURD
+        if np.any(absurd):
+            what = "the table of {axis} over {over} moves it by a metre, or a radian, or stands at a kilometre"
             remedy = "give the files as the control saved them, and the unit of the machine"
             raise TableError(what, remedy, named, axis=table.axis, over=table.over)
     return found

@@ -1,4 +1,4 @@
-"""From the belief to tables: what a correction along one axis, over one axis, can take away.
+"""From the belief to tables: what a correction along one axis, over one axis, can take away, and at which points.
 
 A carriage that is told to go c(t) less far moves the TCP by −c(t) along the axis. The best c(t), in least squares over
 the volume, is the mean deviation along the axis at t over all positions of the others. It holds the positioning error
@@ -10,16 +10,14 @@ The deviation is the posterior mean: a part that the readings did not show shrin
 point in a cell that was read takes the rest of the cell as well. So a table leaves only the scatter at the targets of a
 test.
 
-The points of a table whose line is near the curve, for a control that takes them anywhere.
-
-A line between two points is off by about h² |f''| / 8: points belong where the curve bends. They are set one by one
-where the line is farthest from the curve. They begin with the ends, or with the knots of the errors: only there the
-bend of a spline differs on both sides.
+A line between two points is off by about h² |f''| / 8: points belong where the curve bends, for a control that takes
+them anywhere. They are set one by one where the line is farthest from the curve. They begin with the ends, or with the
+knots of the errors: only there the bend of a spline differs on both sides.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -31,7 +29,6 @@ from axiscal.numerics import Array
 from axiscal.tables.conditional import mean_along, turned
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.units import format_quantity
-from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
 SAMPLES = 1025
@@ -95,12 +92,13 @@ def cross_tables(
     """
     axes, found = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary], list[CompensationTable]()
     for over in axes:
-        hats, moved = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple)), [*axes]
-        moved.remove(over)
-        for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
-            if np.ptp(rows @ estimate.mean) > _NOTHING:  # no table over another axis holds a constant
-                table = (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
-                found.append(replace(table, told=table.told and estimate.sees(rows.mean(axis=0))))
+        hats = hats_along(estimate, over, points(estimate.model, over, spacing, most, multiple))
+        for axis in (axis for axis in axes if axis != over):
+            curves = curves_at(estimate, axis, over, hats.nodes)
+            if np.ptp(curves @ estimate.mean) > _NOTHING:  # no table over another axis holds a constant
+                table = _fitted(estimate, axis, over, hats, curves)
+                table = _nearest(estimate, table) if uneven else table
+                found.append(replace(table, told=table.told and estimate.sees(curves.mean(axis=0))))
     return tuple(table for table in found if table.told is told)
 
 
@@ -119,13 +117,8 @@ def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = Fa
     positions : (n,) m or rad, increasing; uneven : as many may stand elsewhere between the first and the last
     """
     hats = hats_along(estimate, axis, positions)
-    if estimate.machine.axes[axis].rotary:
-        sides = _sides(estimate, axis)
-        at = _read_at(estimate, axis, hats.nodes)
-        rows = np.stack([turned(estimate.model, estimate.box, axis, at, sign) for sign in sides])
-    else:
-        (rows,) = _along(estimate, [axis], axis, hats)
-    return (_nearest if uneven else _fitted)(estimate, axis, axis, hats, rows)
+    even = _fitted(estimate, axis, axis, hats, curves_at(estimate, axis, axis, hats.nodes))
+    return _nearest(estimate, even) if uneven else even
 
 
 def points(
@@ -141,7 +134,13 @@ def points(
     start, stop = own.travel
     chosen = spacing.get(own.name) if isinstance(spacing, Mapping) else None if own.rotary else spacing
     if chosen is not None:
-        return _spaced(own, chosen, most)
+        count = min(max(round((stop - start) / chosen), 1), most - 1)
+        if abs(count * chosen - (stop - start)) > 1e-9:
+            near, shown, travel = (format_quantity(x, own.unit) for x in ((stop - start) / count, chosen, stop - start))
+            what = "{shown} does not divide the {travel} of {name} into {most} parts or fewer"
+            remedy = "{near} would, or leave the spacing out"
+            raise TableError(what, remedy, shown=shown, travel=travel, name=own.name, near=near, most=most - 1)
+        return np.linspace(start, stop, count + 1)
     intervals = max((len(f.spline.knots) - 1 for f in model.curves if f.axis == axis), default=1)
     count = max(min(_POINTS_PER_INTERVAL * intervals, most - 1), 1)
     if multiple is None:
@@ -156,36 +155,25 @@ def points(
     return spread
 
 
-def _spaced(axis: Axis, spacing: float, most: int) -> Array:
-    (start, stop), name = axis.travel, axis.name
-    count = round((stop - start) / spacing)
-    shown, travel = format_quantity(spacing, axis.unit), format_quantity(stop - start, axis.unit)
-    if count < 1 or abs(count * spacing - (stop - start)) > 1e-9:
-        near = format_quantity((stop - start) / max(count, 1), axis.unit)
-        what, remedy = "{shown} does not divide the {travel} of {name}", "{near} would, or leave the spacing out"
-        raise TableError(what, remedy, shown=shown, travel=travel, name=name, near=near)
-    if count + 1 > most:
-        fits = format_quantity((stop - start) / (most - 1), axis.unit, 4)
-        what = "every {shown} makes {count} points of {name}, this control holds {most}"
-        remedy = "{most} fit: take {fits} or more"
-        raise TableError(what, remedy, shown=shown, count=count + 1, name=name, most=most, fits=fits)
-    return np.linspace(start, stop, count + 1)
+def curves_at(estimate: Estimate, axis: int, over: int, at: Array) -> Array:
+    """Return the mean deviation along an axis at positions of one (m,), increasing, as rows (s, m, size).
 
-
-def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> list[Array]:
-    """Return the mean deviation along each moved axis, by the sides it is reached from, as rows (s, nodes, size)."""
-    known = estimate.model, estimate.box, moved, over, _read_at(estimate, over, hats.nodes)
-    return list(np.stack([mean_along(*known, sign) for sign in _sides(estimate, over)], axis=1))
+    There is one for each side from which a position is reached, one where they make no difference. Of a rotary axis it
+    is the rotation.
+    """
+    model, sides, at = (
+        estimate.model,
+        (1, -1) if over in estimate.model.reversing else (1,),
+        _read_at(estimate, over, at),
+    )
+    if model.axes[axis].rotary:
+        return np.stack([turned(model, estimate.box, axis, at, sign) for sign in sides])
+    return np.stack([mean_along(model, estimate.box, axis, over, at, sign) for sign in sides])
 
 
 def _read_at(estimate: Estimate, axis: int, positions: Array) -> Array:
     """Return positions of an axis, and beyond what was read the end of that: a table is constant there."""
     return np.clip(positions, *estimate.read[axis]) if estimate.read else positions
-
-
-def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:
-    """Return the sides from which a position of an axis is reached: one where they make no difference."""
-    return (1, -1) if over in estimate.model.reversing else (1,)
 
 
 def hats_along(estimate: Estimate, over: int, positions: Array) -> Hats:
@@ -195,13 +183,13 @@ def hats_along(estimate: Estimate, over: int, positions: Array) -> Hats:
     return Hats.on(positions, knots if len(knots) else positions, estimate.box[over], closed)
 
 
-def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
-    """Return the table with as many points, set so that its line is nearest to the curve; never farther than `hats`."""
-    shown, at = curves @ estimate.mean, np.linspace(hats.points[0], hats.points[-1], SAMPLES)
-    knots = np.concatenate([np.zeros(0), *estimate.model.knots_along(over)])
-    other = hats_along(estimate, over, closest(shown @ hats.carried(at).T, at, knots, hats.points))
-    pairs = (hats, curves), (other, hats.carried(other.nodes) @ curves)
-    even, found = (_fitted(estimate, axis, over, *pair) for pair in pairs)
+def _nearest(estimate: Estimate, even: CompensationTable) -> CompensationTable:
+    """Return a table with as many points, set so that its line is nearest to the curve; never farther than `even`."""
+    axis, over = estimate.machine.index(even.axis), estimate.machine.index(even.over)
+    at = np.linspace(even.positions[0], even.positions[-1], SAMPLES)
+    knots, shown = np.concatenate([np.zeros(0), *estimate.model.knots_along(over)]), curves_at(estimate, axis, over, at)
+    hats = hats_along(estimate, over, closest(shown @ estimate.mean, at, knots, even.positions))
+    found = _fitted(estimate, axis, over, hats, curves_at(estimate, axis, over, hats.nodes))
     return found if found.departure < even.departure - _NEARER else even  # along a straight line any are as near
 
 

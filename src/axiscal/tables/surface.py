@@ -24,6 +24,7 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal.tables.sampling import cross_tables, hats_along
+from axiscal.tables.table import between
 from axiscal.units import format_quantity
 from axiscal_core.machine import Machine
 from axiscal_core.splines import gauss
@@ -158,15 +159,11 @@ class CommandedMachine(VirtualMachine):
         return cls(truth.model, truth.curves, truth.offsets, truth.drifts, control=control)
 
     def does(self, poses: Array, approaches: Array) -> Deviation:
-        """Return how the tool deviates from commands (m, q), turns to first order in what the control adds."""
-        sent, machine = poses + self.control(poses, approaches), self.model
+        """Return how the tool deviates from commands (m, q)."""
+        sent = poses + self.control(poses, approaches)
         straight, turned = VirtualMachine.does(self, sent, approaches)
-        nominal = machine.frames(poses)
-        for k, axis in enumerate(machine.axes):
-            if axis.rotary:
-                ways = nominal.rotations[k] @ np.array(axis.direction)
-                turned = turned + (sent[:, k] - poses[:, k])[:, None] * ways
-        return Deviation(machine.frames(sent).tcp - nominal.tcp + straight, turned)
+        nominal, reached = (self.model.frames(each) for each in (poses, sent))
+        return Deviation(reached.tcp - nominal.tcp + straight, turn_between(nominal.tool, reached.tool) + turned)
 
 
 _GAUSS = 6
@@ -187,12 +184,8 @@ class Mesh:
 
     def at(self, x: Array, y: Array) -> Array:
         """Return what is added at places (m,): bilinear between the points, constant outside."""
-        columns, rows = (
-            np.clip(np.searchsorted(grid, place, side="right") - 1, 0, len(grid) - 2)
-            for grid, place in ((self.x, x), (self.y, y))
-        )
-        u = np.clip((x - self.x[columns]) / (self.x[columns + 1] - self.x[columns]), 0, 1)
-        v = np.clip((y - self.y[rows]) / (self.y[rows + 1] - self.y[rows]), 0, 1)
+        (columns, u), (rows, v) = between(self.x, x), between(self.y, y)
+        u, v = np.clip(u, 0, 1), np.clip(v, 0, 1)
         low = (1 - u) * self.added[rows, columns] + u * self.added[rows, columns + 1]
         high = (1 - u) * self.added[rows + 1, columns] + u * self.added[rows + 1, columns + 1]
         return (1 - v) * low + v * high
@@ -270,21 +263,9 @@ def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
     return Mesh(sides[0].points, sides[1].points, -sides[0].best(sides[1].best(found).T).T)
 
 
-def mesh_control(machine: Machine, mesh: Mesh) -> Control:
-    """Return the control that adds the heights to Z."""
-    x, y, z = plane_axes(machine)
-
-    def control(poses: Array, approaches: Array) -> Array:
-        added = np.zeros_like(poses)
-        added[:, z] = mesh.at(poses[:, x], poses[:, y])
-        return added
-
-    return control
-
-
-def sum_of(*controls: Control) -> Control:
-    """Return the control that does what all of them do."""
-    return lambda poses, approaches: np.sum([control(poses, approaches) for control in controls], axis=0)
+def remainder(whole: Control, part: Control) -> Control:
+    """Return the control that does what the whole does, less a part of it."""
+    return lambda poses, approaches: whole(poses, approaches) - part(poses, approaches)
 
 
 PLANES = ("XY", "XZ", "YZ")
@@ -303,17 +284,3 @@ def skew_of(estimate: Estimate) -> Skew:
         line = np.polynomial.polynomial.polyfit(at - at.mean(), tables[plane].deviation(at, 0), 1)
         slopes[plane] = float(line[1])
     return slopes
-
-
-def skew_control(machine: Machine, skew: Skew) -> Control:
-    """Return the control that takes the skew away."""
-    x, y, z = plane_axes(machine)
-    xy, xz, yz = (skew.get(plane, 0.0) for plane in PLANES)
-
-    def control(poses: Array, approaches: Array) -> Array:
-        added = np.zeros_like(poses)
-        added[:, x] = -poses[:, y] * xy - poses[:, z] * (xz - xy * yz)
-        added[:, y] = -poses[:, z] * yz
-        return added
-
-    return control

@@ -8,6 +8,7 @@ curve itself lie on one side of every bend; the least-squares values spread what
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field, replace
 
@@ -24,8 +25,6 @@ from axiscal_core.splines import gauss
 
 _CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, increasing=True))
 """Mathematics: from the values at five points of Gauss to the cubic's coefficients."""
-_NODES = np.polynomial.legendre.leggauss(5)[0]
-"""Mathematics."""
 _APART = 1e-9
 """Share of the way from one point to the next: rounding of a place on the first."""
 _OUTSIDE = 1e-6
@@ -64,7 +63,7 @@ class Hats:
         A hat meets its two neighbours only, so few entries of the normal equations are not nought; where the last
         point is the first one their hats are one.
         """
-        index, share = self._between(self.nodes)
+        index, share = between(self.points, self.nodes)
         count, nodes = len(self.points) - self.closed, np.arange(len(share))
         places, shares = np.stack([index, index + 1]) % count, np.stack([1 - share, share])
         weighted = self.weights * shares
@@ -73,17 +72,6 @@ class Hats:
         rows, columns = (np.broadcast_to(each, squares.shape).ravel() for each in (places[:, None], places))
         values = sparse_solution(squares.ravel(), rows, columns, right)
         return np.concatenate([values, values[:1]]) if self.closed else values
-
-    def carried(self, at: Array) -> Array:
-        """Return the map (len(at), nodes) from a curve at the nodes to it elsewhere: one cubic on every stretch."""
-        nodes = self.nodes.reshape(-1, 5)
-        half = (nodes[:, 4] - nodes[:, 0]) / (_NODES[4] - _NODES[0])
-        stretch = np.clip(np.searchsorted(nodes[:, 2] + half, at), 0, len(nodes) - 1)
-        share = (at - nodes[stretch, 2]) / half[stretch]
-        result = np.zeros((len(at), len(self.nodes)))
-        columns = 5 * stretch[:, None] + np.arange(5)
-        np.put_along_axis(result, columns, np.vander(share, 4, increasing=True) @ _CUBIC, axis=1)
-        return result
 
     def departure(self, curve: Array, values: Array) -> float:
         """Return the largest distance within the bounds between a piecewise cubic and the line through values.
@@ -100,14 +88,15 @@ class Hats:
 
     def at(self, place: float, values: Array) -> Array:
         """Return what lines through values (points, …) are at a place."""
-        index, share = self._between(np.array([place]))
-        between: Array = (1 - share[0]) * values[index[0]] + share[0] * values[index[0] + 1]
-        return between
+        index, share = between(self.points, np.array([place]))
+        there: Array = (1 - share[0]) * values[index[0]] + share[0] * values[index[0] + 1]
+        return there
 
-    def _between(self, places: Array) -> tuple[NDArray[np.intp], Array]:
-        """Return between which point and the next one places lie, and the share of the way, (m,) each."""
-        index = np.clip(np.searchsorted(self.points, places, side="right") - 1, 0, len(self.points) - 2)
-        return index, (places - self.points[index]) / (self.points[index + 1] - self.points[index])
+
+def between(points: Array, places: Array) -> tuple[NDArray[np.intp], Array]:
+    """Return between which point and the next one places lie, and the share of the way, (m,) each."""
+    index = np.clip(np.searchsorted(points, places, side="right") - 1, 0, len(points) - 2)
+    return index, (places - points[index]) / (points[index + 1] - points[index])
 
 
 def _extremes(cubics: Array) -> Array:
@@ -196,6 +185,15 @@ class CompensationTable:
     def fine_unit(self) -> str:
         """The unit in which deviations are shown."""
         return "arcsec" if self.rotary else "um"
+
+    def refuse_more(self, most: int) -> None:
+        """Raise TableError where a control does not hold so many points."""
+        if (count := len(self.positions)) > most:
+            what = "the table of {axis} over {over} has {count} points, the control holds {most}"
+            remedy = "{most} points fit: over this travel one every {fits} or wider"
+            fits = math.ceil(float(np.ptp(self.positions)) / (most - 1) * 1e6) / 1e6
+            shown = format_quantity(fits, self.unit)
+            raise TableError(what, remedy, axis=self.axis, over=self.over, count=count, most=most, fits=shown)
 
     def resampled(self, at: Array) -> CompensationTable:
         """Return the table on other points (n,): lines between its own."""

@@ -13,7 +13,8 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar, NamedTuple
+from importlib import resources
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.axis import letter_direction
 from axiscal.numerics import Array
 from axiscal.tables.conditional import taken_by_rotor
-from axiscal.tables.exporter import Exporter, ExportOptions, Written
+from axiscal.tables.exporter import OFF, Exporter, ExportOptions, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import spread_poses
 from axiscal.tables.surface import Control, by_linear_axes, spanning_axes
@@ -47,22 +48,6 @@ _APART = 1e-9
 """Share of the travel: knots nearer than this are one, by rounding."""
 
 
-class VcompFile(NamedTuple):
-    """A whole file.
-
-    campaign : the beginning of its record's hash; unit : mm or inch
-    limit, limit_deg : the largest correction of a linear and of a rotary joint; tool : (3,) from the spindle nose
-    axes : in chain order, from the workpiece to the tool, as `_axis` says them
-    """
-
-    campaign: str
-    unit: str
-    limit: float
-    limit_deg: float
-    tool: Array
-    axes: Sequence[Mapping[str, Any]]
-
-
 def fnv1a(data: bytes) -> int:
     """Return the 32-bit FNV-1a hash of bytes (Fowler, Noll, Vo): any single changed byte changes it."""
     found = 2166136261
@@ -82,57 +67,57 @@ def refuse_changed(text: str, name: str) -> None:
 class VolumetricFormat(Exporter):
     """A control that knows the chain and reads one such file.
 
-    step : m or rad, that digits and rounds of it may leave of any axis
+    step : m or rad, that digits and rounds of it may leave of any axis; source : package and name of what reads it
     """
 
     tried = True
     step: ClassVar[float]
+    source: ClassVar[tuple[str, str]]
 
     @abstractmethod
     def seconds(self, estimate: Estimate) -> list[float]:
         """Return how long the reversal of each axis takes, s."""
 
     @abstractmethod
-    def write(self, file: VcompFile) -> Written:
-        """Return the files that hold it."""
+    def write(self, file: Mapping[str, Any]) -> Written:
+        """Return the files that hold it.
+
+        file : campaign, the beginning of its record's hash; unit, mm or inch; limit and limit_deg, the largest
+        correction of a linear and of a rotary joint; tool, (3,) from the spindle nose; axes, in chain order, from the
+        workpiece to the tool, as `_axis` says them, with how long the reversal takes
+        """
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Written:
-        """Return the files; raises TableError."""
-        machine, wanted = estimate.machine, whole_control(estimate.machine, estimate.mean)
+        """Return the files; raises TableError for what they cannot hold."""
+        machine, mean, wanted = estimate.machine, estimate.mean, whole_control(estimate.machine, estimate.mean)
         poses, _ = spread_poses(estimate)
         largest = np.max([np.abs(wanted(poses, way * np.ones_like(poses))) for way in (1.0, -1.0)], axis=(0, 1))
         if np.max(largest) <= _NOTHING:
             return Written({}, {}, ())
-        numbers, unit = options.joints(machine), options.unit_of(machine) if "--unit" in self.takes else "mm"
-        given = [(numbers[axis.name], own) for axis, own in zip(machine.axes, self.seconds(estimate), strict=True)]
-        written = self.write(content_of(estimate, given, unit, largest, options.origin))
+        joints, unit = options.joints(machine), options.unit_of(machine) if "--unit" in self.takes else "mm"
+        axes = [_axis(machine, mean, k, joints[axis.name], unit) for k, axis in enumerate(machine.axes)]
+        for axis, seconds in zip(axes, self.seconds(estimate), strict=True):
+            axis["seconds"] = seconds
+        turning = np.array([axis.rotary for axis in machine.axes])
+        if not np.any(turning):  # a constant deviation is taken off, as a displacement of the last axis
+            axes[-1]["place"][:3] -= axes[-1]["side"] * to_unit(1.0, unit) * _at_zero(machine, mean)
+        limits = [max(_MARGIN * float(np.max(largest[own], initial=0.0)), _LEAST) for own in (~turning, turning)]
+        file: dict[str, Any] = {
+            "campaign": options.origin[:16] or "none",
+            "unit": {"mm": "mm", "in": "inch"}[unit],
+            "axes": axes,
+        }
+        file |= {"limit": float(to_unit(limits[0], unit)), "limit_deg": float(to_unit(limits[1], "deg"))}
+        written = self.write(file | {"tool": np.array([0.0, 0.0, -to_unit(machine.tool_length, unit)])})
+        sources = {name: resources.files(place) / name for place, name in (self.source, ("axiscal.tables", CORE))}
+        files = {**written.files, **{name: each.read_text(encoding="ascii") for name, each in sources.items()}}
         steps = {axis.name: self.step for axis in machine.axes}
-        known = replace(written, steps=steps, holds=self.holds, left_out=self.left_out, tried=self.tried)
+        known = replace(written, files=files, steps=steps, holds=self.holds, left_out=self.left_out, tried=self.tried)
         return replace(known, control=wanted, wanted=wanted)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Raise TableError: nothing goes on top of a whole correction."""
-        raise TableError("{name} reads no old files", self.instead["--on-top-of"], name=type(self).__name__)
-
-
-def content_of(
-    estimate: Estimate, given: Sequence[tuple[Sequence[int], float]], unit: str, largest: Array, origin: str
-) -> VcompFile:
-    """Return the file of an estimate; raises TableError for what it cannot hold.
-
-    given : joints of each axis, and how long its reversal takes, s; unit : mm or in
-    largest : (q,) m or rad, that each axis is corrected by; origin : hash of the record
-    """
-    model, mean, axes = estimate.machine, estimate.mean, estimate.machine.axes
-    own = [_axis(model, mean, k, joints, unit) | {"seconds": seconds} for k, (joints, seconds) in enumerate(given)]
-    turning = [axis.rotary for axis in axes]
-    if not any(turning):  # a constant deviation is taken off, as a displacement of the last axis
-        own[-1]["place"][:3] -= own[-1]["side"] * to_unit(1.0, unit) * _at_zero(model, mean)
-    furthest = max(_MARGIN * float(np.max(largest[~np.array(turning)])), _LEAST)
-    turned = max(_MARGIN * float(np.max(largest[turning], initial=0.0)), _LEAST)
-    tool = np.array([0.0, 0.0, -to_unit(model.tool_length, unit)])
-    limits = float(to_unit(furthest, unit)), float(to_unit(turned, "deg"))
-    return VcompFile(origin[:16] or "none", {"mm": "mm", "in": "inch"}[unit], *limits, tool, own)
+        raise TableError("{name} reads no old files", OFF, name=type(self).__name__)
 
 
 def _axis(model: Machine, mean: Array, index: int, joints: Sequence[int], unit: str) -> dict[str, Any]:
@@ -178,12 +163,11 @@ def _axis(model: Machine, mean: Array, index: int, joints: Sequence[int], unit: 
     }
 
 
-def text_of(file: VcompFile, statement: str) -> str:
+def text_of(file: Mapping[str, Any], statement: str) -> str:
     """Return the file as text, with its checksum.  statement : of what it is not, for whoever looks into it"""
-    rendering = templates(
-        "axiscal.tables", row=lambda numbers: " ".join(f"{float(number) + 0.0:.12g}" for number in numbers)
-    ).get_template("vcomp.jinja")
-    body = rendering.render(form=_FORM, file=file, statement=statement)
+    row = {"row": lambda numbers: " ".join(f"{float(number) + 0.0:.12g}" for number in numbers)}
+    made = templates("axiscal.tables", **row).get_template("vcomp.jinja")
+    body = made.render(form=_FORM, file=file, statement=statement)
     return f"{body}end {fnv1a(body.encode()):08x}\n"
 
 

@@ -157,7 +157,7 @@ class Desk:
 
         known, tables = self.campaign.estimate(ended=True), self.state.tables
         control = next((each for each in tables if each != "csv"), "csv")
-        volume = volume_error(known, control, registry.offered_control(known, control) if tables else None)
+        volume = volume_error(known, control, registry.offered(known, control).control if tables else None)
         drawing = found_and_left_drawing(volume, self.campaign.description.machine, width)
         return drawing.on_screen(said("The error of the volume"))
 

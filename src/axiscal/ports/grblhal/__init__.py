@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from importlib import resources
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.language.spoken import later
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
-from axiscal.tables.vcomp_file import CORE, VcompFile
 
-_FILE, _TABLE, _PLUGIN = "axiscal.vcomp", "axiscal_table.h", "axiscal_grblhal.c"
+_FILE, _TABLE = "axiscal.vcomp", "axiscal_table.h"
 TRIED = "Its code was tried against grblHAL's interface of 2026, never in a controller with drives."
 
 
@@ -24,29 +22,24 @@ class GrblHal(vcomp_file.VolumetricFormat):
     )
     left_out = "the orientation of the tool beyond what rotary axes turn too far about themselves, and tool lengths."
     takes = frozenset({"--number"})
+    source = __package__, "axiscal_grblhal.c"
     step = 1e-8  # two rounds and twelve digits; a controller rounds to 1e-7 of a position besides
-    instead: ClassVar = {
-        "--on-top-of": later("a whole correction goes on top of none: measure with the firmware as it was, $160 to 0")
-    }
 
     def seconds(self, estimate: Estimate) -> list[float]:
         """Return a second for each axis: the plugin turns a side within a part of a line."""
         return [1.0] * len(estimate.machine.axes)
 
-    def write(self, file: VcompFile) -> Written:
-        """Return the table, once more as a header, and the plugin."""
+    def write(self, file: Mapping[str, Any]) -> Written:
+        """Return the table, and once more as a header."""
         text = vcomp_file.text_of(file, TRIED)
         files = {_FILE: text, _TABLE: _as_header(file, text)}
-        for name, place in ((_PLUGIN, __package__), (CORE, "axiscal.tables")):
-            files[name] = resources.files(place).joinpath(name).read_text(encoding="ascii")
-        notes = paragraphs(__package__, "notes.jinja", campaign=file.campaign, limit=file.limit, tried=TRIED)
+        notes = paragraphs(__package__, "notes.jinja", tried=TRIED, **file)
         return Written(files, {}, notes)
 
 
-def _as_header(file: VcompFile, text: str) -> str:
+def _as_header(file: Mapping[str, Any], text: str) -> str:
     """Return a table as a string of C, with the room that it takes."""
-    knots = max(len(axis["knots"]) for axis in file.axes)
+    axes = file["axes"]
     lines = "\n".join(f'    "{line}\\n"' for line in text.splitlines())
-    return (
-        f"#define VC_AXES {len(file.axes)}\n#define VC_KNOTS {knots}\nstatic const char AXISCAL_TABLE[] =\n{lines};\n"
-    )
+    room = f"#define VC_AXES {len(axes)}\n#define VC_KNOTS {max(len(axis['knots']) for axis in axes)}\n"
+    return f"{room}static const char AXISCAL_TABLE[] =\n{lines};\n"

@@ -30,12 +30,8 @@ from axiscal.tables.registry import export
 from axiscal.units import format_quantity, from_unit
 from axiscal_core.machine import Machine
 
-LIBRARY = Path("/usr/share/linuxcnc/hallib")
-"""Of HAL files: of Debian's package, in which a file is looked for that lies not beside the INI file."""
 _APART = 1e-6
 """m or rad: places nearer than a micrometre are one."""
-_LIB = "LIB:"
-"""Before a HAL file that LinuxCNC looks for in its library alone."""
 _LOAD_FILE, _JOIN_FILE, _APPLY, _UNDO = "axiscal-load.hal", "axiscal-join.hal", "apply.sh", "undo.sh"
 _TEMPLATES = "axiscal.ports.linuxcnc"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,120}")
@@ -54,16 +50,13 @@ def export_into(ini: Path, estimate: Estimate, options: ExportOptions) -> Export
     patched, tables = found.patched()
     beside = [name for name in offered.files if name.endswith(".vcomp")]
     files = {name: text for name, text in offered.files.items() if name != HAL_FILE}
-    before = {name: text for name, text in found.files.items() if name not in found.library}
-    placed = {name: text for name, text in patched.items() if text != found.files.get(name) or name in before}
-    files |= placed | scripts(before, placed, beside)
+    files |= patched | scripts(found.files, patched, beside)
     lines = "line" if tables == 1 else "lines"
     taken = f" {tables} {lines} of COMP_FILE and BACKLASH taken out." if tables else ""
-    copied = "".join(f" {name} is a copy out of LinuxCNC's library." for name in placed if name in found.library)
     note = (
         f"INTO YOUR CONFIGURATION: stop LinuxCNC, then sh {_APPLY} FOLDER (of {ini.name}); back again: "
         f"sh {_UNDO} FOLDER. Both refuse where a file is not the one that was read. The files as they were are "
-        f"kept in its folder before-axiscal.{taken}{copied}"
+        f"kept in its folder before-axiscal.{taken}"
     )
     kept = [line for line in offered.readme.split("\n") if not line.startswith(f"- Put {beside[0]} and ")]
     notes = "\n".join([note, *to_mind(found, estimate.machine)])
@@ -76,13 +69,11 @@ class Configured:
     """A LinuxCNC as its files have it.
 
     machine : what the INI says; files : the INI and its HAL files by name, in the order in which they run
-    library : names of those that lie in LinuxCNC's library alone
     """
 
     ini: IniFile
     machine: IniMachine
     files: Mapping[str, str]
-    library: frozenset[str]
 
     def patched(self) -> tuple[dict[str, str], int]:
         """Return the files with the component in them, and how many lines of tables and backlash were taken out.
@@ -121,13 +112,9 @@ class Configured:
         return files, tables
 
     def _ini(self, files: Mapping[str, str]) -> tuple[str, int]:
-        """Load the component first and join it last; tables and backlash are taken out by a sign before them.
-
-        HAL files that are changed are read as copies and not those in the library.
-        """
+        """Load the component first and join it last; tables and backlash are taken out by a sign before them."""
         ini, tables = self.ini, 0
         lines = files[ini.path.name].split("\n")
-        copies = {f"{_LIB}{name}" for name, text in files.items() if text != self.files[name]}
         for (section, key), values in ini.values.items():
             table = section.startswith(("JOINT_", "AXIS_")) and key in _TABLE_KEYS
             for each in values if table or section == "HAL" else ():
@@ -137,8 +124,6 @@ class Configured:
                 if table:
                     lines[each.line - 1] = f"# taken out by axiscal: {lines[each.line - 1].strip()}"
                     tables += 1
-                elif copies & {*each.text.split()}:
-                    lines[each.line - 1] = lines[each.line - 1].replace(_LIB, "", 1)
         named = [each.line for each in ini.all("HAL", "HALFILE")]
         lines.insert(named[-1], f"HALFILE = {_JOIN_FILE}")
         lines.insert(named[0] - 1, f"HALFILE = {_LOAD_FILE}")
@@ -194,21 +179,16 @@ def scripts(before: Mapping[str, str], after: Mapping[str, str], beside: Sequenc
 def configured(path: Path) -> Configured:
     """Return what stands in an INI file and in the HAL files beside it; raises InputError."""
     ini = read_ini(path)
-    files, library = {path.name: exact_text(path)}, set[str]()
+    files = {path.name: exact_text(path)}
     for named in ini.all("HAL", "HALFILE"):
-        word = named.text.split()[0] if named.text else ""
-        name = word.removeprefix(_LIB)
+        name = named.text.split()[0] if named.text else ""
         if not name.endswith(".hal"):
             continue  # programs: nothing in them is changed
-        if Path(name).name != name:
-            raise named.fail("{name} lies in another folder", "put it beside the INI file", name=name)
-        if word != name or not (path.parent / name).exists():  # as LinuxCNC looks for it
-            library.add(name)
-            if not (LIBRARY / name).exists():
-                what, remedy = "{name} lies neither here nor in LinuxCNC's library", "put it beside the INI file"
-                raise named.fail(what, remedy, name=name)
-        files[name] = exact_text((LIBRARY if name in library else path.parent) / name)
-    return Configured(ini, machine_of(ini), files, frozenset(library))
+        if Path(name).name != name or not (path.parent / name).exists():
+            what, remedy = "{name} lies not beside the INI file", "put it there, and name it without LIB: or a folder"
+            raise named.fail(what, remedy, name=name)
+        files[name] = exact_text(path.parent / name)
+    return Configured(ini, machine_of(ini), files)
 
 
 def options_of(found: Configured, options: ExportOptions) -> ExportOptions:

@@ -6,21 +6,20 @@ installed once by halcompile, and reads the file of a campaign when it is loaded
 
 from __future__ import annotations
 
-from importlib import resources
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from axiscal.document.ports import rendered
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.language.spoken import later
 from axiscal.tables import vcomp_file
 from axiscal.tables.exporter import Written, paragraphs
 from axiscal.tables.offer import spread_poses
-from axiscal.tables.vcomp_file import CORE, VcompFile, whole_control
+from axiscal.tables.vcomp_file import whole_control
 from axiscal.units import format_quantity
 
-_FILE, HAL_FILE, _COMPONENT = "axiscal.vcomp", "axiscal-volumetric.hal", "axiscal_vcomp.comp"
+_FILE, HAL_FILE = "axiscal.vcomp", "axiscal-volumetric.hal"
 _STATEMENT = "Never run on real drives or on a realtime kernel. It is no safety function."
 LOADRT = (  # with quotes: people write blanks between the letters
     f'loadrt axiscal_vcomp file={_FILE} units=[TRAJ]LINEAR_UNITS "coordinates=[TRAJ]COORDINATES" joints=[KINS]JOINTS'
@@ -44,12 +43,7 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
     )
     takes = frozenset({"--unit", "--number", "--ini"})
     step = 1e-9  # by twelve digits
-    instead: ClassVar = {
-        "--on-top-of": later(
-            "a whole correction goes on top of none: measure with axiscal-vcomp.active false, without COMP_FILE and "
-            "BACKLASH"
-        ),
-    }
+    source = str(__package__), "axiscal_vcomp.comp"
 
     def seconds(self, estimate: Estimate) -> list[float]:
         """Return for each axis how long its reversal takes, s: T = sqrt(4 J / (0.2 a)), J the step of a joint.
@@ -66,17 +60,19 @@ class LinuxcncVolumetric(vcomp_file.VolumetricFormat):
             times.append(min(max(time, _QUICKEST), _SLOWEST))
         return times
 
-    def write(self, file: VcompFile) -> Written:
-        """Return the file, the HAL text, and the source of the component."""
-        joints = sorted(n for axis in file.axes for n in axis["joints"])
+    def write(self, file: Mapping[str, Any]) -> Written:
+        """Return the file and the HAL text."""
+        joints = sorted(n for axis in file["axes"] for n in axis["joints"])
         values = {"joints": joints, "nets": {}, "thread": "", "statement": _STATEMENT, "load": LOADRT}
         files = {_FILE: vcomp_file.text_of(file, _STATEMENT)}
         files[HAL_FILE] = rendered("axiscal.ports.linuxcnc", "volumetric.hal.jinja", **values)
-        for name, place in ((_COMPONENT, __package__), (CORE, "axiscal.tables")):
-            files[name] = resources.files(place).joinpath(name).read_text(encoding="ascii")
-        reversing = [axis for axis in file.axes if axis["reversals"].shape[1]]
+        reversing = [axis for axis in file["axes"] if axis["reversals"].shape[1]]
         seconds = ", ".join(f"{axis['name']} {format_quantity(axis['seconds'], 's', 3)}" for axis in reversing)
-        told = {"file": file, "limit": f"{file.limit:.4g}", "rotary": [axis for axis in file.axes if axis["rotary"]]}
+        told = {
+            "file": file,
+            "limit": f"{file['limit']:.4g}",
+            "rotary": [axis for axis in file["axes"] if axis["rotary"]],
+        }
         told |= {"reversing": seconds, "statement": _STATEMENT, "vcomp": _FILE, "hal": HAL_FILE}
         notes, first = (paragraphs(str(__package__), f"volumetric_{part}.jinja", **told) for part in ("notes", "first"))
         return Written(files, {}, notes, first=first)

@@ -6,7 +6,7 @@ import re
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.readers.text_file import TextFile
@@ -23,12 +23,8 @@ _COMMAND = re.compile(r"^\s*([GM]\d+)\b([^;\n]*)", re.MULTILINE)
 _WORD = re.compile(r"([A-Z])\s*(-?[\d.]+)")
 
 
-class PrinterFiles(NamedTuple):
-    """Files by name, none for what was not seen; what rounding may leave of each axis, m; values of the template."""
-
-    files: Mapping[str, str]
-    steps: Mapping[str, float]
-    known: Mapping[str, Any]
+PrinterFiles = tuple[Mapping[str, str], Mapping[str, float], Mapping[str, Any]]
+"""Files by name, none for what was not seen; what rounding may leave of each axis, m; values of the template."""
 
 
 class PrinterFormat(Exporter):
@@ -66,20 +62,15 @@ class PrinterFormat(Exporter):
         machine, content = estimate.machine, self.content(estimate, options)
         files, steps, known = self.printed(content, machine)
         play = play_of(content)
-        notes = paragraphs(
-            __package__,
-            self.template,
-            meshes=content.meshes,
-            skew=content.skew,
-            play=play,
-            mm=lambda place: f"{to_unit(float(place), 'mm'):g}",
-            zero_of=lambda mesh: _zero_of(mesh, options),
-            **known,
-        )
+        known = {"meshes": content.meshes, "skew": content.skew, "play": play, **known}
+        known |= {
+            "mm": lambda place: f"{to_unit(float(place), 'mm'):g}",
+            "zero_of": lambda mesh: _zero_of(mesh, options),
+        }
         words = ["height over the plane as a bed mesh"] if content.meshes else []
         words = [" and ".join([*words, f"the skew of {', '.join(content.skew)}"])] if content.skew else words
         words += [f"one backlash for {', '.join(play)}"] if play else []
-        written = Written(files, steps, notes, "; ".join(words) + ".")
+        written = Written(files, steps, paragraphs(__package__, self.template, **known), "; ".join(words) + ".")
         return replace(self.draft(written, content.control(machine), machine, options), about=estimate)
 
 

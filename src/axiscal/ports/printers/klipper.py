@@ -48,7 +48,7 @@ class Klipper(PrinterFormat):
             words = (f"{plane}={ac:.9f},{bd:.9f},{_SIDE:.9f}" for plane, (ac, bd) in sides.items())
             files[_SKEW] = f"SET_SKEW {' '.join(words)}\nSKEW_PROFILE SAVE={_NAME}\n"
         steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
-        return PrinterFiles(files, steps, {"name": _NAME, "mesh_file": _MESH, "skew_file": _SKEW})
+        return files, steps, {"name": _NAME, "mesh_file": _MESH, "skew_file": _SKEW}
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what a saved block holds, and what G-code sets, as skew_correction.py makes it of `SET_SKEW`."""

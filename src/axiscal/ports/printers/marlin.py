@@ -44,7 +44,7 @@ class Marlin(PrinterFormat):
         reach = max(abs(end) for axis in machine.axes for end in axis.travel)  # by seven decimals of a skew
         steps = {"X": STEP + 2e-7 * reach, "Y": STEP + 2e-7 * reach, "Z": 2 * STEP}
         files = {_FILE: "\n".join([*lines, "M500"]) + "\n"} if lines else {}
-        return PrinterFiles(files, steps, {"needs": needs, "back": back, "file": _FILE})
+        return files, steps, {"needs": needs, "back": back, "file": _FILE}
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what Marlin makes of the commands, mm; raises ReadingError for a map that is not whole.

@@ -53,7 +53,7 @@ class RepRapFirmware(PrinterFormat):
             files[_MAP] = _written(mesh)
         files |= {_CODE: "\n".join(lines) + "\n"} if lines else {}
         steps = {"X": STEP, "Y": STEP, "Z": STEP if "Z" in play_of(content) else 2e-9}
-        return PrinterFiles(files, steps, {"usual": _USUAL, "map": _MAP, "code": _CODE, "back": back})
+        return files, steps, {"usual": _USUAL, "map": _MAP, "code": _CODE, "back": back}
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what height maps hold, and what G-code sets."""

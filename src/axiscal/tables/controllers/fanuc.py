@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -26,11 +26,10 @@ _EXPECTED = later(
     "punch parameters and pitch data from the control: records like N10000P0; between % and %, with N3620 to N3624 for "
     "each axis as N3620A1P100A2P200;"
 )
-_RECORD = re.compile(r"N0*(\d+)(Q\d+)?((?:[A-Z]\d*)?P-?[\d.]+(?:[A-Z]\d*P-?[\d.]+)*)(\s*;?)")
+_RECORD = re.compile(
+    r"\s*N0*(\d{1,9})(?:Q\d+)?((?:(?:[A-Z]\d{0,9})?P-?[\d.]{1,20})(?:[A-Z]\d{0,9}P-?[\d.]{1,20})*)\s*;?\s*"
+)
 _VALUE = re.compile(r"(?:A(\d+))?P(-?[\d.]+)")
-
-Records = dict[int, dict[int, str]]
-"""Number of the record -> axis number, 0 where there is none -> value."""
 
 DETECTION = {False: 1e-6, True: math.radians(1e-3)}
 """Detection unit of increment system IS-B: of a linear axis, m, of a rotary one, rad."""
@@ -47,6 +46,44 @@ _LARGEST, _FIRST_DATA = 7, 10000
 _FILE = "pitch.txt"
 _SIGN = "the parameter manual B-63980EN, 3620 to 3624, states the points of entries and not their sign"
 _WITHOUT = "{} (3624 is 0, no parameters 3620 to 3624 in the file, or a whole turn that does not begin at 0), "
+
+
+class Punched:
+    """A punched file and where in its text each value stands, by the record's number and the axis', 0 without one.
+
+    Raises TableError for what a control does not punch.
+    """
+
+    def __init__(self, text: str, file: str) -> None:
+        self._text, self.file, self._spans = text, file, dict[tuple[int, int], tuple[int, int]]()
+        if not re.fullmatch(r"%.*%", text.strip(), re.DOTALL):
+            raise TableError("this is not a punched file: it does not begin and end with %", _EXPECTED, file)
+        for line in re.finditer(r"^[ \t]*N.*$", text, re.MULTILINE):
+            if (record := _RECORD.fullmatch(text, *line.span())) is None:
+                number, shown = text.count("\n", 0, line.start()) + 1, line[0].strip()[:40]
+                raise TableError("{text!r} is not a record", _EXPECTED, file, number, text=shown)
+            for value in _VALUE.finditer(text, *record.span(2)):
+                self._spans[int(record[1]), int(value[1] or 0)] = value.span(2)
+
+    def value(self, record: int, axis: int = 0) -> str | None:
+        """Return a value as it stands there, None where there is none."""
+        span = self._spans.get((record, axis))
+        return None if span is None else self._text[slice(*span)]
+
+    def entries(self, records: Iterable[int]) -> list[float]:
+        """Return the values of records without an axis; raises TableError for one that is not there."""
+        found = {record: self.value(record) for record in records}
+        if missing := [record for record, value in found.items() if value is None]:
+            raise TableError("there is no row N{row}", _EXPECTED, self.file, row=missing[0])
+        return [float(value or 0) for value in found.values()]
+
+    def filled(self, wanted: Mapping[int, int]) -> str:
+        """Return the text with other values of records without an axis; raises TableError as `entries`."""
+        self.entries(sorted(wanted))
+        text = self._text
+        for (start, stop), value in sorted(((self._spans[row, 0], new) for row, new in wanted.items()), reverse=True):
+            text = f"{text[:start]}{value}{text[stop:]}"
+        return text
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +111,11 @@ class PitchParameters:
         return self.first if self.turn else self.first - 1
 
     @property
+    def records(self) -> range:
+        """The records of the entries of all sections."""
+        return range(_FIRST_DATA + self.begin + 1, _FIRST_DATA + self.last + 1)
+
+    @property
     def positions(self) -> Array:
         """The ends of the sections and the first beginning, m or rad; the reference point is the machine's zero."""
         return (np.arange(self.begin, self.last + 1, dtype=float) - self.reference) * self.interval
@@ -96,7 +138,7 @@ class PitchParameters:
         return self.reference + int(below) + 1, self.reference + int(above)
 
 
-def _plans(records: Records, file: str, machine: Machine, numbers: Mapping[str, int]) -> dict[str, PitchParameters]:
+def _plans(punched: Punched, machine: Machine, numbers: Mapping[str, int]) -> dict[str, PitchParameters]:
     """Return what the parameters say; axes without a positive interval are left out.
 
     So are rotary axes without parameters, and whole turns that do not begin at zero.
@@ -106,92 +148,52 @@ def _plans(records: Records, file: str, machine: Machine, numbers: Mapping[str, 
     for name, number in numbers.items():
         axis = machine.axis(name)
         from_zero = not axis.cyclic or abs(axis.travel[0]) < DETECTION[True]
-        has = from_zero and all(number in records.get(key, {}) for key in _NEEDED)
-        if (not axis.rotary or has) and (plan := _plan(records, file, axis, number)) is not None:
+        has = from_zero and all(punched.value(key, number) for key in _NEEDED)
+        if (not axis.rotary or has) and (plan := _plan(punched, axis, number)) is not None:
             plans[name] = plan
     if not plans:
-        raise TableError("no axis has an interval of compensation (3624)", "set it on the control first", file)
+        raise TableError("no axis has an interval of compensation (3624)", "set it on the control first", punched.file)
     for name, plan in plans.items():
         for point in range(plan.first, plan.last + 1):
             if (other := owner.setdefault(point, name)) != name:
                 what = "point {number} belongs to {other} and to {name}"
                 remedy = "give each axis points of its own: 3620 to 3622"
-                raise TableError(what, remedy, file, number=point, other=other, name=name)
+                raise TableError(what, remedy, punched.file, number=point, other=other, name=name)
     return plans
 
 
-def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParameters | None:
-    def refusal(what: str, remedy: str, **values: object) -> TableError:
-        return TableError(what, remedy, file, None, name=axis.name, number=number, **values)
-
-    values = {key: records.get(key, {}).get(number) for key in _NEEDED}
+def _plan(punched: Punched, axis: Axis, number: int) -> PitchParameters | None:
+    """Return the points of an axis, None without an interval; raises TableError."""
+    values, told = (
+        {key: punched.value(key, number) for key in _NEEDED},
+        dict[str, Any](name=axis.name, number=number),
+    )
     if missing := ", ".join(str(key) for key, value in values.items() if value is None):
-        raise refusal("there are no parameters {shown} for {name} (axis {number})", _EXPECTED, shown=missing)
+        what = "there are no parameters {shown} for {name} (axis {number})"
+        raise TableError(what, _EXPECTED, punched.file, shown=missing, **told)
     reference, first, last, magnification, interval = (value or "0" for value in values.values())
     width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
     if width <= 0:
         return None
-    if width > _WIDEST:
-        what = "the interval {interval} of {name} (axis {number}) is longer than any travel"
-        raise refusal(what, "parameter 3624 is in mm or deg where it has a point", interval=interval[:20])
-    below, both = (records.get(key, {}).get(number, usual) for key, usual in ((_NEGATIVE, "0"), (_BOTH, "1")))
-    if below.strip("0+-") and both.endswith("1"):
+    at, begin, end, times = (min(int(each), _MOST + 1) for each in (reference, first, last, magnification))
+    plan = PitchParameters(at, begin, end, max(1, times), width, axis.rotary, axis.cyclic)
+    low, high = plan.covering(0.0, math.tau)
+    whole = abs((high - low) * width - math.tau) < DETECTION[True] and (begin, end) == (low, high)
+    inside = plan.begin <= at <= end and begin != end and begin >= 0
+    if (punched.value(_NEGATIVE, number) or "").strip("0+-") and (punched.value(_BOTH, number) or "1").endswith("1"):
         what = "{name} (axis {number}) has entries of its own for the way down (3626)"
         remedy = "set 3605#0 to 0, so that one set serves both ways, and enter the reversal as backlash (1851)"
-        raise refusal(what, remedy)
-    kind = axis.rotary, axis.cyclic
-    plan = PitchParameters(int(reference), int(first), int(last), max(1, int(magnification)), width, *kind)
-    inside = plan.begin <= plan.reference <= plan.last and plan.first != plan.last
-    if not (inside and plan.first >= 0 and max(plan.last, plan.magnification) <= _MOST):
-        what = "{name} has points {first} to {last}, the reference point {reference}, the magnification {times}"
-        remedy = "the reference point lies between the others, and none of these is above {most}"
-        texts = zip(("first", "last", "reference", "times"), (first, last, reference, magnification), strict=True)
-        raise refusal(what, remedy, most=_MOST, **{key: shortened(text) for key, text in texts})
-    low, high = plan.covering(0.0, math.tau)
-    whole = abs((high - low) * plan.interval - math.tau) < DETECTION[True]
-    if plan.turn and not (whole and (plan.first, plan.last) == (low, high)):  # B-63980EN: 3621 = 3620, a turn further
+    elif not inside or max(end, times) > _MOST or width > _WIDEST:
+        what = "{name} has points {first} to {last}, reference {reference}, magnification {times}, interval {interval}"
+        remedy = "the reference point lies between the others, none is above {most}, and 3624 with a point is mm or deg"
+    elif plan.turn and not whole:  # B-63980EN: 3621 = 3620, a turn further
         what = "{name} is a whole turn and has points {first} to {last}"
         remedy = "3621 = 3620 = {low} and 3622 = {high} hold a turn, with an interval that divides 360 deg"
-        raise refusal(what, remedy, first=plan.first, last=plan.last, low=low, high=high)
-    return plan
-
-
-def read_records(text: str, file: str) -> Records:
-    """Return the values of each record; raises TableError."""
-    body = text.strip()
-    if not (body.startswith("%") and body.endswith("%") and len(body) > 1):
-        raise TableError("this is not a punched file: it does not begin and end with %", _EXPECTED, file)
-    found: Records = {}
-    for number, line in enumerate(map(str.strip, text.splitlines()), 1):
-        match = _RECORD.fullmatch(line)
-        if match is None and line.startswith("N"):
-            raise TableError("{text!r} is not a record", _EXPECTED, file, number, text=line[:40])
-        if match is not None:
-            found.setdefault(int(match[1]), {}).update({int(a or 0): v for a, v in _VALUE.findall(match[3])})
-    return found
-
-
-def replace_values(text: str, wanted: Mapping[tuple[int, int], int], file: str) -> str:
-    """Return the text with values replaced; all else stays.
-
-    wanted : (number of the record, axis number or 0) -> value
-    Raises TableError for a value that the file has no place for.
-    """
-    missing = dict(wanted)
-
-    def replaced(record: re.Match[str]) -> str:
-        def value(found: re.Match[str]) -> str:
-            place = (int(record[1]), int(found[1] or 0))
-            missing.pop(place, None)
-            return f"{found[0].partition('P')[0]}P{wanted.get(place, found[2])}"
-
-        return record[0][: record.start(3) - record.start()] + _VALUE.sub(value, record[3]) + record[4]
-
-    filled = _RECORD.sub(replaced, text)
-    if missing:
-        what = "there is no row N{row} and {more} more" if len(missing) > 1 else "there is no row N{row}"
-        raise TableError(what, _EXPECTED, file, row=min(missing)[0], more=len(missing) - 1)
-    return filled
+    else:
+        return plan
+    texts = {"first": first, "last": last, "reference": reference, "times": magnification, "interval": interval}
+    told |= {"most": _MOST, "low": low, "high": high} | {key: shortened(text) for key, text in texts.items()}
+    raise TableError(what, remedy, punched.file, **told)
 
 
 class Fanuc(TableFormat):
@@ -199,7 +201,6 @@ class Fanuc(TableFormat):
 
     takes = frozenset({"--template", "--number"})
     unstated = "own"
-    instead: ClassVar = {"--spacing": later("leave it out: parameters 3620 to 3624 say where the points are")}
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Written:
         """Return the file, with what to enter as backlash; raises TableError."""
@@ -218,12 +219,13 @@ class Fanuc(TableFormat):
         Raises TableError where they do not cover the volume.
         """
         tables = []
-        for name, plan in _template(options, estimate.machine).items():
+        for name, plan in _template(options, estimate.machine)[1].items():
             axis = estimate.machine.index(name)
             needed = plan.covering(*estimate.box[axis])
             if plan.first > needed[0] or plan.last < needed[1]:
-                unit = "deg" if plan.rotary else "mm"
-                low, high = (format_quantity(float(end), unit) for end in plan.positions[[0, -1]])
+                low, high = (
+                    format_quantity(float(end), "deg" if plan.rotary else "mm") for end in plan.positions[[0, -1]]
+                )
                 what = "the points of {name} reach from {shown}, the volume goes beyond"
                 remedy = "3621 = {first} and 3622 = {second} would cover it"
                 shown = said("{low} to {high}", low=low, high=high)
@@ -238,25 +240,23 @@ class Fanuc(TableFormat):
 
         The sums of the entries are rounded, so that nothing adds up.
         """
-        plans, wanted = _template(options, machine), dict[tuple[int, int], int]()
+        (punched, plans), wanted = _template(options, machine), dict[int, int]()
         for table, plan in ((table, plans[table.axis]) for table in tables):
-            sums = np.round(plan.from_reference(-table.forward) / plan.step).astype(int)
-            entries: Array = np.diff(sums)
-            entries = np.concatenate([entries[-1:], entries]) if plan.turn else entries
+            entries: Array = np.diff(np.round(plan.from_reference(-table.forward) / plan.step).astype(int))
             if (worst := int(np.max(np.abs(entries)))) > _LARGEST:
                 what = "{axis} needs an increment of {worst}, an entry holds {most}"
                 remedy = "magnification 3623 = {needed} would fit, or a shorter interval 3624"
                 needed = math.ceil(worst * plan.magnification / _LARGEST)
                 raise TableError(what, remedy, axis=table.axis, worst=worst, most=_LARGEST, needed=needed)
-            wanted |= {(_FIRST_DATA + plan.first + n, 0): options.sign * int(e) for n, e in enumerate(entries)}
-        filled = replace_values(options.saved("FANUC"), wanted, options.template_name)
+            wanted |= zip(plan.records, (options.sign * entries).tolist(), strict=True)
+            wanted[_FIRST_DATA + plan.first] = wanted[plan.records[-1 if plan.turn else 0]]
         steps = {axis: 0.5 * plan.step + 1e-12 for axis, plan in plans.items()}
         without = ", ".join(axis.name for axis in machine.axes if axis.name not in plans)
         holds = f"the positioning error of axes as increments: the mean of both directions of {', '.join(plans)}."
         left_out = "straightness, squareness and the angular errors of linear axes, and the reversal."
         left_out = f"{_WITHOUT.format(without) if without else ''}{left_out}"
         notes = paragraphs("axiscal.tables", "fanuc.jinja", plans=plans, first_data=_FIRST_DATA)
-        return Written({_FILE: filled}, steps, notes, holds, left_out, sign_said(options, _SIGN))
+        return Written({_FILE: punched.filled(wanted)}, steps, notes, holds, left_out, sign_said(options, _SIGN))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the control makes of punched files; raises TableError.
@@ -264,19 +264,15 @@ class Fanuc(TableFormat):
         Entries add up from the reference point, times the magnification.
         """
         tables = list[CompensationTable]()
-        for file in files:
-            records = read_records(file.text, file.name)
-            for name, plan in _plans(records, file.name, machine, options.numbered(machine)).items():
-                rows = range(_FIRST_DATA + plan.begin + 1, _FIRST_DATA + plan.last + 1)
-                if missing := next((row for row in rows if 0 not in records.get(row, {})), None):
-                    raise TableError("there is no row N{row}", _EXPECTED, row=missing)
-                sums = np.cumsum([0.0, *(float(records[row][0]) for row in rows)])
+        for punched in (Punched(file.text, file.name) for file in files):
+            for name, plan in _plans(punched, machine, options.numbered(machine)).items():
+                sums = np.cumsum([0.0, *punched.entries(plan.records)])
                 values = -options.sign * plan.from_reference(sums) * plan.step
                 tables.append(CompensationTable(name, plan.positions, values, values))
         return Loaded(tuple(tables))
 
 
-def _template(options: ExportOptions, machine: Machine) -> dict[str, PitchParameters]:
-    """Return what the parameters of the template say; raises TableError where there is none."""
-    records = read_records(options.saved("FANUC"), options.template_name)
-    return _plans(records, options.template_name, machine, options.numbered(machine))
+def _template(options: ExportOptions, machine: Machine) -> tuple[Punched, dict[str, PitchParameters]]:
+    """Return the template and what its parameters say; raises TableError where there is none."""
+    punched = Punched(options.saved("FANUC"), options.template_name)
+    return punched, _plans(punched, machine, options.numbered(machine))

@@ -49,23 +49,20 @@ class Layout:
     def of_text(cls, text: str, file: str) -> Layout:
         """Return the form of a file; raises TableError, with what was expected, for anything else."""
         lines = [line.rstrip() for line in text.splitlines() if line.strip()]
-        if len(lines) < 4 or not re.match(r"BEGIN \S+?\s*\.COM\b", lines[0]) or not lines[-1].startswith("[END]"):
-            raise TableError("this is not a .COM table", _EXPECTED, file)
-        first, header, *body, last = lines
+        first, header, *body, last = lines if len(lines) > 3 else [*lines, *[""] * 4][:4]
+        heads, rows = tuple(header.split()), tuple(line.split() for line in body)
+        fits = [bool(re.match(r"BEGIN \S+?\s*\.COM\b", first)), {"AXISPOS", "BACKLASH"} <= {*heads}]
+        fits[1] &= len({*heads}) == len(heads)
+        fits += [len(row) == len(heads) and all(map(_NUMBER.fullmatch, row)) for row in rows]
+        fits.append(last.startswith("[END]"))
+        if not all(fits):
+            shown = [first, header, *body, last][fits.index(False)].strip()[:60]
+            raise TableError("{text!r} is no line of a .COM table", _EXPECTED, file, fits.index(False) + 1, text=shown)
         if re.search(r"\bINCH\b|DATUM:[-+]?[0.]*[1-9]", first):
             what = "{text!r} is not in millimetres from the machine datum"
             raise TableError(what, "save a table in MM with DATUM:+0", file, 1, text=first.strip()[:60])
-        heads = tuple(header.split())
-        if not {"AXISPOS", "BACKLASH"} <= set(heads) or len(set(heads)) < len(heads):
-            raise TableError("the column heads are {text!r}", _EXPECTED, file, 2, text=header.strip()[:60])
-        for number, line in enumerate(body, 3):
-            if len(line.split()) != len(heads) or not all(map(_NUMBER.fullmatch, line.split())):
-                raise TableError(
-                    "{text!r} does not fit the column heads", _EXPECTED, file, number, text=line.strip()[:60]
-                )
         above, below = ([match.span() for match in re.finditer(r"\S+", line)] for line in (header, body[0]))
         edges = tuple((b, True) if a == b else (e, False) for (a, _), (b, e) in zip(above, below, strict=True))
-        rows = tuple(line.split() for line in body)
         decimals = max(len(w.partition(".")[2]) for head, w in zip(heads, rows[0], strict=True) if head != "NR")
         if decimals < 3:
             remedy = "save a table with values to 0.001 mm or finer"

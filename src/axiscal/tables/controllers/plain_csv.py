@@ -6,12 +6,13 @@ nominal, not the correction: whoever loads it elsewhere subtracts it.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
@@ -36,15 +37,15 @@ class PlainCsv(TableFormat):
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return one file for each table."""
-        files, steps, notes = dict[str, str](), list[tuple[str, float]](), dict[str, None]()
+        files, steps, notes = dict[str, str](), defaultdict[str, float](float), dict[str, None]()
         for table in tables:
             name = table.axis if table.over == table.axis else f"{table.axis}_over_{table.over}"
             files[f"{name}.csv"] = text_of(table)
-            steps.append((table.axis, float(from_unit(2 * _STEP, table.fine_unit))))
+            steps[table.axis] += float(from_unit(2 * _STEP, table.fine_unit))
             notes[_COLUMNS] = notes[_STD.format(unit=table.fine_unit)] = None
         turning = [axis.name for axis in machine.axes if axis.cyclic]
         turns = (f"Tables of {', '.join(turning)} hold one turn and repeat after it.",) if turning else ()
-        return Written(files, summed(steps), (*notes, *turns))
+        return Written(files, steps, (*notes, *turns))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what somebody does who takes the deviations of these tables away."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,16 +37,10 @@ _ENC, _CEC = "AX_EEC.INI", "NC_CEC.INI"
 _ROUNDING = 1e-6
 """Of the last decimal of a limit: what lies over it through rounding alone raises it by no digit."""
 _SIGN = "K3 of the Function Manual Extended Functions (6FC5397-1BP40) states the sign of ENC_COMP and not that of CEC"
-_WHOSE = later("Say whose it is: --number X=1 for AX1, or --on-top-of X=FILE; else take it out of the file")
+_WHOSE = later(
+    "Say whose it is, --number X=1 for AX1, or which system, --measuring-system 2; else take it out of the file"
+)
 _AGAIN = "give AX_EEC.INI and NC_CEC.INI as the control saved them"
-
-
-class TableBlock(NamedTuple):
-    """One CEC table: values (n,) m or rad, taken away after moving in a direction, 0 for both."""
-
-    table: CompensationTable
-    values: Array
-    direction: int
 
 
 class Sinumerik(TableFormat):
@@ -59,7 +53,6 @@ class Sinumerik(TableFormat):
     left_out = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
     takes = TableFormat.takes | {"--number", "--measuring-system", "--on-top-of"}
     unstated = "across"
-    instead: ClassVar = {"--unit": later("leave it out: the tables are in mm and deg, load them in metric")}
     points = 200  # what an 828D holds for an axis
     grid = (1e-6, float(np.radians(1e-3)))  # by the decimals that are written
 
@@ -69,29 +62,44 @@ class Sinumerik(TableFormat):
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files that are needed."""
-        names, encoder = _names(machine, options), options.encoder - 1
-        own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
-        blocks, turn = blocks_of(own, over), 2 * np.pi
-        turning = [names[t.axis] for t in own if t.rotary and abs(np.ptp(t.positions) - turn) < 1e-9]
-        sizes = [float(np.max(np.abs(to_unit(b.values, b.table.value_unit())))) for b in blocks]
-        steepest = [100 * float(np.max(np.abs(np.diff(b.values) / np.diff(b.table.positions)))) for b in blocks]
-        sums, slopes = _at_once(blocks, sizes), _at_once(blocks, steepest)
-        units = {b.table.axis: b.table.value_unit() for b in blocks}
+        names, encoder, cec = _names(machine, options), options.encoder - 1, cec_tables(tables)
+        own = [table for table in tables if table.axis == table.over]
+        lines: dict[str, list[str]] = {_ENC: [], _CEC: []}
+        for table in own:
+            mean, axis = _shown(table, (table.forward + table.reverse) / 2), names[table.axis]
+            lines[_ENC] += [f"$AA_ENC_COMP[{encoder},{i},{axis}]={value}" for i, value in enumerate(mean)]
+            lines[_ENC] += [f"$AA_ENC_COMP_{key}[{encoder},{axis}]={value}" for key, value in _span(table).items()]
+        sums, slopes = (dict[str, dict[int, float]]() for _ in range(2))
+        for number, table in enumerate(cec):
+            direction, values = _direction(table), table.reverse if _direction(table) < 0 else table.forward
+            written = _shown(table, options.sign * values)
+            lines[_CEC] += [f"$AN_CEC[{number},{i}]={value}" for i, value in enumerate(written)]
+            modulo = {"IS_MODULO": (keys := _span(table)).pop("IS_MODULO")}
+            keys = {"INPUT_AXIS": f"({names[table.over]})", "OUTPUT_AXIS": f"({names[table.axis]})", **keys}
+            keys |= {"DIRECTION": str(direction), "MULT_BY_TABLE": "0", **modulo}
+            lines[_CEC] += [f"$AN_CEC_{key}[{number}]={value}" for key, value in keys.items()]
+            size = float(np.max(np.abs(to_unit(values, table.value_unit()))))
+            slope = 100 * float(np.max(np.abs(np.diff(values) / np.diff(table.positions))))
+            for found, each in ((sums, size), (slopes, slope)):  # those of the two directions do not act at once
+                ways = found.setdefault(table.axis, {1: 0.0, -1: 0.0})
+                ways |= {way: ways[way] + each for way in ways if direction in (0, way)}
+        units = {name: _above(max(ways.values()), 4) for name, ways in sums.items()}
         told = {
             "encoder": encoder,
             "cec": _CEC,
             "small": _SMALL,
-            "sums": ", ".join(f"{_above(size, 4)} {units[axis]} ({names[axis]})" for axis, size in sums.items()),
+            "sums": ", ".join(f"{most} {machine.axis(axis).unit} ({names[axis]})" for axis, most in units.items()),
             "own": own,
             "names": names,
-            "points": [len(block.values) for block in blocks],
-            "slopes": ", ".join(f"{_above(slope, 3)} % ({names[axis]})" for axis, slope in slopes.items()),
-            "turning": turning,
+            "points": [len(table.positions) for table in cec],
+            "slopes": ", ".join(f"{_above(max(each.values()), 3)} % ({names[axis]})" for axis, each in slopes.items()),
+            "turning": [names[t.axis] for t in own if t.rotary and abs(np.ptp(t.positions) - math.tau) < 1e-9],
         }
+        heads = {_ENC: "%_N_AX_EEC_INI", _CEC: "%_N_NC_CEC_INI"}
+        files = {n: "\n".join([heads[n], "CHANDATA(1)", *own, "M17", ""]) for n, own in lines.items() if own}
         steps = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
-        first = sign_said(options, _SIGN) if blocks else ()
         notes = paragraphs("axiscal.tables", "sinumerik.jinja", **told)
-        return Written(write(own, blocks, names, options.sign, encoder), steps, notes, first=first)
+        return Written(files, steps, notes, first=sign_said(options, _SIGN) if cec else ())
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables did of the chosen measuring system; raises TableError.
@@ -99,9 +107,11 @@ class Sinumerik(TableFormat):
         A table with values that has no use here is untaken.
         """
         names, tables, untaken = _names(machine, options), list[CompensationTable](), list[InputError]()
+        axes = {name + one: name for one in ("1", "") for name in names} | {own: name for name, own in names.items()}
         for file in files:
-            own = {machine.axis(file.axis).name: _only_axis(file)} if file.axis else names
-            axes = {name + one: name for one in ("1", "") for name in own} | {own[name]: name for name in own}
+            if file.axis:
+                remedy = "give it without {axis}=, and each axis its --number"
+                raise TableError("this file names its axes itself", remedy, file.name, axis=file.axis)
             try:
                 for place, (begin, values) in _assignments(file.text).items():
                     other = place[0] == "ENC_COMP" and int(place[1]) != options.encoder - 1
@@ -109,12 +119,8 @@ class Sinumerik(TableFormat):
                     if table is not None:
                         tables.append(table)
                     elif any(_number(v) for key, v in values.items() if key[0] == "#"):
-                        what = "the table that begins with {text!r} is for no axis that is known here, or has no STEP"
-                        remedy = _WHOSE
-                        if other:
-                            what = "{text!r} is of another measuring system"
-                            remedy = "Say --measuring-system 2, or take it out"
-                        untaken.append(TableError(what, remedy, file.name, begin[0], text=begin[1][:60]))
+                        what = "the table that begins with {text!r} is of no axis or system meant here, or has no STEP"
+                        untaken.append(TableError(what, _WHOSE, file.name, begin[0], text=begin[1][:60]))
             except TableError as fault:
                 raise TableError(fault.what, _AGAIN, file.name) from None
         return Loaded(tuple(tables), untaken=tuple(untaken))
@@ -149,14 +155,14 @@ def _understood(
         return None
     count = (high - low) / step + 1
     points = {int(key[1:]): _number(value) for key, value in values.items() if key[0] == "#"}
-    whole = count <= _MOST_POINTS and abs(count - round(count)) < 1e-6
-    if not whole or any(value for number, value in points.items() if number >= round(count)):
-        raise TableError("the table of {moved} has {count:g} points between its ends", _AGAIN, moved=moved, count=count)
+    numbers = range(round(min(count, _MOST_POINTS)))
+    whole = count <= _MOST_POINTS and abs(count - round(count)) < 1e-6 and all(number in points for number in numbers)
+    if not whole or any(value for number, value in points.items() if number not in numbers):
+        what = "the table of {moved} has {count:g} points between its ends, and others in the file"
+        raise TableError(what, _AGAIN, moved=moved, count=count)
     if int(values.get("MULT_BY_TABLE", "0")):
         raise TableError("a CEC table of {axis} is multiplied by another one", _AGAIN, axis=moved)
-    if lacking := [number for number in range(round(count)) if number not in points]:
-        raise TableError("point {number} of the table of {moved} is not there", _AGAIN, moved=moved, number=lacking[0])
-    units, entries = [machine.axis(name).unit for name in (over, moved)], [points[i] for i in range(round(count))]
+    units, entries = [machine.axis(name).unit for name in (over, moved)], [points[number] for number in numbers]
     taken: Array = (-1.0 if flip and not enc else 1.0) * from_unit(np.array(entries), units[1])
     at: Array = low + step * np.arange(len(entries), dtype=float)
     direction = 0 if enc else int(values.get("DIRECTION", "0"))
@@ -171,59 +177,33 @@ def _number(text: str) -> float:
     return value
 
 
-def _only_axis(file: OldFile) -> str:
-    """Return the axis that a file of one axis is for, as it writes it; raises TableError for several."""
-    found = {third or second for _, kind, _, _, second, third, _ in _VALUE.findall(file.text) if kind == "ENC_COMP"}
-    found = {name for name in found if not name.isdigit()}
-    if len(found) != 1:
-        what, remedy = "this file has tables of {known}", "give it without AXIS=, and each axis its --number"
-        raise TableError(what, remedy, file.name, known=", ".join(sorted(found)) or "-")
-    return str(found.pop())
-
-
 def _names(machine: Machine, options: ExportOptions) -> dict[str, str]:
     """Return the machine axis identifier of each axis: AX1, AX2, …; raises TableError as `numbered`."""
     return {name: f"AX{number}" for name, number in options.numbered(machine).items()}
 
 
-def blocks_of(own: Sequence[CompensationTable], over: Sequence[CompensationTable]) -> tuple[TableBlock, ...]:
-    """Return the CEC tables, in the order of their numbers; raises TableError for more than there can be."""
-    blocks = list[TableBlock]()
-    for table in own:
+def cec_tables(tables: Sequence[CompensationTable]) -> tuple[CompensationTable, ...]:
+    """Return the CEC tables, in the order of their numbers; raises TableError for more than there can be.
+
+    Of an axis itself there are two, each for one direction: in the other one it has noughts.
+    """
+    found = list[CompensationTable]()
+    for table in (table for table in tables if table.axis == table.over):
         half = (table.forward - table.reverse) / 2
         if np.any(np.round(np.asarray(to_unit(half, table.value_unit())), 6)):
-            blocks += [TableBlock(table, half, 1), TableBlock(table, -half, -1)]
-    blocks += [TableBlock(table, table.forward, 0) for table in over]
-    if len(blocks) > _TABLES:
+            found += [replace(table, forward=half, reverse=0 * half), replace(table, forward=0 * half, reverse=-half)]
+    found += [table for table in tables if table.axis != table.over]
+    if len(found) > _TABLES:
         remedy = "leave axes out of the description"
-        raise TableError("{count} CEC tables are needed, {most} fit", remedy, count=len(blocks), most=_TABLES)
-    if longest := next((block for block in blocks if len(block.values) > _POINTS), None):
-        what = "the CEC table of {axis} has {count} points, MD18342 allows {most}"
-        remedy = "export without --on-top-of, or give coarser tables to it"
-        raise TableError(what, remedy, axis=longest.table.axis, count=len(longest.values), most=_POINTS)
-    return tuple(blocks)
+        raise TableError("{count} CEC tables are needed, {most} fit", remedy, count=len(found), most=_TABLES)
+    for table in found:
+        table.refuse_more(_POINTS)
+    return tuple(found)
 
 
-def write(
-    own: Sequence[CompensationTable], blocks: Sequence[TableBlock], names: Mapping[str, str], sign: int, encoder: int
-) -> dict[str, str]:
-    """Return the files by name.
-
-    names : machine axis identifiers; sign : of CEC values; encoder : 0 or 1, index of the measuring system
-    """
-    enc, cec = list[str](), list[str]()
-    for table in own:
-        mean, axis = (table.forward + table.reverse) / 2, names[table.axis]
-        enc += [f"$AA_ENC_COMP[{encoder},{i},{axis}]={value}" for i, value in enumerate(_shown(table, mean))]
-        enc += [f"$AA_ENC_COMP_{key}[{encoder},{axis}]={value}" for key, value in _span(table).items()]
-    for number, (table, values, direction) in enumerate(blocks):
-        cec += [f"$AN_CEC[{number},{i}]={value}" for i, value in enumerate(_shown(table, sign * values))]
-        keys = {"INPUT_AXIS": f"({names[table.over]})", "OUTPUT_AXIS": f"({names[table.axis]})", **_span(table)}
-        modulo = keys.pop("IS_MODULO")
-        keys |= {"DIRECTION": str(direction), "MULT_BY_TABLE": "0", "IS_MODULO": modulo}
-        cec += [f"$AN_CEC_{key}[{number}]={value}" for key, value in keys.items()]
-    texts = {_ENC: ("%_N_AX_EEC_INI", enc), _CEC: ("%_N_NC_CEC_INI", cec)}
-    return {n: "\n".join([head, "CHANDATA(1)", *lines, "M17", ""]) for n, (head, lines) in texts.items() if lines}
+def _direction(table: CompensationTable) -> int:
+    """Return the direction of moving after which a CEC table acts, 0 for both."""
+    return 0 if np.array_equal(table.forward, table.reverse) else 1 if np.any(table.forward) else -1
 
 
 def _shown(table: CompensationTable, values: Array) -> list[str]:
@@ -239,16 +219,6 @@ def _span(table: CompensationTable) -> dict[str, str]:
     modulo = int(table.rotary and abs(shown[-1] - shown[0] - 360) < 1e-6)
     ends = {"STEP": step, "MIN": shown[0], "MAX": shown[0] + step * (len(shown) - 1)}
     return {**{key: f"{value:.3f}" for key, value in ends.items()}, "IS_MODULO": str(modulo)}
-
-
-def _at_once(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, float]:
-    """Return the sum over the tables of each axis that act at once: those of the two directions do not."""
-    found = dict[str, dict[int, float]]()
-    for block, size in zip(blocks, sizes, strict=True):
-        ways = found.setdefault(block.table.axis, {1: 0.0, -1: 0.0})
-        for way in (1, -1) if not block.direction else (block.direction,):
-            ways[way] += size
-    return {axis: max(ways.values()) for axis, ways in found.items()}
 
 
 def _above(value: float, decimals: int) -> str:

@@ -1,7 +1,7 @@
 """The small program beside a running LinuxCNC: it says how the machine stands, and makes one straight move at a time.
 
-It runs under the system's Python, which alone has the module `linuxcnc`. One JSON line answers one. It executes only
-the two kinds of lines below, none faster than `LARGEST`, and none while the machine is not as it has to be. A move
+It is sent as text to the system's Python, which alone has the module `linuxcnc`. One JSON line answers one. It executes
+only the two kinds of lines below, none faster than `LARGEST`, and none while the machine is not as it has to be. A move
 stops if the other side goes away, says nothing for `SILENCE`, or says stop. No further move is made once anybody else
 gives LinuxCNC a command. Coordinates are those of the machine, in mm and deg.
 """
@@ -14,6 +14,7 @@ import math
 import queue
 import re
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -22,8 +23,11 @@ from typing import Any
 
 import linuxcnc  # type: ignore[import-not-found]
 
-from axiscal.ports.linuxcnc.live.stance import LETTERS, Stance
-
+LETTERS = "XYZABCUVW"
+_SWITCHED = {"xyzac-trt-kins", "xyzbc-trt-kins", "5axiskins"}
+"""Kinematics whose type 1 is identity, or 0 with sparm=identityfirst."""
+_DUST = 1e-6
+"""mm or deg: the last decimal of what is sent."""
 SILENCE = 5.0
 """s; the other side says something every second."""
 LARGEST = 3000.0
@@ -36,10 +40,8 @@ _EASED = 1.0
 """s after a change of an override in which other commands are taken to belong to it."""
 _FIRST_TURN = 1.0
 """deg: so far each rotary axis turns alone at first."""
-_WORDS = r"((?: [{}]-?\d+(?:\.\d+)?)+) F(\d+)"
-_LINES = tuple(
-    re.compile(f"({kind})" + _WORDS.format(letters)) for kind, letters in (("G53 G1", LETTERS), (r"G38\.3", "XYZUVW"))
-)
+_LINES = re.compile(rf"(G53 G1|G38\.3(?!.*[ABC]))((?: [{LETTERS}]-?\d+(?:\.\d+)?)+) F(\d+)")
+"""The two kinds of lines; a touch names no rotary axis."""
 _PLAIN = "G21 G90 G94 G61 G17 G40"
 """mm, absolute, mm/min, exact stop: before every move, and what was in force is set again at the end."""
 _NEEDED = {210, 900, 940, 610}
@@ -53,20 +55,18 @@ class GoneError(Exception):
     """The other side has gone, or has said stop."""
 
 
-class Agent(Stance):
-    """LinuxCNC that is given commands, and the line to the other side."""
+class Agent:
+    """LinuxCNC that is looked at and given commands, and the line to the other side."""
 
     def __init__(self) -> None:
-        super().__init__(linuxcnc.stat(), linuxcnc.ini)
-        self.command, self.channel = linuxcnc.command(), linuxcnc.error_channel()
+        self.stat, self.command, self.channel = linuxcnc.stat(), linuxcnc.command(), linuxcnc.error_channel()
         self.asked: queue.Queue[dict[str, Any]] = queue.Queue()
         self.heard, self.gone = time.monotonic(), False
-        self.before: list[str] = []
+        self.before, self.turned = list[str](), set[str]()
         self.moving = False  # a move of ours is under way
         self.ours = -1  # number of the last command that is ours, or known
         self.overrides: object = None
         self.eased = -math.inf
-        self.turned: set[str] = set()
         threading.Thread(target=self._listen, daemon=True).start()
 
     def serve(self) -> None:
@@ -124,11 +124,6 @@ class Agent(Stance):
             self._end_move()
             return {"failure": f"{type(error).__name__}: {error}"}
 
-    def status(self) -> dict[str, Any]:
-        """Return how the machine stands."""
-        self.stat.poll()
-        return {"idle": self.stat.interp_state == linuxcnc.INTERP_IDLE, **self.document()}
-
     def watched(self, seconds: float) -> str:
         """Wait until the probe has been closed and opened by hand; returns what was missing, or nothing."""
         end = time.monotonic() + seconds
@@ -146,16 +141,14 @@ class Agent(Stance):
 
     def line(self, code: str) -> dict[str, Any]:
         """Make one move and wait until it is done; whatever is not as it has to be is said instead."""
-        found = next((match for pattern in _LINES if (match := pattern.fullmatch(code))), None)
-        if found is None or not 0 < float(found[3]) <= LARGEST:
+        if (found := _LINES.fullmatch(code)) is None or not 0 < float(found[3]) <= LARGEST:
             return {"failure": f"{code!r} is no line that is executed here"}
         ends = {word[0]: float(word[1:]) for word in found[2].split()}
         self.stat.poll()
         first = self._first_turn(ends)
         if found[1] == "G38.3":  # it names no rotary axis, and one at a limit would end 1e-17 beyond
             first = {a: limit for a, limit in self.at_limits().items() if a in "ABC"}
-        failure = (self._made("G53 G1", first, found[3]) if first else "") or self._made(found[1], ends, found[3])
-        if failure:
+        if failure := (first and self._made("G53 G1", first, found[3])) or self._made(found[1], ends, found[3]):
             return {"failure": failure}
         probed = {a: float(at) / self.unit(a) for a, at in zip(LETTERS, self.stat.probed_position, strict=False)}
         return {"tripped": bool(self.stat.probe_tripped), "probed": probed, "probe": bool(self.stat.probe_val)}
@@ -169,8 +162,7 @@ class Agent(Stance):
 
     def _made(self, kind: str, ends: dict[str, float], feed: str) -> str:
         """Make one move and return what was amiss, or nothing.  ends : letter -> where in the machine, mm or deg"""
-        amiss = self._unfit() or self._plain() or self._unfit()
-        if amiss:
+        if amiss := self._unfit() or self._plain() or self._unfit():
             return amiss
         begun, probing = [self.here(a) for a in self.letters()], kind == "G38.3"
         ends = ends if probing else self.at_limits() | ends
@@ -178,14 +170,15 @@ class Agent(Stance):
         self.moving = True
         self._give(self.command.mdi, f"G21 G90 G94 {kind} {words} F{feed}", wait=False)
         amiss = self._awaited()
-        said = "; ".join(self._drain())
-        if said or amiss:
+        if amiss := "; ".join(self._drain()) or amiss:
             self._end_move()
-            return said or amiss
+            return amiss
         self.moving = False
         stood = all(abs(self.here(a) - at) < _WITHIN for a, at in zip(self.letters(), begun, strict=True))
         touched = probing and self.stat.probe_tripped and not stood
-        if not touched and any(self.off(a, end) > _WITHIN for a, end in ends.items()):
+        ways = {a: abs(self.here(a) - end) for a, end in ends.items()}
+        off = max(min(way % 360, -way % 360) if a in "ABC" else way for a, way in ways.items())  # full turns are none
+        if not touched and off > _WITHIN:
             return f"the axes are not where the move ends: {_SOMEBODY}"
         return self._apart()
 
@@ -193,8 +186,8 @@ class Agent(Stance):
         """Return why no move may begin, or nothing."""
         stat = self.stat
         stat.poll()
-        ready = self.homed() and stat.enabled and not stat.estop and not self.spins()
-        if not ready or stat.interp_state != linuxcnc.INTERP_IDLE or not stat.inpos:
+        ready = {"homed": True, "estop": False, "enabled": True, "spindle": False}
+        if self.drives() != ready or stat.interp_state != linuxcnc.INTERP_IDLE or not stat.inpos:
             return "the machine is no longer as it was"
         if self.before and (stat.task_mode != linuxcnc.MODE_MDI or self._interfered()):
             return _SOMEBODY
@@ -299,11 +292,92 @@ class Agent(Stance):
 
     def _drain(self) -> list[str]:
         """Return the messages of LinuxCNC that are errors."""
-        texts = []
-        while (message := self.channel.poll()) is not None:
-            if message[0] in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR):
-                texts.append(str(message[1]).strip())
-        return texts
+        messages = iter(self.channel.poll, None)
+        return [str(text).strip() for kind, text in messages if kind in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR)]
+
+    def status(self) -> dict[str, Any]:
+        """Return how the machine stands, mm and deg."""
+        self.stat.poll()
+        stat, letters, joints = self.stat, self.letters(), range(self.stat.joints)
+        return {
+            "idle": stat.interp_state == linuxcnc.INTERP_IDLE,
+            **self.drives(),
+            "feed": float(stat.feedrate),
+            "feed_heeded": bool(stat.feed_override_enabled),
+            "probe": bool(stat.probe_val),
+            "offsets": [float(each) / self.unit("X") for each in stat.tool_offset],
+            "rotation": float(stat.rotation_xy),
+            "axes": {a: self.limits(a) for a in letters},
+            "position": {a: self.here(a) for a in letters},
+            "joints": self.joint_places(),
+            "compensated": [n for n in joints if self._said(f"JOINT_{n}", "COMP_FILE") or stat.joint[n]["backlash"]],
+            "whole": _pin("axiscal-vcomp.active") == "TRUE",
+            "checksum": _pin("axiscal-vcomp.checksum"),
+            "tip": self._tip(),
+        }
+
+    def drives(self) -> dict[str, bool]:
+        """Return whether every joint is homed, the drives are on, and a spindle turns or is on."""
+        stat = self.stat
+        homed = all(stat.homed[joint] for joint in range(stat.joints))
+        spins = any(each["enabled"] or each["speed"] for each in getattr(stat, "spindle", ())[: stat.spindles])
+        return {"homed": homed, "estop": bool(stat.estop), "enabled": bool(stat.enabled), "spindle": spins}
+
+    def unit(self, letter: str) -> float:
+        """Return one mm or deg in the machine's units."""
+        return float(self.stat.angular_units if letter in "ABC" else self.stat.linear_units) or 1.0
+
+    def here(self, letter: str) -> float:
+        """Return where an axis stands, mm or deg."""
+        return float(self.stat.position[LETTERS.index(letter)]) / self.unit(letter)
+
+    def at_limits(self) -> dict[str, float]:
+        """Return the axes that stand at one of their limits, with it, mm or deg.
+
+        After a touch LinuxCNC goes on from where they are seen to stand, and takes no line that ends 1e-17 beyond.
+        """
+        ends = [(a, limit) for a in self.letters() for limit in self.limits(a)]
+        return {a: limit for a, limit in ends if abs(self.here(a) - limit) < _DUST}
+
+    def limits(self, letter: str) -> list[float]:
+        """Return between which an axis may stand, mm or deg."""
+        stated = self.stat.axis[LETTERS.index(letter)]
+        return [float(stated[f"{end}_position_limit"]) / self.unit(letter) for end in ("min", "max")]
+
+    def shift(self, letter: str) -> float:
+        """Return how far the zero of coordinates in force is from the machine's, mm."""
+        stat, k = self.stat, LETTERS.index(letter)
+        return float(stat.g5x_offset[k] + stat.g92_offset[k] + stat.tool_offset[k]) / self.unit(letter)
+
+    def letters(self) -> str:
+        """Return the axis of each joint."""
+        found = re.search(r"coordinates=(\w+)", self._said("KINS", "KINEMATICS"))
+        return (found[1] if found else self._said("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
+
+    def joint_places(self) -> list[tuple[str, float]]:
+        """Return the axis of each joint and where the joint stands, mm or deg: two belts as X and Y."""
+        at = [float(each) for each in self.stat.joint_position[: self.stat.joints]]
+        if self._said("KINS", "KINEMATICS").startswith("corexykins"):
+            at[:2] = (at[0] + at[1]) / 2, (at[0] - at[1]) / 2
+        return [(axis, place / self.unit(axis)) for axis, place in zip(self.letters(), at, strict=False)]
+
+    def _tip(self) -> bool:
+        """Whether switchable kinematics are seen to hold the tool point; not every LinuxCNC shows it."""
+        first, *words = self._said("KINS", "KINEMATICS").split() or [""]
+        return first in _SWITCHED and _pin(f"kinstype.is-{int('sparm=identityfirst' in words)}") == "TRUE"
+
+    def _said(self, section: str, key: str) -> str:
+        """Return what the INI file says, "" where it is silent."""
+        return str(linuxcnc.ini(self.stat.ini_filename).find(section, key) or "")
+
+
+def _pin(name: str) -> str | None:
+    """Return what halcmd says of a pin, None where there is none."""
+    try:
+        found = subprocess.run(["halcmd", "getp", name], capture_output=True, text=True, timeout=5, check=False)
+    except OSError:
+        return None
+    return found.stdout.strip() if found.returncode == 0 else None
 
 
 def _tell(answer: dict[str, Any]) -> None:

@@ -103,7 +103,8 @@ class LiveSource:
         except TravelError as impossible:  # nothing has moved
             return Skip(impossible.what)
         if anew and self._standing:  # out of the way, until the artefact is put down at its next place
-            self._go(way.off(self._standing[1]))
+            here = self._standing[1]
+            self._go([*way.axes.along(here, [way.axes.cleared(here)])])
             self._standing, self._singly = None, True
             self._confirm(said("Put it down: {artefact}. Enter goes on, stop ends: ", artefact=placed))
             self._refuse_unfit()
@@ -157,7 +158,8 @@ class LiveSource:
                 remedy = "Look where the ball stands: it is looked for within {most:g} mm"
                 raise SourceError(what, remedy, most=_FAR, **told)
             status = self._line.status()
-            hit = way.met(answer["probed"])
+            at = {a.name: v for a, v in zip(self._machine.axes, way.target.position, strict=True) if a.rotary}
+            hit = np.array([from_unit(float((answer["probed"] | at)[a.name]), a.unit) for a in self._machine.axes])
             if (far := float(np.linalg.norm(hit - expected))) > from_unit(_FAR, "mm"):
                 what = "touch {touch} of reading {reading} met something {far:.1f} mm from where the ball is stated"
                 raise SourceError(what, "Look what stands there, and at the place of the ball", far=1e3 * far, **told)
@@ -218,17 +220,17 @@ class _WayToBall:
     def __init__(self, machine: Machine, request: Request, above: float = 0.0) -> None:
         self._machine, self._request = machine, request
         setup, pose = request.setup, np.array([request.pose])
-        self._axes = ProgramAxes.from_setup(machine, setup, _DECIMALS)
+        self.axes = ProgramAxes.from_setup(machine, setup, _DECIMALS)
         self._pose: Array = (drawn_back(machine, pose, above) if above else pose)[0]
         back = drawn_back(machine, pose, setup.retract)[0].tolist()
-        self.target: ReadingTarget = target(self._axes.scales, setup.name, request.reading, back, request.approach)
+        self.target: ReadingTarget = target(self.axes.scales, setup.name, request.reading, back, request.approach)
 
     def to(self, standing: tuple[str, Decimals] | None) -> list[Step]:
         """Return the way from where the axes stand, from anywhere if nobody knows."""
         if standing is not None and standing[0] == self._request.setup.name:
-            return list(self._axes.way_to(self.target, standing[1]))
+            return list(self.axes.way_to(self.target, standing[1]))
         start = self.target.turning
-        return [*self._axes.to_the_start(start), *self._axes.way_to(self.target, start, first=True)]
+        return [*self.axes.to_the_start(start), *self.axes.way_to(self.target, start, first=True)]
 
     def refuse_bodies(
         self, to: Sequence[Step], standing: tuple[str, Decimals] | None, touching: Sequence[Step]
@@ -240,11 +242,7 @@ class _WayToBall:
         begun = [] if standing is None else [Move(dict(enumerate(standing[1])), 1)]
         (ball,) = setup.artefact.nearest(self._machine.frames(self._pose[None]).tcp, setup.balls).tolist()
         run, balls = [*begun, *to, self.target, *touching], {self._request.reading: ball}
-        refuse_kept_out(self._machine, setup, balls, self._axes.scales, run)
-
-    def off(self, standing: Decimals) -> list[Step]:
-        """Return the way from where the axes stand to where they are clear."""
-        return list(self._axes.along(standing, [self._axes.cleared(standing)]))
+        refuse_kept_out(self._machine, setup, balls, self.axes.scales, run)
 
     def trial(self) -> list[Step]:
         """Return all of it 20 mm higher over the ball along the tool, from anywhere; raises TravelError."""
@@ -255,7 +253,7 @@ class _WayToBall:
         """Return the touches, with the moves between them."""
         setup = self._request.setup
         place = Place(setup.name, tuple(self._pose.tolist()), self._request.approach)
-        return self._axes.touching(setup, self.target, place)
+        return self.axes.touching(setup, self.target, place)
 
     def expected(self, step: Touched) -> Array:
         """Return the pose (q,) in which a side is expected: between where a touch begins and where it ends."""
@@ -265,11 +263,6 @@ class _WayToBall:
             at = float(exact((1 - share) * float(beside) + share * float(into)))
             pose[self._machine.index(axis)] = from_unit(at, "mm")
         return pose
-
-    def met(self, probed: dict[str, float]) -> Array:
-        """Return the pose (q,) of a touch: rotary axes where they were sent.  probed : mm and deg"""
-        at = zip(self._machine.axes, self.target.position, strict=True)
-        return np.array([from_unit(float(v) if a.rotary else probed[a.name], a.unit) for a, v in at])
 
 
 _SAME = 1e-6

@@ -1,7 +1,4 @@
-"""The line to the agent beside LinuxCNC: a process here, or over ssh, that is sent its program and then JSON lines.
-
-What is to compensate the machine meanwhile: nothing, anything, or files that `axiscal export` wrote.
-"""
+"""The line to the agent beside LinuxCNC: a process here, or over ssh, that is sent its program and then JSON lines."""
 
 from __future__ import annotations
 
@@ -19,17 +16,15 @@ from typing import Any
 from axiscal.document.line_program import Lines
 from axiscal.exceptions import SourceError
 
-_PARTS = tuple(Path(__file__).with_name(f"{name}.py") for name in ("stance", "agent"))
-"""Its program, each part after those that it imports; the last one is begun."""
+_AGENT = Path(__file__).with_name("agent.py")
+"""Its program."""
 _FIRST = """
-import json, sys, types
+import json, sys
 try:
-    for name, text in json.loads(sys.stdin.readline()):
-        sys.modules[name] = part = types.ModuleType(name)
-        exec(compile(text, name, 'exec'), part.__dict__)
+    exec(compile(json.loads(sys.stdin.readline()), 'agent', 'exec'))
 except ImportError as error:
     sys.exit(print(json.dumps({'failure': f'it is not installed where it is looked for: {error}'})))
-part.main()
+main()
 """
 _PYTHON = ("/usr/bin/python3", "-u", "-c", _FIRST)
 _SSH = "ssh -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=2"
@@ -70,7 +65,7 @@ class Connection:
             what = "{word} cannot be started: {reason}"
             raise SourceError(what, "Install it, or start it here", word=words[0], reason=error.strerror) from None
         try:
-            self._send([(f"{__package__}.{part.stem}", part.read_text(encoding="utf-8")) for part in _PARTS])
+            self._send(_AGENT.read_text(encoding="utf-8"))
             threading.Thread(target=self._keep_alive, daemon=True).start()
             self._answer(_BEGIN)
         except BaseException:
@@ -79,8 +74,7 @@ class Connection:
 
     def status(self) -> dict[str, Any]:
         """Return how the machine stands."""
-        status: dict[str, Any] = self._ask({"do": "status"})["status"]
-        return status
+        return dict(self._ask({"do": "status"})["status"])
 
     def watched(self, seconds: float) -> str:
         """Wait until the probe was pressed by hand; returns what was missing, or nothing."""

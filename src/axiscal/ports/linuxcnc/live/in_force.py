@@ -7,10 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from axiscal.exceptions import SourceError, TableError
-from axiscal.language.spoken import later
+from axiscal.language.spoken import joined, later, said
 from axiscal.tables.vcomp_file import refuse_changed
 
-_SWITCH = later("Set axiscal-vcomp.enable to {to} and wait a second")
+_REMEDY = later(
+    "Set axiscal-vcomp.enable and wait a second; put the exported files in, or take COMP_FILE and BACKLASH out of the "
+    "INI file, and start LinuxCNC again; or say in campaign.toml what is in force: compensation_active"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,26 +42,12 @@ class InForce:
 
     def refuse(self, status: dict[str, Any]) -> None:
         """Raise SourceError where the machine is compensated by anything else.  status : as the agent says it"""
-        joints, whole = ", ".join(str(joint) for joint in status["compensated"]), status["whole"]
-        held, wanted = status["checksum"], self.checksum is not None
-        if not self.active and joints:
-            what = "COMP_FILE or BACKLASH of joint {joints} is in force, and the campaign is measured without"
-            remedy = "Take it out of the INI file, or name its files in compensation_active"
-        elif not self.active and whole:
-            what, remedy = "axiscal-vcomp.active is true, and the campaign is measured without a compensation", _SWITCH
-        elif wanted and held is None:
-            what, remedy = "axiscal-vcomp is not loaded in LinuxCNC", "Put the exported files in, and start it again"
-        elif wanted and int(held, 0) != self.checksum:
-            what = "axiscal-vcomp holds another file than the one that was exported (axiscal-vcomp.checksum)"
-            remedy = "Put the exported files in, and start LinuxCNC again"
-        elif wanted and not whole:
-            what, remedy = "axiscal-vcomp.active is not true, and the correction is to be in force", _SWITCH
-        elif wanted and joints:
-            what = "COMP_FILE or BACKLASH of joint {joints} is in force beside axiscal-vcomp"
-            remedy = "Take it out of the INI file"
-        elif self.active and not (wanted or joints or whole):
-            what = "a compensation is to be in force, and neither COMP_FILE nor BACKLASH nor axiscal-vcomp.active is"
-            remedy = "Switch it on, or say compensation_active = false"
-        else:
-            return
-        raise SourceError(what, remedy, joints=joints, to=int(wanted))
+        found = [f"COMP_FILE or BACKLASH of joint {joint}" for joint in status["compensated"]]
+        found += ["axiscal-vcomp"] * bool(status["whole"])
+        other = self.checksum is not None and int(status["checksum"] or "0", 0) != self.checksum
+        if other or (found != ["axiscal-vcomp"] if self.checksum is not None else bool(found) is not self.active):
+            wanted = said("a compensation") if self.active else said("nothing")
+            wanted = wanted if self.checksum is None else f"axiscal-vcomp, {self.checksum:#010x}"
+            held, checksum = joined(found) or said("nothing"), status["checksum"] or "-"
+            what = "in force is {found} (axiscal-vcomp.checksum: {checksum}), and it is to be {wanted}"
+            raise SourceError(what, _REMEDY, found=held, checksum=checksum, wanted=wanted)

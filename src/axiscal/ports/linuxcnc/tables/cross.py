@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -34,47 +33,35 @@ _POINT = re.compile(r"\s*setp\s+\S*[xy]-val-\d+\s")
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
 
-class Wiring(NamedTuple):
-    """What the text must know of the machine.
+def write(
+    tables: Sequence[CompensationTable],
+    joints: Mapping[str, Sequence[int]],
+    speeds: Mapping[str, float],
+    unit: str = "mm",
+) -> str:
+    """Return the HAL text; tables : over other axes, 16 points at most.  Raises TableError.
 
-    joints : numbers of the joints of each axis; speeds : of each axis, m/s; unit : of the configuration, mm or in
+    joints : numbers of those of each axis; speeds : of each axis, m/s; unit : of the configuration, mm or in
     """
-
-    joints: Mapping[str, Sequence[int]]
-    speeds: Mapping[str, float]
-    unit: str = "mm"
-
-
-def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
-    """Return the HAL text; tables : over other axes, 16 points at most.  Raises TableError."""
-    own, overs = dict[str, list[CompensationTable]](), dict[str, list[str]]()
-    curves = list[dict[str, object]]()
+    own, overs, curves = dict[str, list[CompensationTable]](), dict[str, list[str]](), list[dict[str, object]]()
     for table in tables:
-        if (count := len(table.positions)) > POINTS:
-            what = "the table of {axis} over {over} has {count} points, a lincurve holds {most}"
-            remedy = "{most} points fit: set them further apart"
-            raise TableError(what, remedy, axis=table.axis, over=table.over, count=count, most=POINTS)
-        for axis in (table.axis, table.over):
-            if axis not in wiring.joints or len(axis) != 1:
-                remedy = "Give its number; known are {known}"
-                raise TableError("{axis} has no joint in LinuxCNC", remedy, axis=axis, known=", ".join(wiring.joints))
-        added = np.round(-np.asarray(to_unit((table.forward + table.reverse) / 2, table.value_unit(wiring.unit))), 7)
-        points = [*zip(to_unit(table.positions, wiring.unit), added + 0.0, strict=True)]
-        curves.append({"name": _name(table), "points": points})
+        table.refuse_more(POINTS)
+        if other := next((axis for axis in (table.axis, table.over) if len(axis) != 1), ""):
+            raise TableError("LinuxCNC has no axis {axis}", "Its axes are X Y Z A B C U V W", axis=other)
+        added = np.round(-np.asarray(to_unit((table.forward + table.reverse) / 2, table.value_unit(unit))), 7) + 0.0
+        curves.append({"name": _name(table), "points": [*zip(to_unit(table.positions, unit), added, strict=True)]})
         own.setdefault(table.axis, []).append(table)
         overs.setdefault(table.over, []).append(_name(table))
     moved = list[dict[str, object]]()
     for axis, mine in own.items():
-        (first, *parts), low, numbers = map(_name, mine), axis.lower(), wiring.joints[axis]
-        joints = [(n, low if len(numbers) == 1 else f"{low}-joint-{n}") for n in numbers]
-        speed = f"{to_unit(fastest(mine, wiring.speeds), wiring.unit):.6g}"
-        told = {"low": low, "first": first, "parts": parts, "fastest": speed, "joints": joints}
-        moved.append({"axis": axis, **told})
-    positions = [(over.lower(), wiring.joints[over][0], names) for over, names in overs.items()]
+        (first, *parts), low, several = map(_name, mine), axis.lower(), len(joints[axis]) > 1
+        labels = [(n, f"{low}-joint-{n}" if several else low) for n in joints[axis]]
+        speed = f"{to_unit(fastest(mine, speeds), unit):.6g}"
+        moved.append({"axis": axis, "low": low, "first": first, "parts": parts, "fastest": speed, "joints": labels})
+    positions = [(over.lower(), joints[over][0], names) for over, names in overs.items()]
+    known = {"curves": curves, "positions": positions, "moved": moved}
     values = {"ramp": f"{RAMP:g}", "slope": f"{1 / RAMP:g}", "headroom": f"{_HEADROOM:g}"}
-    return rendered(
-        "axiscal.ports.linuxcnc", "cross.hal.jinja", curves=curves, positions=positions, moved=moved, **values
-    )
+    return rendered("axiscal.ports.linuxcnc", "cross.hal.jinja", **known, **values)
 
 
 def _name(table: CompensationTable) -> str:
@@ -93,24 +80,20 @@ def steepest(table: CompensationTable) -> float:
 
 def read(file: OldFile, machine: Machine, unit: str, untaken: list[InputError]) -> list[CompensationTable]:
     """Return the curves of axes over other axes in a HAL text; untaken : takes points that are of none."""
-    found = dict[tuple[str, str], dict[str, dict[int, float]]]()
+    found = dict[tuple[str, str], dict[str, dict[int, float | None]]]()
     for line, text in enumerate(file.text.splitlines(), 1):
-        curve = _CURVE.search(text)
-        if curve is None and _POINT.match(text):
+        if curve := _CURVE.search(text):
+            sides = found.setdefault((curve[1].upper(), curve[2].upper()), {"x": {}, "y": {}})
+            sides[curve[3]][int(curve[4])] = number_or_none(curve[5])
+        elif _POINT.match(text):
             what, remedy = "{text!r} names no axis over another one", "name the curve as in setp y-x.x-val-00 0"
             untaken.append(TableError(what, remedy, file.name, line, text=text.strip()[:60]))
-        if curve is not None:
-            if (number := number_or_none(curve[5])) is None:
-                remedy = "give the HAL file as it is"
-                raise TableError("{text!r} is no number of a curve", remedy, file.name, text=curve[5][:40])
-            sides = found.setdefault((curve[1].upper(), curve[2].upper()), {"x": {}, "y": {}})
-            sides[curve[3]][int(curve[4])] = number
     tables = []
     for (moved, over), sides in found.items():
-        x, y = (np.array([sides[side][i] for i in sorted(sides[side])]) for side in "xy")
-        if len(x) != len(y) or np.any(np.diff(x) <= 0):
-            remedy = "give the HAL file as it is"
-            raise TableError("the curve of {moved} over {over} is not whole", remedy, file.name, moved=moved, over=over)
+        x, y = (np.array([sides[side][i] for i in sorted(sides[side])], dtype=float) for side in "xy")
+        if len(x) != len(y) or not np.all(np.diff(x) > 0) or not np.all(np.isfinite(y)):
+            what, remedy = "the curve of {moved} over {over} is not whole", "give the HAL file as it is"
+            raise TableError(what, remedy, file.name, moved=moved, over=over)
         at, added = (from_unit(each, "deg" if machine.axis(n).rotary else unit) for n, each in ((over, x), (moved, y)))
         tables.append(CompensationTable(moved, at, -added, -added, over=over))
     return tables

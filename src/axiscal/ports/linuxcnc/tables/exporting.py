@@ -8,8 +8,10 @@ Beyond its ends a `COMP_FILE` is constant, and a joint counts on after 360 deg, 
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -17,8 +19,8 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.language.spoken import said
 from axiscal.ports.linuxcnc.tables import cross
-from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
-from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
+from axiscal.ports.linuxcnc.tables.writer import ROWS, notes, parse, resolution, write
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile, lost_motion
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.table import CompensationTable
@@ -26,8 +28,6 @@ from axiscal.units import from_unit
 from axiscal_core.axes import Axis
 from axiscal_core.machine import Machine
 
-_LARGEST = 1e6
-"""In the machine's unit: a kilometre in millimetres, which no table corrects."""
 _MOST_TURNS = 5
 """256 rows hold five turns of 51 points."""
 _HAL_FILE = "axiscal-cross.hal"
@@ -48,28 +48,31 @@ class Linuxcnc(TableFormat):
         """Return tables of axes over as many turns as they make, and curves of axes over others."""
         machine = estimate.machine
         new = tuple(_one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
-        own = tuple(_over_turns(t, machine) for t in options.old.alone(within=True).under_tables(new, machine, ROWS))
+        before, over = (
+            Loaded(tuple(t for t in options.old.tables if (t.axis == t.over) is own)) for own in (True, False)
+        )
+        own = tuple(_over_turns(t, machine) for t in before.under_tables(new, machine, ROWS))
         across = cross_tables(estimate, most=cross.POINTS, uneven=options.spacing is None)
-        across = options.old.alone(within=False).under_tables(across, machine, cross.POINTS, even=True)
+        across = over.under_tables(across, machine, cross.POINTS, even=True)
         return (*own, *(t.averaged() for t in across))  # a lincurve has no direction
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files."""
-        linear, speeds = options.unit_of(machine), {axis.name: axis.speed for axis in machine.axes}
-        wiring = cross.Wiring(options.joints(machine), speeds, linear)
+        linear, joints = options.unit_of(machine), options.joints(machine)
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
-        files, said, steps = dict[str, str](), dict[str, None](), list[tuple[str, float]]()
+        files, said, steps = dict[str, str](), dict[str, None](), defaultdict[str, float](float)
         for table in own:
             acceleration, unit = machine.axis(table.axis).acceleration, table.value_unit(linear)
             files[f"{table.axis}.comp"] = write(table, unit)
-            steps.append((table.axis, resolution(table, unit)))
-            said |= dict.fromkeys(notes(table, unit, wiring.joints[table.axis], acceleration))
+            steps[table.axis] += resolution(table, unit)
+            said |= dict.fromkeys(notes(table, unit, joints[table.axis], acceleration))
         value, position = (float(from_unit(last, linear)) for last in (1e-7, 1e-6))
-        steps += [(table.axis, value + cross.steepest(table) * position) for table in over]
+        for table in over:
+            steps[table.axis] += value + cross.steepest(table) * position
         each = f"one COMP_FILE for each of {', '.join(table.axis for table in own)} (own positions, both directions)"
         holds = [each] if own else []
         if over:
-            files[_HAL_FILE] = cross.write(over, wiring)
+            files[_HAL_FILE] = cross.write(over, joints, {axis.name: axis.speed for axis in machine.axes}, linear)
             holds.append("HAL text that moves linear axes over the positions of other linear axes")
             said[
                 f"{_HAL_FILE} corrects axes over other axes: its first lines say how to wire it. Without it the "
@@ -79,7 +82,7 @@ class Linuxcnc(TableFormat):
         if any(axis.rotary for axis in machine.axes):
             acts = "COMP_FILEs act on joints: with xyzac-trt-kins and its kin they are right as well, the HAL text too."
             said[acts] = None
-        return Written(files, summed(steps), tuple(said), f"{' and '.join(holds)}.")
+        return Written(files, steps, tuple(said), f"{' and '.join(holds)}.")
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what files did, by what they say alone; raises TableError."""
@@ -138,10 +141,11 @@ def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) 
     """Return the axis that a file is for: as said, by its joint, or by its name, X.comp or joint0.comp."""
     if file.axis:
         return machine.axis(file.axis).name
-    numbered = re.search(r"joint_?(\d+)", file.stem, re.IGNORECASE)
+    stem = Path(file.name).stem
+    numbered = re.search(r"joint_?(\d+)", stem, re.IGNORECASE)
     number = int(numbered[1]) if file.joint is None and numbered else file.joint
     owners = [axis for axis, numbers in joints.items() if number in numbers]
-    words = {word.casefold() for word in re.split(r"[^A-Za-z0-9]+", file.stem)}
+    words = {word.casefold() for word in re.split(r"[^A-Za-z0-9]+", stem)}
     owners += [axis.name for axis in machine.axes if axis.name.casefold() in words]
     if not owners:
         remedy = "write --on-top-of X={path}"
@@ -154,11 +158,9 @@ def _table(file: OldFile, axis: str, unit: str, untaken: list[InputError]) -> Co
 
     COMP_FILE_TYPE is found from the values where nobody said: those of Type 0 go with the nominal ones.
     """
-    kind = file.file_type
-    if kind is None:
-        rows = _parsed(file, 1)
-        kind = int(len(rows.nominal) > 1 and np.ptp(rows.forward) <= 0.5 * np.ptp(rows.nominal))
-    kept = _parsed(file, kind)
+    kept = parse(file.text, 1 if file.file_type is None else file.file_type)
+    if file.file_type is None and not (len(kept.nominal) > 1 and np.ptp(kept.forward) <= 0.5 * np.ptp(kept.nominal)):
+        kept = parse(file.text, 0)
     if not len(kept.nominal):
         raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
     lines, remedy = file.text.split("\n"), said("take it out, or mend it: rows increase, 256 of them at most")
@@ -167,11 +169,3 @@ def _table(file: OldFile, axis: str, unit: str, untaken: list[InputError]) -> Co
         untaken.append(TableError("LinuxCNC skips this row: {text!r}", remedy, file.name, number, text=text))
     at, forward, reverse = (from_unit(values, unit) for values in (kept.nominal, kept.forward, kept.reverse))
     return CompensationTable(axis, at, -forward, -reverse)
-
-
-def _parsed(file: OldFile, file_type: int) -> LinuxcncTable:
-    kept = parse(file.text, file_type=file_type)
-    if not all(np.all(np.abs(column) < _LARGEST) for column in (kept.nominal, kept.forward, kept.reverse)):
-        remedy = "give the file as the control loads it"
-        raise TableError("it has a number that is too large for a machine", remedy, file.name)
-    return kept

@@ -78,31 +78,20 @@ STEEPEST = 0.5
 
 def write(table: CompensationTable, unit: str) -> str:
     """Return the text; `unit` is the machine's, mm or in, deg.  Raises TableError if it does not fit."""
-    count, span = len(table.positions), float(np.ptp(table.positions))
-    if count > ROWS:
-        fits = format_quantity(math.ceil(span / (ROWS - 1) * 1e6) / 1e6, table.unit)
-        what = "the table of {axis} has {count} points, a LinuxCNC COMP_FILE holds {most}"
-        remedy = "{most} points fit: over this travel one every {fits} or wider"
-        raise TableError(what, remedy, axis=table.axis, count=count, most=ROWS, fits=fits)
-    slopes = np.max([np.abs(np.diff(side)) for side in (table.forward, table.reverse)], axis=0) / np.diff(
-        table.positions
-    )
+    table.refuse_more(ROWS)
+    steps, sides = np.diff(table.positions), (table.forward, table.reverse)
+    slopes = np.max([np.abs(np.diff(side)) for side in sides], axis=0) / steps
     if np.any(slopes > STEEPEST):
         where = format_quantity(float(table.positions[int(np.argmax(slopes))]), table.unit)
         what = "the deviation of {axis} after {where} changes by more than {most} of the way"
         remedy = "LinuxCNC cannot follow that; check the units of the readings"
         raise TableError(what, remedy, axis=table.axis, where=where, most=f"{STEEPEST:.0%}")
     nominal = to_unit(table.positions, unit)
-    forward, reverse = (nominal + to_unit(side, unit) for side in (table.forward, table.reverse))
-    columns = np.round(np.array([nominal, forward, reverse]), 6) + 0.0
-    equal = np.flatnonzero(np.diff(columns[0]) <= 0)
-    if equal.size:
-        what, position = (
-            "two points of {axis} at {position:.6f} {unit} are one in the six decimals of the file",
-            columns[0],
-        )
-        remedy = "set the points at least {step:.6f} {unit} apart"
-        raise TableError(what, remedy, axis=table.axis, position=position[equal[0]], unit=unit, step=1e-6)
+    columns = np.round(np.array([nominal, *(nominal + to_unit(side, unit) for side in sides)]), 6) + 0.0
+    if np.any(equal := np.diff(columns[0]) <= 0):
+        what = "two points of {axis} at {position:.6f} {unit} are one in the six decimals of the file"
+        remedy, position = "set the points at least {step:.6f} {unit} apart", columns[0][int(np.argmax(equal))]
+        raise TableError(what, remedy, axis=table.axis, position=position, unit=unit, step=1e-6)
     return "".join("{:.6f} {:.6f} {:.6f}\n".format(*row) for row in columns.T)
 
 
