@@ -15,6 +15,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.present.answer_of_campaign import standing_answer
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import CAUSES, Cause, Meant, causes, jog, keep_as, surprise_text, try_jog
+from axiscal.record.accepted import Accepted
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS
 from tests.web.served import started
@@ -98,7 +99,7 @@ def test_a_cause_does_what_it_says_and_is_noted(campaign: Campaign, typed: float
     noted = [note.text for note in campaign.state.notes]
     assert noted == ([] if cause == "really" else [f"reading 2: {CAUSES[cause]}"])
     assert bool(told) is (cause != "really")
-    assert [each.mistake for each in campaign.state.accepted] == ["jump"] * (cause == "bumped")
+    assert [each.mistake for each in campaign.state.told(Accepted)] == ["jump"] * (cause == "bumped")
 
 
 def test_a_height_in_mm_is_asked_about_where_no_jog_has_shown_the_unit(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ from axiscal.present.guide.question import Question, asked_text, typed
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
-from axiscal.record.events import Asked
+from axiscal.record.events import Asked, Warmed
 from axiscal.tables import registry
 from axiscal.web.shapes import AnswerShape, Short, StateShape
 
@@ -81,7 +81,7 @@ class Desk:
     def _stands(self) -> object:
         """What an answer is about."""
         state = self.campaign.state
-        return state.readings, state.plan, state.finished, state.warmed
+        return state.readings, state.plan, state.finished, state.told(Warmed)
 
     def once(self, step: Callable[[Desk], str], after: int | None = None) -> str:
         """Do a step.
