@@ -20,24 +20,40 @@ _COLUMNS = 32  # of a QR at a time; twice or half as many take as long
 _EXACT = 1e-12  # changes by less are rounding of a mode
 
 
-def chi_square_tail(degrees: float, value: float) -> float:
-    """Return the probability that a chi-square of these degrees of freedom is at least `value`."""
-    return float(_function("scipy.special", "chdtrc")(degrees, value))
+@cache
+def _function(module: str, name: str) -> Callable[..., Any]:
+    found: Callable[..., Any] = getattr(import_module(module), name)
+    hold_loaded_libraries()
+    return found
 
 
-def chi_square_share(degrees: Array, values: Array) -> Array:
-    """Return the probability that a chi-square is at most `values`, (m,).  degrees : (m,) of freedom, any above zero"""
-    return np.asarray(_function("scipy.special", "chdtr")(degrees, values))
+def _later(module: str, name: str, **how: object) -> Callable[..., Any]:
+    """Return a function that is loaded at its first call.  how : named arguments of each"""
+    return lambda *given: _function(module, name)(*given, **how)
+
+
+chi_square_tail: Callable[[float, float], float] = _later("scipy.special", "chdtrc")
+"""The probability that a chi-square of these degrees of freedom is at least a value."""
+chi_square_share: Callable[[Array, Array], Array] = _later("scipy.special", "chdtr")
+"""The probability that a chi-square of degrees of freedom, (m,), any above zero, is at most values, (m,)."""
+f_quantile: Callable[[float, float, float], float] = _later("scipy.special", "fdtri")
+"""What an F of degrees of freedom above and below is at most with a probability."""
+normal_share: Callable[[Array], Array] = _later("scipy.special", "ndtr")
+"""Φ(x), of the shape of x."""
+normal_quantile: Callable[[Array], Array] = _later("scipy.special", "ndtri")
+"""x with Φ(x) = a share, of the shape of the share."""
+log_normal_share: Callable[[Array], Array] = _later("scipy.special", "log_ndtr")
+"""log Φ(x), also far out in the tail, of the shape of x."""
+_triangle = "scipy.linalg", "solve_triangular"
+solution: Callable[[Array, Array], Array] = _later(*_triangle, lower=True, check_finite=False)
+"""L⁻¹ b, (n,) or (n, m), of L (n, n), lower triangular, and b (n,) or (n, m)."""
+back_solution: Callable[[Array, Array], Array] = _later(*_triangle, lower=True, trans="T", check_finite=False)
+"""L⁻ᵀ b, of the same."""
 
 
 def chi_square_quantile(degrees: Array, share: float) -> Array:
     """Return what a chi-square is at most with probability `share`, (m,).  degrees : (m,) of freedom"""
     return np.asarray(_function("scipy.special", "chdtri")(degrees, 1 - share))
-
-
-def f_quantile(above: float, below: float, share: float) -> float:
-    """Return what an F is at most with probability `share`.  above, below : degrees of freedom"""
-    return float(_function("scipy.special", "fdtri")(above, below, share))
 
 
 def binomial_tail(least: int, count: int, share: float) -> float:
@@ -57,17 +73,6 @@ def triangle_over(own: Array, below: Array) -> Array:
     return np.asarray(found[0])
 
 
-def solution(lower: Array, right: Array) -> Array:
-    """Return L⁻¹ b, (n,) or (n, m).  lower : (n, n), lower triangular; right : (n,) or (n, m)"""
-    return np.asarray(_function("scipy.linalg", "solve_triangular")(lower, right, lower=True, check_finite=False))
-
-
-def back_solution(lower: Array, right: Array) -> Array:
-    """Return L⁻ᵀ b, (n,) or (n, m).  lower : (n, n), lower triangular; right : (n,) or (n, m)"""
-    solve = _function("scipy.linalg", "solve_triangular")
-    return np.asarray(solve(lower, right, lower=True, trans="T", check_finite=False))
-
-
 def solution_of_product(lower: Array, right: Array) -> Array:
     """Return (L Lᵀ)⁻¹ b, (n,) or (n, m).  lower : (n, n), lower triangular; right : (n,) or (n, m)"""
     return np.asarray(_function("scipy.linalg", "cho_solve")((lower, True), right, check_finite=False))
@@ -79,21 +84,6 @@ def take_off(table: Array, left: Array, right: Array) -> None:
     table : (m, k); left : (m, j); right : (j, k)
     """
     _function("scipy.linalg.blas", "dgemm")(-1.0, right.T, left.T, beta=1.0, c=table.T, overwrite_c=1)
-
-
-def normal_share(below: Array) -> Array:
-    """Return Φ(x), of the shape of x."""
-    return np.asarray(_function("scipy.special", "ndtr")(below))
-
-
-def normal_quantile(share: Array) -> Array:
-    """Return x with Φ(x) = share, of the shape of share."""
-    return np.asarray(_function("scipy.special", "ndtri")(share))
-
-
-def log_normal_share(below: Array) -> Array:
-    """Return log Φ(x), also far out in the tail, (n,)."""
-    return np.asarray(_function("scipy.special", "log_ndtr")(below))
 
 
 def least_squares(
@@ -160,10 +150,3 @@ def lowest(
     bounds, options = [(low, high)] * len(start), {"maxiter": steps}
     minimize = _function("scipy.optimize", "minimize")
     return np.asarray(minimize(objective, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options).x)
-
-
-@cache
-def _function(module: str, name: str) -> Callable[..., Any]:
-    found: Callable[..., Any] = getattr(import_module(module), name)
-    hold_loaded_libraries()
-    return found

@@ -70,15 +70,6 @@ def turned_about(direction: Array, angles: Array) -> Array:
     return np.eye(3) + np.sin(at) * about + 2 * np.sin(at / 2) ** 2 * twice
 
 
-def about(along: int, vectors: Array, angles: Array) -> Array:
-    """Return vectors (m, 3) turned about x, y or z by angles (m,).  along : 0, 1 or 2"""
-    first, second = (along + 1) % 3, (along + 2) % 3
-    turned = vectors.copy()
-    turned[:, first] = np.cos(angles) * vectors[:, first] - np.sin(angles) * vectors[:, second]
-    turned[:, second] = np.sin(angles) * vectors[:, first] + np.cos(angles) * vectors[:, second]
-    return turned
-
-
 @cache
 def _turning(x: float, y: float, z: float) -> tuple[Array, Array]:
     """Return [d]× and its square of a direction, each (3, 3)."""

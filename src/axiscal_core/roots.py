@@ -11,7 +11,6 @@ evaluated afresh at its place; of equal ones the first counts.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -56,36 +55,29 @@ def largest(forms: Forms, breaks: Array, count: int, known: float = 0.0) -> tupl
     None where `count` nodes do not follow N and D between breaks.
     breaks : (b,) ascending; known : a ratio that some place has: where none has more, less may be returned
     """
-    tame = _tame(forms, breaks, count)
-    if not tame.followed:
-        return None
-    left, right, above, below = _hopeful(tame, known)
-    x = np.stack([_candidates(*each) for each in zip(above, below, strict=True)])
-    places = np.clip(_placed(left, right, x), left[:, None], right[:, None])
+    left, right, above, below = _tame(forms, breaks, count)
+    to_series = np.linalg.inv(chebyshev.chebvander(nodes(count), count - 1)).T
+    n, d = above[:, :count] @ to_series, below[:, :count] @ to_series
+    for mine, true in ((n, above), (d, below)):
+        if np.abs(chebyshev.chebval(_BETWEEN, mine.T) - true[:, count:]).max() > _FOLLOWED * np.abs(true).max():
+            return None
+    ratios = (above / below).max(axis=1)
+    best = int(ratios.argmax())
+    excess = n - max(ratios[best], known) * d
+    # no series is above its first coefficient by more than the sizes of the others: elsewhere is nothing better
+    kept = excess[:, 0] + np.abs(excess[:, 1:]).sum(axis=1) > 0
+    kept[best] = True
+    x = np.stack([_candidates(*each) for each in zip(n[kept], d[kept], strict=True)])
+    places = np.clip(_placed(left[kept], right[kept], x), left[kept, None], right[kept, None])
     numerator, denominator = forms(places.ravel())
     ratios = numerator / denominator
     best = first_best(ratios, TIE)
     return float(places.flat[best]), float(ratios[best])
 
 
-class _Tame(NamedTuple):
-    """Ends of pieces (b,), with series of N and D, (b, count) each, and the largest ratio looked at in each, (b,).
-
-    followed : whether the series are N and D between the nodes as well
-    """
-
-    left: Array
-    right: Array
-    above: Array
-    below: Array
-    ratios: Array
-    followed: bool
-
-
-def _tame(forms: Forms, breaks: Array, count: int) -> _Tame:
-    """Return pieces in which the denominator spans no decades."""
+def _tame(forms: Forms, breaks: Array, count: int) -> tuple[Array, Array, Array, Array]:
+    """Return ends of pieces in which D spans no decades, (b,), and N and D at nodes and between, (b, count + 2)."""
     x, left, right = np.concatenate([nodes(count), _BETWEEN]), breaks[:-1], breaks[1:]
-    to_series = np.linalg.inv(chebyshev.chebvander(nodes(count), count - 1)).T
     for _ in range(_HALVINGS):
         above, below = (each.reshape(-1, len(x)) for each in forms(_placed(left, right, x).ravel()))
         wild = below.max(axis=1) > _SPAN * below.min(axis=1)
@@ -94,29 +86,12 @@ def _tame(forms: Forms, breaks: Array, count: int) -> _Tame:
         middle = left[wild] / 2 + right[wild] / 2
         left = np.concatenate([left[~wild], left[wild], middle])
         right = np.concatenate([right[~wild], middle, right[wild]])
-    series = above[:, :count] @ to_series, below[:, :count] @ to_series
-    followed = all(
-        np.abs(chebyshev.chebval(_BETWEEN, mine.T) - true[:, count:]).max() <= _FOLLOWED * np.abs(true).max()
-        for mine, true in zip(series, (above, below), strict=True)
-    )
-    return _Tame(left, right, *series, (above / below).max(axis=1), followed)
+    return left, right, above, below
 
 
 def _placed(left: Array, right: Array, x: Array) -> Array:
     """Return places in pieces, (b, n).  left, right : (b,); x : (n,) or (b, n) from −1 to 1"""
     return np.asarray(left[:, None] * ((1 - x) / 2) + right[:, None] * ((1 + x) / 2))
-
-
-def _hopeful(pieces: _Tame, known: float) -> tuple[Array, Array, Array, Array]:
-    """Return the pieces that may hold more than the best that was seen: N − best · D is below zero in all others.
-
-    No series is above its first coefficient by more than the sum of the sizes of the others.
-    """
-    best = int(pieces.ratios.argmax())
-    excess = pieces.above - max(pieces.ratios[best], known) * pieces.below
-    kept = excess[:, 0] + np.abs(excess[:, 1:]).sum(axis=1) > 0
-    kept[best] = True
-    return pieces.left[kept], pieces.right[kept], pieces.above[kept], pieces.below[kept]
 
 
 def _candidates(above: Array, below: Array) -> Array:

@@ -222,33 +222,65 @@ class Repeated(Integrated):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Constant(Integrated):
+class Segments(Integrated):
+    """Levels between joints, with a straight way of some width from one to the next: a scale made of pieces.
+
+    Straight between breaks, with rows that sum to one: all that is exact for a spline is exact for them.
+
+    start, stop : the stretch; joints : increasing, within it; width : of each way; all m or rad
+    raises InputError : the stretch is not finite or not increasing
+    """
+
+    start: float
+    stop: float
+    joints: tuple[float, ...]
+    width: float
+
+    def __post_init__(self) -> None:
+        _checked_knots([self.start, self.stop], 2)
+
+    @property
+    def size(self) -> int:
+        """Number of levels."""
+        return len(self.joints) + 1
+
+    @property
+    def knots(self) -> Array:
+        """Both ends and where each way begins and ends, (2 + 2 joints,)."""
+        ways = np.array(self.joints)[:, None] + self.width * np.array([-0.5, 0.5])
+        return np.concatenate([[self.start], ways.ravel(), [self.stop]])
+
+    @property
+    def control_positions(self) -> Array:
+        """The middle of each level, (size,)."""
+        return (self.knots[::2] + self.knots[1::2]) / 2
+
+    def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
+        """Return the share of each level at positions, or its derivative: (m, size)."""
+        along = (_checked_positions(t, derivative)[:, None] - np.array(self.joints)) / self.width + 0.5
+        passed = np.clip(along, 0.0, 1.0)
+        if derivative:
+            passed = np.where((along >= 0) & (along < 1) & (derivative == 1), 1.0 / self.width, 0.0)
+        return np.asarray(-np.diff(passed, prepend=0.0 if derivative else 1.0, append=0.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Constant(Segments):
     """The spline of one control point: an offset or a location error, 1 everywhere.
 
     start, stop : the stretch over which `gram` integrates; m or rad
     raises InputError : the stretch is not finite or not increasing
     """
 
-    size: ClassVar[int] = 1
     start: float = 0.0
     stop: float = 1.0
-
-    def __post_init__(self) -> None:
-        _checked_knots([self.start, self.stop], 2)
-
-    @property
-    def knots(self) -> Array:
-        """Both ends of the stretch, (2,)."""
-        return np.array([self.start, self.stop])
+    joints: tuple[float, ...] = ()
+    width: float = 1.0
 
     @property
     def control_positions(self) -> Array:
         """The start of the stretch, (1,)."""
         return self.knots[:1]
-
-    def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
-        """Return ones, or zeros for a derivative: (m, 1)."""
-        return np.full((len(_checked_positions(t, derivative)), 1), 1.0 if derivative == 0 else 0.0)
 
 
 def even_knots(start: float, stop: float, n: int) -> Array:

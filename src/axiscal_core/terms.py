@@ -30,12 +30,12 @@ from axiscal_core.axes import Axis
 from axiscal_core.eigen import settled
 from axiscal_core.errors import Error, Kind
 from axiscal_core.refusals import Array
-from axiscal_core.segments import Segments
 from axiscal_core.splines import (
     Constant,
     CyclicSpline,
     NaturalSpline,
     Repeated,
+    Segments,
     Spline,
     distances,
     even_knots,
@@ -187,7 +187,7 @@ class Term:
     @property
     def stated_shape(self) -> bool:
         """Whether it repeats with a period, steps at joints or is of two axes: no curve that may be anything."""
-        return len(self.sides) > 1 or isinstance(self.spline, Repeated | Segments)
+        return len(self.sides) > 1 or bool(self.error.repeats or self.error.joints)
 
     @property
     def angular(self) -> bool:

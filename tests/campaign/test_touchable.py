@@ -1,25 +1,17 @@
 """What is planned can be touched: on random machines, near the ends of their travels, by a control that goes there."""
 
-import io
-from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.source import Answer, Request, Skip
-from axiscal.cli.run_loop import shown_progress
 from axiscal.description.campaign import CampaignDescription
-from axiscal.exceptions import DescriptionError, ProgramError, SourceError
+from axiscal.exceptions import DescriptionError, SourceError
 from axiscal.measurement.candidates import chart_candidates
-from axiscal.measurement.reading import Place
 from axiscal.measurement.touched import cycle_of, met_from
 from axiscal.ports.linuxcnc.live import InForce, LiveSource
-from axiscal.ports.linuxcnc.live.attached import _WayToBall
-from axiscal.programs import dialect, programs
 from tests.generators.touching_machines import CHAINS, Control, described
 
 FEW = 10
@@ -36,10 +28,10 @@ def known(seed: int) -> CampaignDescription | None:
         return None
 
 
-def attached(campaign: CampaignDescription, control: Control, tried: bool = True) -> LiveSource:
+def attached(campaign: CampaignDescription, control: Control) -> LiveSource:
     line: Any = control
     source = LiveSource(line, campaign.machine, InForce(), asked=lambda _: "go")
-    if tried and (artefact := campaign.setups[0].artefact) is not None:
+    if (artefact := campaign.setups[0].artefact) is not None:
         source._placed = artefact.standing
     return source
 
@@ -78,18 +70,6 @@ def test_every_candidate_is_touched(chain: int) -> None:
     assert touched(range(chain, FEW, len(CHAINS))) >= 4
 
 
-def test_programs_with_a_log_touch_every_candidate_that_straight_ways_lead_to() -> None:
-    made = 0
-    for campaign in filter(None, map(known, range(0, len(CHAINS), 2))):
-        (setup,), requests = campaign.setups, wanted(campaign, 6)
-        places = [Place(setup.name, request.pose, request.approach) for request in requests]
-        with suppress(ProgramError):  # where a straight way between two places meets a post
-            (program,) = programs(campaign.machine, campaign.setups, places, dialect("linuxcnc"), log=True)
-            assert len(program.readings) == len(places)
-            made += 1
-    assert made >= 1
-
-
 def narrowed(campaign: CampaignDescription) -> CampaignDescription:
     """Return the campaign on a machine whose X ends before some of the candidates; no plan of before knows it."""
     at = campaign.machine.index("X")
@@ -115,42 +95,6 @@ def test_what_cannot_be_touched_is_skipped_before_anything_moves() -> None:
     assert not all(skipped)
 
 
-def tried(campaign: CampaignDescription, request: Request) -> bool:
-    try:
-        return bool(_WayToBall(campaign.machine, request).trial())
-    except Exception:  # noqa: BLE001
-        return False
-
-
-class Noting:
-    """A source that remembers what it was asked."""
-
-    def __init__(self, source: LiveSource) -> None:
-        self._source, self.poses = source, list[tuple[float, ...]]()
-
-    def read(self, request: Request) -> Answer | Skip:
-        """Read, and remember where."""
-        self.poses.append(request.pose)
-        return self._source.read(request)
-
-    def close(self) -> None:
-        """Nobody asks any more."""
-
-
-@pytest.mark.long
-def test_a_campaign_goes_on_around_what_cannot_be_touched_and_asks_it_no_more(tmp_path: Path) -> None:
-    planned = described(4)
-    campaign = narrowed(planned)
-    with Campaign.create(tmp_path / "m.axiscal", planned) as begun:
-        asked = Noting(attached(campaign, made(campaign)))
-        begun.run(asked, lambda _: None)
-        state = begun.state
-    assert len(state.readings) == 4
-    assert state.skipped
-    assert all("X" in gap.reason for gap in state.skipped)
-    assert len(set(asked.poses)) == len(asked.poses)
-
-
 AMISS = {
     "the probe met nothing": ("deaf", 0.0, 0.0),
     "the probe is closed": ("stuck", 0.0, 0.0),
@@ -171,27 +115,3 @@ def test_what_a_person_has_to_look_at_ends_the_run_with_a_sentence(why: str) -> 
     with pytest.raises(SourceError, match=why):
         source.read(second)
     assert control.stopped
-
-
-class Terminal(io.StringIO):
-    """A stderr that a person looks at."""
-
-    def isatty(self) -> bool:
-        return True
-
-
-def test_a_question_stands_alone_between_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The line of progress is not written again, and not on the question's line, until it has its answer."""
-    shown, campaign = Terminal(), described(1)
-    monkeypatch.setattr("sys.stderr", shown)
-    monkeypatch.setattr("sys.stdin", io.StringIO("go\n"))
-    line: Any = made(campaign)
-    source = LiveSource(line, campaign.machine, InForce())
-    request = next(request for request in wanted(campaign, 60) if tried(campaign, request))
-    monkeypatch.setattr("axiscal.cli.run_loop.progress_line", lambda *_: "reading 1: so far so good")
-    with shown_progress() as watch:
-        watch(None)  # type: ignore[arg-type]
-        assert isinstance(source.read(request), Answer)
-    (asked,) = [text for text in shown.getvalue().split("\n") if "Enter makes one step" in text]
-    assert asked.startswith("The first run goes")
-    assert "reading" not in asked

@@ -36,7 +36,7 @@ def started(axiscal: Command, tmp_path: Path) -> Command:
 def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> None:
     Path("r").mkdir()
     assert started("start", "c.toml", "r/campaign.axiscal").status == 0
-    started("finish", "m.axiscal", "--out", "r").refused("Another campaign's record")
+    started("finish", "m.axiscal", "--out", "r").refused("no earlier copy of this record")
     assert [file.name for file in Path("r").glob("*.json")] == []
     assert "Finished" not in started("status", "m.axiscal", "--details").out
 

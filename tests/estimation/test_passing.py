@@ -1,6 +1,6 @@
 """What readings suffer with time: when it is there, and ways from one to the next.
 
-How large it is the core says (`tests/core/test_beside_the_product.py`).
+How large it is the golden results say.
 """
 
 from collections.abc import Sequence

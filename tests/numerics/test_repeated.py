@@ -7,8 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from axiscal.numerics import Array
-from axiscal_core.segments import Segments
-from axiscal_core.splines import Repeated
+from axiscal_core.splines import Repeated, Segments
 
 
 @pytest.mark.parametrize("waves", [1, 2, 4])

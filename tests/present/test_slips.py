@@ -25,6 +25,7 @@ from axiscal.present.guide.slips import (
     surprise_text,
     try_jog,
 )
+from axiscal.record.accepted import Accepted
 from axiscal.record.events import Asked
 from tests.generators.texts import FOUR_READINGS
 from tests.web.served import started
@@ -109,7 +110,7 @@ def test_a_cause_does_what_it_says_and_is_noted(campaign: Campaign, typed: float
     noted = [note.text for note in campaign.state.notes]
     assert noted == ([] if cause == "really" else [f"reading 2: {CAUSES[cause]}"])
     assert (told == "Kept reading 2; it is on the disk.") is (cause == "really")
-    assert [each.mistake for each in campaign.state.accepted] == ["jump"] * (cause == "bumped")
+    assert [each.mistake for each in campaign.state.told(Accepted)] == ["jump"] * (cause == "bumped")
 
 
 def test_a_height_in_mm_is_asked_about_where_no_jog_has_shown_the_unit(tmp_path: Path) -> None:

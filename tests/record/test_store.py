@@ -136,7 +136,7 @@ def test_a_copy_takes_the_place_of_nothing_else(record: Record, tmp_path: Path) 
     with Record.create(other, Created("name = 'n'", "", "machine.toml", "campaign.toml", {})):
         pass
     (tmp_path / "text.axiscal").write_text("no record")
-    for name, why in (("other.axiscal", "Another campaign"), ("text.axiscal", "not a campaign record")):
+    for name, why in (("other.axiscal", "no earlier copy"), ("text.axiscal", "not a campaign record")):
         before = (tmp_path / name).read_bytes()
         with pytest.raises(RecordError, match=why):
             record.copy_to(tmp_path / name)

@@ -29,9 +29,8 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
         what = "0 of {count} readings are used: each is farther off than what is stated allows. Check unit and place"
         return said(what, count=len(known.readings))
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
-    asked = [question(known, each) for each in found.explained]
-    if not found.contradicts and asked:
-        either = listed(said(" Or: "), asked)
+    if not found.contradicts and found.explained:
+        either = listed(said(" Or: "), [question(known, each) for each in found.explained])
         return said("{count}. {asked} ({odds})", count=count, asked=either, odds=odds_text(found.explained[0]))
     if not found.contradicts:
         unused = [(known.readings[index], index) for index in sorted(known.left_out)]

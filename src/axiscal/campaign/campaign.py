@@ -45,6 +45,7 @@ from axiscal.record.events import (
     Event,
     Finished,
     Gap,
+    Mounted,
     Noted,
     Planned,
     Recorded,
@@ -71,6 +72,8 @@ def _next_places(*known: Any) -> tuple[Place, ...]:
 
 _ANSWERS = 6
 """Kept of the same readings: case, times, estimates while others follow and at the end, and their end."""
+
+_DESCRIBING = Accepted, Bumped, Mounted, Warmed  # events that make another description
 
 
 class Campaign(AbstractContextManager["Campaign"]):
@@ -349,7 +352,7 @@ class Campaign(AbstractContextManager["Campaign"]):
     def _take_in(self, state: State) -> None:
         """Go on from a state; with set-ups mounted anew or warm, and bumps, from another description, too."""
         before, self.state = self.state, state
-        if (state.mounted, state.warmed, state.bumps) != (before.mounted, before.warmed, before.bumps):
+        if state.told(*_DESCRIBING) != before.told(*_DESCRIBING):
             self.description = described(self.log)
             self._memo = Memo(_ANSWERS)
 

@@ -186,17 +186,16 @@ ENDINGS = (ALL_REACHED, BUDGET, CONTRADICT, OUT_OF_REACH, *WORDS["endings"])
 """Those that are whole sentences."""
 _TAKEN = "{count} reading taken", "{count} readings taken"
 _KEPT = (
+    *ENDINGS,
     later("{name} target reached"),
     later("{rows} cannot be reached with these set-ups"),
     later("{name} target cannot be reached: endless readings would leave {floor:.3g} um, these leave {left:.3g} um"),
 )
-"""Those with names and sizes, as they are kept."""
+"""And those with names and sizes, as they are kept."""
 
 
 def because_text(because: str) -> str:
     """Return the reason in the language that is spoken; one that is not known here stays English."""
-    if because in ENDINGS:
-        return said(because)
     for words in (*_TAKEN, *_KEPT):
         if (found := re.fullmatch(re.sub(r"{(\w+)[^}]*}", r"(?P<\1>.+)", words), because)) is not None:
             parts = {key: float(part) if key in ("floor", "left") else part for key, part in found.groupdict().items()}

@@ -18,7 +18,7 @@ from axiscal.exceptions import InputError, ReadingError, RecordError, UnitError
 from axiscal.language.spoken import said
 from axiscal.measurement.reading import LARGEST, Place, reading_unit, refuse_other_values
 from axiscal.measurement.setup import FINEST, Setup
-from axiscal.record.accepted import Accepted
+from axiscal.record.accepted import Accepted, Bumped
 from axiscal.record.carried import carried_bumps
 from axiscal.record.door import restoring
 from axiscal.record.events import Asked, Created, Event, Mounted, Noted, Planned, Recorded, State, Warmed
@@ -54,8 +54,8 @@ def described(record: Record) -> CampaignDescription:
         except InputError as fault:
             what, number = "The record is damaged: event {number} cannot be: {reason}", stored.number
             raise RecordError(what, restoring(record.path), record.path, number=number, reason=fault.what) from None
-    bumps = *(carried_bumps(text) if (text := state.created.prior_text) else ()), *state.bumps
-    return replace(with_mounted(description, state.mounted, state.warmed), bumps=bumps)
+    bumps = *(carried_bumps(text) if (text := state.created.prior_text) else ()), *state.told(Bumped)
+    return replace(with_mounted(description, state.mounted, state.told(Warmed)), bumps=bumps)
 
 
 def beginning_of(description: CampaignDescription) -> Created:

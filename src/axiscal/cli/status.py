@@ -20,6 +20,7 @@ from axiscal.present.guide.progress import RecordStanding
 from axiscal.present.guide.question import asked_text
 from axiscal.present.guide.steps import contradictions
 from axiscal.present.plan_answer import coming_answer
+from axiscal.record.accepted import Accepted
 from axiscal.record.events import State
 from axiscal.record.store import Record
 from axiscal.units import said_quantity, to_unit
@@ -66,7 +67,7 @@ def _lines(campaign: Campaign) -> list[str]:
     for gap in state.skipped:
         done = said("Left the set-up at") if gap.whole else said("Skipped")
         lines.append(f"{done} {asked_text(campaign, gap.asked)}: {gap.reason}")
-    lines += [said("Accepted: {change}", change=change_words(each)) for each in state.accepted]
+    lines += [said("Accepted: {change}", change=change_words(each)) for each in state.told(Accepted)]
     lines.append(said("The record is {signed}", signed=signed_text(campaign.log) or said("unsigned")))
     lines += [said("Noted {at}: {text}", at=note.at[:16].replace("T", " "), text=note.text) for note in state.notes]
     if state.finished is not None:
@@ -103,7 +104,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "agreement": agreement_document(known.agreement),
         "mind": contradictions(campaign),
         "question": campaign.request(state.pending).message() if state.pending else None,
-        "accepted": [change_words(each) for each in state.accepted],
+        "accepted": [change_words(each) for each in state.told(Accepted)],
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "signed": signed_text(campaign.log) or None,
         "skipped": [

@@ -52,6 +52,7 @@ from axiscal.present.result import (
 from axiscal.present.row_words import row_names
 from axiscal.present.sentences import cause_words
 from axiscal.present.volume_error import planes, volume_error
+from axiscal.record.accepted import Accepted
 from axiscal.tables.offer import Export
 from axiscal.units import said_quantity, to_unit
 from axiscal_core.ties import ALIKE, ranked
@@ -82,7 +83,7 @@ def result_of(
         history, linear = _history(campaign, known), linearity(known)
         numbers = [reading.numbered(index) for index, reading in enumerate(known.readings)]
         sources, smaller = budget_rows(known)
-        changes = [Finding.of("accepted", change=change_words(each)) for each in campaign.state.accepted]
+        changes = [Finding.of("accepted", change=change_words(each)) for each in campaign.state.told(Accepted)]
         found = findings(known, ended=campaign.state.finished is not None)
         if linear.reading is not None and not linear.gaussian:
             found.append(Finding.of("not-gaussian", reading=linear.reading, times=float(linear.largest)))

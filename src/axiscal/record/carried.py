@@ -9,6 +9,7 @@ from pathlib import Path
 from axiscal.document.gone import instead_of
 from axiscal.exceptions import RecordError
 from axiscal.record.accepted import Bumped
+from axiscal.record.events import Warmed
 from axiscal.record.payload import as_text
 from axiscal.record.store import Record
 
@@ -28,8 +29,8 @@ def carried_text(path: Path) -> str:
     created = state.created
     if created is None or not state.readings:
         raise RecordError("The record has no readings", "Name a campaign that has been measured", path)
-    bumps = *carried_bumps(created.prior_text), *state.bumps
-    kept = {"readings": state.readings, "mounted": state.mounted, "warmed": state.warmed, "bumped": bumps}
+    bumps = *carried_bumps(created.prior_text), *state.told(Bumped)
+    kept = {"readings": state.readings, "mounted": state.mounted, "warmed": state.told(Warmed), "bumped": bumps}
     return as_text({name: of for name, of in kept.items() if of} | {"created": created})
 
 

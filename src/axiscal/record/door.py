@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import errno
 import os
 import re
 from collections.abc import Iterator
@@ -24,10 +23,8 @@ _LINES = re.compile(rb' \{"a":"[0-9a-f]{64}"| \d{4}-\d\d-\d\dT')
 def opened(file: Path, path: Path) -> int:
     """Return a file opened to be read; raises RecordError for what is none."""
     if file.exists() and not file.is_file():
-        if not file.is_dir():
-            raise RecordError("This is a pipe or a device", "Name a record, which is a file", path)
         inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
-        raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside)
+        raise RecordError("This is a folder, a pipe or a device", "Name the record: {inside}", path, inside=inside)
     try:
         return os.open(file, os.O_RDONLY | BINARY)
     except FileNotFoundError:
@@ -72,12 +69,8 @@ def record_errors(path: Path) -> Iterator[None]:
         remedy = "Close it or wait, then give the command again"
         raise RecordError("Another program holds this record and is writing", remedy, path) from None
     except OSError as error:
-        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
-            what = "The record cannot be written here"
-            remedy = "Put it in a folder that exists and that you may write to"
-        else:
-            what = "The disk did not take the entry ({reason})"
-            remedy = "Make room; everything acknowledged before is kept"
+        what = "The record cannot be written here ({reason})"
+        remedy = "Put it where there is room and you may write; everything acknowledged before is kept"
         raise RecordError(what, remedy, path, reason=error.strerror or error) from error
 
 
@@ -90,10 +83,8 @@ def refuse_existing(path: Path) -> None:
 
 def restoring(path: Path) -> str:
     """Return what to do about a damaged record."""
-    left = said("the file has been left as it was")
-    return said(
-        "Restore it from a copy, or save what stands whole: {command}; {left}", command=repairing(path), left=left
-    )
+    what = "Restore it from a copy, or save what stands whole: {command}; the file has been left as it was"
+    return said(what, command=repairing(path))
 
 
 def repairing(path: Path) -> str:

@@ -5,12 +5,14 @@ Events are facts and never change; the state is always folded from them anew. Un
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import Accepted, Bumped, put_right
+
+Told = TypeVar("Told")
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,42 +238,25 @@ class State:
         renew = self.renew or not isinstance(step, Warmed)  # places do not depend on it
         return replace(anew, plan=() if left else anew.plan, renew=renew)
 
+    def told(self, *kinds: type[Told]) -> tuple[Told, ...]:
+        """Return the events of some kinds that stand, the latest last."""
+        return tuple(each.event for each in self.story if isinstance(each.event, kinds))
+
     @property
     def undo(self) -> tuple[Stored, ...]:
         """What can be taken back, the latest last."""
         return tuple(each for each in self.story if isinstance(each.event, Done))
 
     @property
-    def written(self) -> tuple[Reading, ...]:
-        """The readings as they were recorded."""
-        return tuple(each.event.reading for each in self.story if isinstance(each.event, Recorded))
-
-    @property
     def mounted(self) -> tuple[Mounted, ...]:
         """Set-ups that were mounted anew for a branch, or whose zero jumped later."""
-        told = (each.event for each in self.story if isinstance(each.event, Mounted | Accepted) and each.event.name)
+        told = (each for each in self.told(Mounted, Accepted) if each.name)
         return tuple(each if isinstance(each, Mounted) else Mounted(each.setups[0], each.name, "") for each in told)
-
-    @property
-    def bumps(self) -> tuple[Bumped, ...]:
-        """What the bumps in the tables of controls did, the latest last."""
-        return tuple(each.event for each in self.story if isinstance(each.event, Bumped))
-
-    @property
-    def accepted(self) -> tuple[Accepted, ...]:
-        """The mistakes that were accepted and not taken back."""
-        return tuple(each.event for each in self.story if isinstance(each.event, Accepted))
-
-    @property
-    def warmed(self) -> tuple[Warmed, ...]:
-        """The temperatures that were said and not taken back."""
-        return tuple(each.event for each in self.story if isinstance(each.event, Warmed))
 
     @property
     def result(self) -> KeptResult:
         """What a campaign that has ended came to."""
-        ends = [each.event.result for each in self.story if isinstance(each.event, Finished)]
-        return ends[-1] if ends else KeptResult()
+        return next((each.result for each in self.told(Finished)[-1:]), KeptResult())
 
     @property
     def coming(self) -> tuple[Place, ...]:
@@ -294,78 +279,66 @@ def fold(events: Iterable[Stored], state: State = _BEGUN) -> State:
     """
     readings, story = [*state.readings], [*state.story]
     for stored in events:
-        event, changes = stored.event, _Changes()
+        event = stored.event
         if isinstance(event, Created) is (state.created is not None):
             raise EventOrderError("the creation of the campaign is its first event, and no other one")
         if state.finished is not None and not isinstance(event, (Undone, *_ASIDE)):
             raise EventOrderError("it comes after the end of the campaign")
         if not isinstance(event, _OFTEN):
             state = replace(state, readings=tuple(readings), story=tuple(story))
+        if isinstance(event, Recorded):
+            given = event.reading.number, state.pending and state.pending.reading, state.free
+            event = Recorded(event.reading.under(next(number for number in given if number is not None)))
+            readings.append(event.reading)
         if isinstance(event, Undone):
             state = state.without(event)
             readings, story = [*state.readings], [*state.story]
-        elif isinstance(event, Recorded):
-            asked, number = state.pending, event.reading.number
-            if number is None:
-                number = asked.reading if asked else state.free
-            renew = state.renew or asked is None or event.reading.place != asked.place
-            changes = {"free": max(state.free, number + 1), "renew": renew, "pending": None}
-            readings.append(event.reading.under(number))
-            story.append(replace(stored, event=Recorded(readings[-1])))
         else:
-            changes = _CHANGES[type(event)](state, event, stored.at)
-            readings = [*changes["readings"]] if "readings" in changes else readings
-            story.append(stored)
+            story.append(replace(stored, event=event))
+        changes = _changes(state, event, stored.at)
+        readings = [*changes.get("readings", readings)]
         if not isinstance(event, _SILENT):
             changes["continued"] = event.grounds if isinstance(event, Continued) else None
         state = replace(state, **changes, last=stored.number)
     return replace(state, readings=tuple(readings), story=tuple(story))
 
 
-_Changes = dict[str, Any]
-"""Fields of a state that are others after an event."""
+def _changes(state: State, event: Event, at: str) -> dict[str, Any]:
+    """Return the fields of a state that are others after an event.  at : when it was written"""
+    match event:
+        case Created():
+            return {"created": event}
+        case Planned(places, grounds):
+            return {"plan": places, "plan_basis": grounds, "renew": False}
+        case Asked(place=place):
+            return {"pending": event, "plan": state.plan[state.plan[:1] == (place,) :]}
+        case Recorded(reading):
+            renew = state.renew or state.pending is None or reading.place != state.pending.place
+            return {"free": max(state.free, (reading.number or 0) + 1), "renew": renew, "pending": None}
+        case Skipped(reason, rest):
+            if state.pending is None:
+                raise EventOrderError("a reading was skipped that nobody had asked for")
+            gap = Gap(state.pending, reason, rest)
+            plan = tuple(place for place in state.plan if not gap.holds(place))
+            free = max(state.free, gap.asked.reading + 1)
+            return {"skipped": (*state.skipped, gap), "plan": plan, "renew": True, "free": free, "pending": None}
+        case Accepted():  # what is asked stays asked
+            return {"readings": _put_right(state, event), "renew": True}
+        case Noted(text) | Warmed(text=text):
+            after = state.readings[-1].numbered(len(state.readings) - 1) if state.readings else 0
+            return {"notes": (*state.notes, Note(text, at, after, event if isinstance(event, Warmed) else None))}
+        case Finished(because):
+            return {"finished": because, "pending": None}
+    return {}
 
 
-def _skipped(state: State, event: Skipped, _: str) -> _Changes:
-    if state.pending is None:
-        raise EventOrderError("a reading was skipped that nobody had asked for")
-    gap = Gap(state.pending, event.reason, event.rest)
-    plan = tuple(place for place in state.plan if not gap.holds(place))
-    found = {"skipped": (*state.skipped, gap), "plan": plan, "renew": True}
-    return {**found, "free": max(state.free, gap.asked.reading + 1), "pending": None}
-
-
-def _accepted(state: State, event: Accepted, _: str) -> _Changes:
-    """Put readings right; what is asked stays asked."""
+def _put_right(state: State, event: Accepted) -> tuple[Reading, ...]:
+    """Return the readings without a mistake; raises EventOrderError where they cannot have it."""
     if event.mistake == "jump" and event.reading > state.free:
         raise EventOrderError(f"reading {event.reading} is not the next one")
     if event.name and event.name in {each.name for each in state.mounted}:
         raise EventOrderError(f"there is a set-up {event.name!r} already")
     try:
-        right = put_right(state.readings, event, state.created.machine_text if state.created else "")
+        return tuple(put_right(state.readings, event, state.created.machine_text if state.created else ""))
     except ValueError as fault:
         raise EventOrderError(str(fault)) from None
-    return {"readings": tuple(right), "renew": True}
-
-
-def _noted(state: State, event: Noted | Warmed, at: str) -> _Changes:
-    after = state.readings[-1].number or len(state.readings) if state.readings else 0
-    return {"notes": (*state.notes, Note(event.text, at, after, event if isinstance(event, Warmed) else None))}
-
-
-def _nothing(state: State, event: Event, at: str) -> _Changes:
-    return {}
-
-
-_CHANGES: Mapping[type, Callable[[State, Any, str], _Changes]] = {
-    Created: lambda _, event, __: {"created": event},
-    Planned: lambda _, event, __: {"plan": event.places, "plan_basis": event.grounds, "renew": False},
-    Asked: lambda state, event, _: {"pending": event, "plan": state.plan[state.plan[:1] == (event.place,) :]},
-    Skipped: _skipped,
-    Accepted: _accepted,
-    Noted: _noted,
-    Warmed: _noted,
-    Finished: lambda _, event, __: {"finished": event.because, "pending": None},
-    **dict.fromkeys((Continued, Mounted, Bumped, Signed, Lost), _nothing),
-}
-"""What each event but a reading does to the state, by state, event and when it was written."""

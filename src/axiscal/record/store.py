@@ -102,10 +102,9 @@ class Record(contextlib.AbstractContextManager["Record"]):
         after : number of the last event the caller knows of; OvertakenError if another one has written since
         Raises ValueError for an event that cannot be kept.
         """
-        return self.extend(rows_of(events), after)
+        return self._extend(rows_of(events), after)
 
-    def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
-        """Keep events as they were written elsewhere, all or none; else as `append`."""
+    def _extend(self, rows: Sequence[EventText], after: int | None) -> int:
         if not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
         with record_errors(self.path):
@@ -117,19 +116,15 @@ class Record(contextlib.AbstractContextManager["Record"]):
                     what = "Another process has written to this record in the meantime"
                     remedy = "Look at it with `axiscal step status`, then give the command again"
                     raise OvertakenError(what, remedy, self.path)
+                try:
+                    fold((stored(number, row) for number, row in enumerate(rows, len(self.lines) + 1)), self._state)
+                except EventOrderError as error:
+                    what = "This cannot follow what the record holds: {error}"
+                    remedy = "Look at it with `axiscal step status`; nothing was written"
+                    raise RecordError(what, remedy, self.path, error=error) from error
                 if rows:
-                    self._refuse_unfit(rows)
                     self._add(handle, rows)
         return len(self.lines)
-
-    def _refuse_unfit(self, rows: Sequence[EventText]) -> None:
-        """Raise RecordError for events that are to be written behind and cannot follow."""
-        try:
-            fold((stored(number, row) for number, row in enumerate(rows, len(self.lines) + 1)), self._state)
-        except EventOrderError as error:
-            what = "This cannot follow what the record holds: {error}"
-            remedy = "Look at it with `axiscal step status`; nothing was written"
-            raise RecordError(what, remedy, self.path, error=error) from error
 
     def _add(self, handle: int, rows: Sequence[EventText]) -> None:
         added = entry(rows, self.campaign, self._writer, len(self.lines), self.lines[-1].hash)
@@ -164,7 +159,7 @@ class Record(contextlib.AbstractContextManager["Record"]):
         self.last()
         if (row := signed_row(self.rows)) is None:
             return False
-        self.extend([row], after=len(self.lines))
+        self._extend([row], after=len(self.lines))
         return True
 
     def signed(self) -> SignedUntil | None:
@@ -208,17 +203,14 @@ class Record(contextlib.AbstractContextManager["Record"]):
         """Raise RecordError if there is something at `path` that is more than this record or an earlier copy of it."""
         if not path.exists() or self._is(path):
             return
-        remedy = "Name another folder, or move it away"
         try:
-            there = Record.open(path, write=False).lines
+            there, why = Record.open(path, write=False), said("it is no earlier copy of this record")
+            if there.campaign == self.campaign and there.rows == self.rows[: len(there.rows)]:
+                return
         except RecordError as failure:
-            what = "A file with the name of the record is here already: {why}"
-            raise RecordError(what, remedy, path, why=failure.what) from None
-        if there[0].campaign != self.campaign:
-            raise RecordError("Another campaign's record is here already", remedy, path)
-        if [line.row for line in there] != self.rows[: len(there)]:
-            remedy = "Name another folder, or move it away; or go on with that one"
-            raise RecordError("The copy that is here has gone on by itself", remedy, path)
+            why = failure.what
+        what = "A file with the name of the record is here already: {why}"
+        raise RecordError(what, "Name another folder, or move it away", path, why=why)
 
     def _is(self, path: Path) -> bool:
         return path.exists() and self.path.exists() and path.samefile(self.path)

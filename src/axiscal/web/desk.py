@@ -27,7 +27,7 @@ from axiscal.present.guide.question import Question
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.schematic import setup_picture, setup_schematic
 from axiscal.present.sentences import spelt
-from axiscal.record.events import Asked
+from axiscal.record.events import Asked, Warmed
 from axiscal.tables import registry
 from axiscal.web.shapes import AnswerShape, StateShape
 
@@ -81,7 +81,7 @@ class Desk:
     def _stands(self) -> object:
         """What an answer is about."""
         state = self.campaign.state
-        return state.readings, state.plan, state.finished, state.warmed
+        return state.readings, state.plan, state.finished, state.told(Warmed)
 
     def once(self, step: Step, after: int | None = None, **given: Any) -> str:
         """Do a step of `STEPS`, and return a sentence of it.  given : what it takes
