@@ -250,7 +250,7 @@ class State:
     @property
     def mounted(self) -> tuple[Mounted, ...]:
         """Set-ups that were mounted anew for a branch, or whose zero jumped later."""
-        told = (each for each in self.told(Mounted, Accepted) if each.name)
+        told = (each.event for each in self.story if isinstance(each.event, Mounted | Accepted) and each.event.name)
         return tuple(each if isinstance(each, Mounted) else Mounted(each.setups[0], each.name, "") for each in told)
 
     @property
@@ -287,7 +287,8 @@ def fold(events: Iterable[Stored], state: State = _BEGUN) -> State:
         if not isinstance(event, _OFTEN):
             state = replace(state, readings=tuple(readings), story=tuple(story))
         if isinstance(event, Recorded):
-            given = event.reading.number, state.pending and state.pending.reading, state.free
+            asked = None if state.pending is None else state.pending.reading
+            given = event.reading.number, asked, state.free
             event = Recorded(event.reading.under(next(number for number in given if number is not None)))
             readings.append(event.reading)
         if isinstance(event, Undone):

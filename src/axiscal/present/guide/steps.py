@@ -16,7 +16,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.estimation.judged import Doubt
-from axiscal.estimation.promise.agreement import Explained, Mistake
+from axiscal.estimation.promise.mistake import Explained, Mistake
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import counted, decimals, later, listed, said
 from axiscal.measurement.reading import reading_text, reading_unit
