@@ -53,7 +53,7 @@ def test_no_command_leaves_a_file_for_the_next(record: Path) -> None:
 def test_a_station_in_two_places_does_not_refuse_the_reading_that_decides_and_has_a_status_after_its_end(
     record: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(running, "concluded", _ambiguous)
+    monkeypatch.setattr(running, "in_detail", _ambiguous)
     with Campaign.open(record) as campaign:
         assert campaign.estimate().readings
         with pytest.raises(AmbiguityError):
@@ -65,7 +65,7 @@ def test_a_station_in_two_places_does_not_refuse_the_reading_that_decides_and_ha
 def test_each_answer_is_found_once_for_the_same_readings(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Campaign.open(record) as campaign:
         first = campaign.so_far(), campaign.reached(), campaign.estimate(ended=True)
-        for name in ("concluded", "standing"):
+        for name in ("in_detail", "standing"):
             monkeypatch.setattr(running, name, None)
         assert (campaign.so_far(), campaign.reached(), campaign.estimate(ended=True)) == first
         campaign.undo()

@@ -31,7 +31,8 @@ from axiscal.campaign.possible import beginning_of, described, jump_told, kept_t
 from axiscal.campaign.sources import Request, Skip, Source, answered
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case, Knowledge, Timed, elapsed, timed
-from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.detail import in_detail
+from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import Doubt
@@ -124,7 +125,7 @@ class Campaign(AbstractContextManager["Campaign"]):
         """
         readings = self.state.readings
         if ended:
-            return self._memo.answer(("ended", readings), concluded, self.case(), readings, self.estimate())
+            return self._memo.answer(("ended", readings), in_detail, self.case(), readings, self.estimate())
         return self._memo.answer(readings, estimated, self.case(), readings)
 
     def next(self, *, beyond: bool = False) -> Asked | Ended:

@@ -45,11 +45,13 @@ Stands = tuple[Machine, Sequence[float]]
 _FOUND = later("found")  # before the places of X, Y, Z at which a ball was met
 ACTIONS = ("undo", "skip", "note", "leave", "stop", "pause", "help", "anew", "more")
 """What can be typed instead of a reading; `more` once a target is reached."""
+_SHORT = {"u": "undo", "s": "skip", "n": "note", "l": "leave", "a": "anew", "q": "pause", "p": "pause", "?": "help"}
+_SHORT |= {"h": "help", "quit": "pause", "exit": "pause", "finish": "stop", "end": "stop"}
 
 
 def action(word: str) -> str | None:
     """Return what a word asks for, in English or in the language that is spoken; None for none, "" for no word."""
-    known = {"?": "help"} | {each: each for each in ACTIONS} | {said(each).lower(): each for each in ACTIONS}
+    known = _SHORT | {each: each for each in ACTIONS} | {said(each).lower(): each for each in ACTIONS}
     return known.get(word.lower()) if word else ""
 
 
