@@ -10,7 +10,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.measurement.reading import Place
 from axiscal.present.answer_of_campaign import standing_answer
-from axiscal.present.guide.steps import Named, named_now
+from axiscal.present.guide.actions import Named, named_now
 from axiscal.record.accepted import Accepted
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
 from tests.generators.turned_back import OUT, begun_out_and_back

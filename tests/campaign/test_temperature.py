@@ -14,8 +14,8 @@ from axiscal.exceptions import DescriptionError, ReadingError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import STEEL
 from axiscal.present.answer_of_campaign import standing_answer
+from axiscal.present.guide.actions import last_step
 from axiscal.present.guide.progress import due, open_temperature
-from axiscal.present.guide.steps import last_step
 from axiscal.record.carried import carried_text
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 

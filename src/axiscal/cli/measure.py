@@ -19,7 +19,7 @@ from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import WORDS, decimals, listed, put, said, speaking
 from axiscal.present.answer_of_campaign import cost_sentence, cost_words, results_beside
 from axiscal.present.answer_words import minutes_text
-from axiscal.present.guide import progress, slips, steps
+from axiscal.present.guide import actions, progress, slips
 from axiscal.present.guide.question import Question, action, degrees, question_text, typed
 from axiscal.present.result_set import RECORD
 from axiscal.present.whose_language import chosen
@@ -28,7 +28,7 @@ from axiscal.units import um_text
 
 _LETTERS = dict(zip(slips.CAUSES, "smiabvk", strict=True))
 """What is typed for a cause of a surprise."""
-_STEPS = {"undo": steps.undo, "anew": steps.set_anew, "more": steps.go_on}
+_STEPS = {"undo": actions.undo, "anew": actions.set_anew, "more": actions.go_on}
 _Then = Literal["same", "anew", "stands", "finish", "pause"]
 """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
 
@@ -97,7 +97,7 @@ class Prompt:
         return "same"
 
     def _take_temperature(self, text: str) -> _Then:
-        say(f"  {steps.note(self.campaign, degrees(text))}")
+        say(f"  {actions.note(self.campaign, degrees(text))}")
         return "stands"
 
     def _done(self, wanted: str, text: str, question: Question | None) -> _Then:
@@ -113,14 +113,14 @@ class Prompt:
                 return "pause"
             case "note":
                 sentence = text or ask("  " + said("what is to be kept in the record?") + " ")
-                say(f"  {steps.note(self.campaign, sentence)}")
+                say(f"  {actions.note(self.campaign, sentence)}")
             case "undo" | "anew" | "more" if wanted != "more" or question is None:
                 say(f"  {_STEPS[wanted](self.campaign)}")
                 return "anew"
         return "same"
 
     def _keep(self, text: str) -> _Then:
-        before, asked = steps.doubted(self.campaign), steps.named_now(self.campaign)
+        before, asked = actions.doubted(self.campaign), actions.named_now(self.campaign)
         try:
             told = slips.keep(self.campaign, text)
         except slips.SurprisingError as strange:
@@ -134,13 +134,13 @@ class Prompt:
                 return "same"
             told = slips.keep(self.campaign, text, cause)
         say(f"  {told}")
-        minds, named = steps.others_doubted(self.campaign, before), steps.named_now(self.campaign)
+        minds, named = actions.others_doubted(self.campaign, before), actions.named_now(self.campaign)
         if named is not None and named != asked:
             say(f"  {named.question}")
             if (chosen := _chosen(named)) is not None:
-                say(f"  {steps.confirmed(self.campaign, named, chosen)}")
+                say(f"  {actions.confirmed(self.campaign, named, chosen)}")
                 minds = []
-        for line in mind_lines(*steps.contradictions(self.campaign), *minds):
+        for line in mind_lines(*actions.contradictions(self.campaign), *minds):
             say(f"  {line}")
         return "anew"
 
@@ -151,7 +151,7 @@ class Prompt:
             return "same"
         why = said("the set-up was left") if rest else ""
         reason = reason or why or ask("  " + said("why can it not be taken?") + " ")
-        say(f"  {steps.skip(self.campaign, reason, rest=rest)}")
+        say(f"  {actions.skip(self.campaign, reason, rest=rest)}")
         return "anew"
 
     def _stop(self) -> _Then:
@@ -168,7 +168,7 @@ class Prompt:
         return self._until_done(prompt, None, self._too_early, enter="finish")
 
 
-def _chosen(named: steps.Named) -> str | None:
+def _chosen(named: actions.Named) -> str | None:
     """Ask what is named, and return the answer; None where the person does not know, or says no."""
     if len(named.answers) == 1:
         return named.answers[0] if _is_yes(said("Type yes if so, Enter if not:")) else None

@@ -21,8 +21,8 @@ from axiscal.measurement.readers.columns import approach_of
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose, units_of
 from axiscal.measurement.setup import Setup
 from axiscal.present.answer_of_campaign import cost_sentence, cost_words
+from axiscal.present.guide.actions import contradictions, doubted, last_doubt, open_question, others_doubted
 from axiscal.present.guide.question import asked_text, measured
-from axiscal.present.guide.steps import contradictions, doubted, last_doubt, open_question, others_doubted
 from axiscal.units import format_quantity, parse_quantity, to_unit
 from axiscal_core.machine import Machine
 

@@ -16,9 +16,9 @@ from axiscal.document.consent import asking
 from axiscal.exceptions import CodeError, RecordError
 from axiscal.language.spoken import counted, later, said
 from axiscal.present.answer_of_campaign import standing_answer
+from axiscal.present.guide.actions import contradictions
 from axiscal.present.guide.progress import RecordStanding
 from axiscal.present.guide.question import asked_text
-from axiscal.present.guide.steps import contradictions
 from axiscal.present.plan_answer import coming_answer
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import State

@@ -18,7 +18,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import opened_to_write, question_of
 from axiscal.language.spoken import put, said
-from axiscal.present.guide import steps
+from axiscal.present.guide import actions
 
 
 def accept(record: Path, cause: str | None = None, setup: str | None = None, before: int | None = None) -> None:
@@ -82,8 +82,8 @@ def next_reading(record: Path, beyond: bool = False) -> None:
 def undo(record: Path) -> None:
     """Take back the last reading, skip, accepted mistake or end."""
     with opened_to_write(record) as campaign:
-        number, taken = steps.last_step(campaign)[1], campaign.state.undo
-        sentence = steps.undo(campaign)
+        number, taken = actions.last_step(campaign)[1], campaign.state.undo
+        sentence = actions.undo(campaign)
         undone = type(taken[-1].event).__name__.lower()
     document = {"undone": undone, "reading": number, "readings": len(campaign.state.readings)}
     say_either("axiscal-undo/1", document, [sentence])
@@ -92,7 +92,7 @@ def undo(record: Path) -> None:
 def note(record: Path, text: list[str]) -> None:
     """Keep a sentence in the record."""
     with opened_to_write(record) as campaign:
-        sentence = steps.note(campaign, " ".join(text))
+        sentence = actions.note(campaign, " ".join(text))
         kept = campaign.state.notes
     document = {"note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)}
     say_either("axiscal-note/1", document, [sentence])

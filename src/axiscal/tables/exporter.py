@@ -25,7 +25,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import joined, later, said
 from axiscal.numerics import Array
-from axiscal.tables.loaded import Loaded, OldFile, read_old
+from axiscal.tables.loaded import Loaded, OldFile, read_old, refuse_long_numbers
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
 from axiscal.tables.surface import Control, remainder
 from axiscal.tables.table import CompensationTable
@@ -184,6 +184,7 @@ class ExportOptions:
         if self.template is None:
             what = "{controller} files are made from one of your control"
             raise TableError(what, "give it: --template FILE", controller=controller)
+        refuse_long_numbers(self.template, self.template_name)
         return self.template
 
     @property

@@ -29,6 +29,8 @@ _JOINT = re.compile(r"(?:JOINT|AXIS)_(\d{1,2})")
 _NAMED = re.compile(r"([A-Z][0-9]?)=(.+)")
 _OTHERS = re.compile(r"README\.txt|manifest.*\.json")
 """Files of an export that no control loads."""
+_TOO_LONG = re.compile(r"\d{61,}")
+"""Digits in a row: a double has 17, and the zeros of a small one written out are fewer than the others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,14 @@ class OldFile:
     file_type: int | None = None
     backlash: float | None = None
     unit: str = ""
+
+
+def refuse_long_numbers(text: str, name: str) -> None:
+    """Raise TableError for the first line of a control's file with a number that is too long for any control."""
+    found = _TOO_LONG.search(text)
+    if found is not None:
+        what, remedy = "a number of {count:,} digits is in no table", "give the file as the control saved it"
+        raise TableError(what, remedy, name, text.count("\n", 0, found.start()) + 1, count=len(found[0]))
 
 
 def read_old(names: Iterable[str], folder: Path = Path()) -> tuple[OldFile, ...]:

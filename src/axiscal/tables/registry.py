@@ -17,7 +17,7 @@ from axiscal.exceptions import AxiscalError, Faults, TableError
 from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
 from axiscal.tables.exporter import OFF, Exporter, ExportOptions, asked_about, informed, on_top
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, refuse_long_numbers
 from axiscal.tables.offer import Export, tried_out
 from axiscal_core.machine import Machine
 from axiscal_core.threads import one_thread
@@ -71,6 +71,8 @@ def offered(known: Estimation, controller: str) -> Export:
 def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
     """Return what the old files of a control did; raises TableError, ReadingError."""
     load = exporter(controller).load
+    for file in options.old_files:
+        refuse_long_numbers(file.text, file.name)
     named = ", ".join(dict.fromkeys(file.name for file in options.old_files))
     try:
         found: Loaded = of_class(f"the result of {controller}.load", load(options.old_files, machine, options), Loaded)

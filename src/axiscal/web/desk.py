@@ -21,7 +21,7 @@ from axiscal.exceptions import AxiscalError, OvertakenError, TableError
 from axiscal.language.spoken import said
 from axiscal.present.answer import Outcome, PlannedAnswer
 from axiscal.present.answer_of_campaign import results_beside, standing_answer
-from axiscal.present.guide import progress, slips, steps
+from axiscal.present.guide import actions, progress, slips
 from axiscal.present.guide.checking import CheckJudged
 from axiscal.present.guide.question import Question
 from axiscal.present.plan_answer import coming_answer
@@ -71,7 +71,7 @@ class Desk:
         """Have second thoughts on the last reading, and find the answer."""
         minds, before, self._before = list(self._minds), self._before, None
         if before is not None:
-            minds += steps.others_doubted(self.campaign, before, command=False)
+            minds += actions.others_doubted(self.campaign, before, command=False)
         if self._answers != self._stands:  # what a report says stands
             self._answer, self._answers = None, self._stands  # tried once
             self._answer = coming_answer(self.campaign) or standing_answer(self.campaign)
@@ -91,12 +91,12 @@ class Desk:
         """
         if self._moved_on():
             self._show()
-        campaign, noted = self.campaign, step in (steps.note, slips.try_jog)
+        campaign, noted = self.campaign, step in (actions.note, slips.try_jog)
         seen, count = campaign.state.last, len(campaign.state.readings)
         if after is not None and seen != after and after not in self._alike:
             what = said("The record has moved on in the meantime, in another window or program: nothing was done")
             raise OvertakenError(what, said("Look at what is asked now, then do it again if it is still right"))
-        before = steps.doubted(campaign) if step is slips.keep and self._before is None else self._before
+        before = actions.doubted(campaign) if step is slips.keep and self._before is None else self._before
         told = ""
         try:
             told = step(self if step is Desk.finish else campaign, **given)
@@ -199,9 +199,9 @@ class Desk:
             readings=list(progress.latest(campaign)),
             notes=state.notes,
             due=progress.due(campaign),
-            undo=steps.last_step(campaign)[0],
-            minds=[spelt(each) for each in [*self._minds, *steps.contradictions(campaign, command=False)]],
-            named=state.finished is None and steps.explained(campaign) is not None,
+            undo=actions.last_step(campaign)[0],
+            minds=[spelt(each) for each in [*self._minds, *actions.contradictions(campaign, command=False)]],
+            named=state.finished is None and actions.explained(campaign) is not None,
             answer=None if answer is None or overtaken else AnswerShape.of_campaign(campaign, answer),
             results=results.name if written else "",
             tables=sorted(each.name for each in (results / "tables").glob("*/")) if written else (),
@@ -235,12 +235,12 @@ Step = Callable[..., str]
 STEPS: dict[str, Step] = {
     "readings": slips.keep,
     "jogs": slips.try_jog,
-    "accepts": steps.accept,
-    "skips": steps.skip,
-    "notes": steps.note,
-    "zeros": steps.set_anew,
-    "undo": steps.undo,
-    "next": steps.go_on,
+    "accepts": actions.accept,
+    "skips": actions.skip,
+    "notes": actions.note,
+    "zeros": actions.set_anew,
+    "undo": actions.undo,
+    "next": actions.go_on,
     "finish": Desk.finish,
 }
 """By the names of their paths."""

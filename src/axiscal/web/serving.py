@@ -27,9 +27,9 @@ from axiscal.language.spoken import said
 from axiscal.language.stages import Listener, listening
 from axiscal.present.answer import AnswerDocument
 from axiscal.present.answer_of_campaign import cost_sentence, cost_words
+from axiscal.present.guide.actions import Short
 from axiscal.present.guide.checking import CheckJudged, CheckToTake
 from axiscal.present.guide.slips import Meant
-from axiscal.present.guide.steps import Short
 from axiscal.present.sentences import spelt
 from axiscal.web import draft, shapes
 from axiscal.web.desk import STEPS, Desk, Step

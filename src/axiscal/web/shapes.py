@@ -12,10 +12,10 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.evidence import evidence_words
 from axiscal.present.answer import AnswerDocument, AnswerWords, BoughtAccuracy, Outcome, PlannedAnswer
 from axiscal.present.answer_words import answer_text
+from axiscal.present.guide.actions import Short
 from axiscal.present.guide.progress import Due, KeptReading, Progress, RecordStanding
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.slips import Jog
-from axiscal.present.guide.steps import Short
 from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Note

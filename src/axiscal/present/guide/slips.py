@@ -18,8 +18,8 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.answer import AnswerDocument
+from axiscal.present.guide.actions import Short, zero_before
 from axiscal.present.guide.question import SURPRISING, Question, measured, typed
-from axiscal.present.guide.steps import Short, zero_before
 from axiscal.present.sentences import spelt
 from axiscal.units import digits, to_unit
 
