@@ -155,7 +155,8 @@ def _trunk(lines: Sequence[KeptLine], least: int) -> tuple[dict[int, KeptLine], 
         if line.number not in trunk and (before is None or line.follows(before)):
             trunk[line.number] = line
         else:
-            branches[line.hash] = [*branches.pop(line.before, []), line]
+            branches[line.hash] = branches.pop(line.before, [])
+            branches[line.hash].append(line)
     while (last := max(trunk)) > 1 and trunk[last].last > max(last, least):
         del trunk[last]
     return trunk, [*branches.values()]

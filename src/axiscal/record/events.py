@@ -290,14 +290,16 @@ def fold(events: Iterable[Stored], state: State = _BEGUN) -> State:
             asked = None if state.pending is None else state.pending.reading
             given = event.reading.number, asked, state.free
             event = Recorded(event.reading.under(next(number for number in given if number is not None)))
+            stored = replace(stored, event=event)
             readings.append(event.reading)
         if isinstance(event, Undone):
             state = state.without(event)
             readings, story = [*state.readings], [*state.story]
         else:
-            story.append(replace(stored, event=event))
+            story.append(stored)
         changes = _changes(state, event, stored.at)
-        readings = [*changes.get("readings", readings)]
+        if "readings" in changes:
+            readings = [*changes["readings"]]
         if not isinstance(event, _SILENT):
             changes["continued"] = event.grounds if isinstance(event, Continued) else None
         state = replace(state, **changes, last=stored.number)
