@@ -102,16 +102,16 @@ def _keep_sign(record: Path, to: str | None, bump: str) -> None:
     """Keep and say which way a control takes its tables.  bump : what it moved the tool by"""
     if to is None:
         raise typer.BadParameter(said("--bump is of one control: name it, --to CONTROLLER"))
-    control, moved = to, parse_quantity(bump, "length")
-    registry.unstated(control)
+    moved = parse_quantity(bump, "length")
+    registry.unstated(to)
     other = other_way(moved)
     with opened_to_write(record) as campaign:
-        campaign.bump(control, moved)
+        campaign.bump(to, moved)
     found = said("The control takes its tables the other way round.") if other else said("As assumed.")
     kept = said(
-        "The record keeps it, and its tables for {controller} follow; another --bump changes it.", controller=control
+        "The record keeps it, and its tables for {controller} follow; another --bump changes it.", controller=to
     )
-    again = f"axiscal export {shlex.quote(str(record))} --to {shlex.quote(control)}{template_of(control)}"
+    again = f"axiscal export {shlex.quote(str(record))} --to {shlex.quote(to)}{template_of(to)}"
     document = {"verdict": None, "sign": "other way round" if other else "as assumed", "next": again}
     say_either("axiscal-verify/1", document, [*wrapped(f"{found} {kept}"), *ending({said("Next"): [again]})])
 

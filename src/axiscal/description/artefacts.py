@@ -12,7 +12,6 @@ import numpy as np
 from pydantic import Field
 
 from axiscal.description.fields import (
-    AS_TUPLE,
     Cone,
     Direction,
     Ends,
@@ -26,7 +25,7 @@ from axiscal.description.fields import (
     refuse_same_name,
 )
 from axiscal.document import Document, Length, shown
-from axiscal.document.toml_table import Table
+from axiscal.document.toml_table import AS_TUPLE, Table
 from axiscal.document.validation import Beside, EachAs, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import joined, said

@@ -10,7 +10,6 @@ from pydantic import Field
 
 from axiscal.description.artefacts import ArtefactTable
 from axiscal.description.fields import (
-    AS_TUPLE,
     Active,
     Bar,
     Base,
@@ -40,7 +39,7 @@ from axiscal.description.screws import Ground, ScrewsTable
 from axiscal.description.target import TargetTable
 from axiscal.document import Length, QuantityText, meant, shown
 from axiscal.document.gone import instead_of
-from axiscal.document.toml_table import Table
+from axiscal.document.toml_table import AS_TUPLE, Table
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.setup import FINEST, MOST, Nodes, Setup, Vector, reads_as

@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from pydantic import Strict
 
 from axiscal.document import Document, Length, QuantityText, meant, shown
 from axiscal.document.ports import names
+from axiscal.document.toml_table import AS_TUPLE
 from axiscal.document.validation import Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import LANGUAGES, later, said
@@ -102,8 +102,6 @@ def plane_ways(given: str | Sequence[str | Sequence[float]]) -> tuple[Vector, Ve
     return (x, y, z), (u, v, w)
 
 
-AS_TUPLE = Strict(False)
-"""Marks a tuple: files have lists."""
 Spot = Annotated[tuple[Length, Length, Length], AS_TUPLE]
 """A place, m."""
 Span = Annotated[Ends, ReadAs(list[QuantityText], span)]

@@ -153,8 +153,8 @@ def placed_pose(setup: Setup, machine: Machine, position: _ByAxis, rounded: _ByA
     """Return the pose that a set-up and coordinates by axis (m or rad) mean; axes left out must be parked.
 
     Where one place is held the linear axes that are left out follow from the others.
-    Raises InputError for an axis that is not there, that is parked elsewhere, a position outside its travel, and a
-    place that is further from the chart than what touches can follow.
+    Raises InputError for an axis that is not there or is parked elsewhere, and for a position outside its travel. It
+    does so for a place farther from the chart than what touches can follow.
     rounded : half of the last digit of each coordinate, by which it may lie outside
     """
     named, chart = {machine.index(name) for name in position}, setup.chart

@@ -194,10 +194,8 @@ class SiteReader(Stated[SetupTable]):
         back = 0.0 if contact == "held" else self.table.retract or RETRACT
         even = self.kind.all_round  # both sides of approach: none is come from
         coming = np.array([0.0 if axis.rotary or even else axis.overrun for axis in self.machine.axes])
-        rooms, spots = (
-            tuple(Room.among(self.machine, artefact, (ball,)) for ball in balls),
-            artefact.points[list(balls)],
-        )
+        rooms = tuple(Room.among(self.machine, artefact, (ball,)) for ball in balls)
+        spots = artefact.points[list(balls)]
         where = rooms[0], park, (*number, *turns), spots, rooms, *_free(artefact), turning
         chart, moves = Balls(*where, back, coming, self._touching(artefact)), {*turning, *linear_axes(self.machine)}
         unknowns = (*_unknowns_at(artefact, balls), *self.around.tool)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Strict
+
+AS_TUPLE = Strict(False)
+"""Marks a tuple: files have lists."""
 
 
 class Table(BaseModel):

@@ -3,7 +3,7 @@
 Curves of one kind go together: displacements or angles, of linear or rotary axes. Descriptions are weighed by the same
 readings, sizes integrated over. A quarter of the distance comes first: where it is no better, half of it is neither.
 Of detail that half cannot follow the sizes take all for a rest. Knots that somebody stated stay, and so do those of an
-inherited belief; so do those of a kind of which more would be added than numbers were read.
+inherited belief. No kind gets more new knots than numbers were read.
 
 A reversal that is one number becomes a curve likewise: a screw is worn where it works most. Columns of the sides times
 the first powers of the position tell first whether that is worth weighing. Sizes are then those stated, and three times

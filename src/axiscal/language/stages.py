@@ -15,10 +15,10 @@ from axiscal.language.spoken import setting
 
 
 class Listener(NamedTuple):
-    """Who wants to know.  stages : those that last, the newest at the end; over : called when the last has ended"""
+    """Who wants to know.  stages : those that last, the newest at the end; changed : called with this, "" for none"""
 
     stages: list[str]
-    over: Callable[[], None]
+    changed: Callable[[str], None] = lambda newest: None
 
 
 _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
@@ -37,9 +37,9 @@ def stage(name: str) -> Iterator[None]:
         yield
         return
     listener.stages.append(name)
+    listener.changed(name)
     try:
         yield
     finally:
         listener.stages.pop()
-        if not listener.stages:
-            listener.over()
+        listener.changed(listener.stages[-1] if listener.stages else "")

@@ -10,10 +10,10 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, Strict
+from pydantic import BeforeValidator, Field
 
 from axiscal.document import QuantityText, meant, shown
-from axiscal.document.toml_table import Table
+from axiscal.document.toml_table import AS_TUPLE, Table
 from axiscal.document.validation import NAME, Beside, EachAs, QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
@@ -140,9 +140,7 @@ def _shows(word: str, known: Beside) -> bool:
     return word == "diameter"
 
 
-_AS_TUPLE = Strict(False)
-"""Marks a tuple: files have lists."""
-_Ends = Annotated[tuple[QuantityText, QuantityText], _AS_TUPLE]
+_Ends = Annotated[tuple[QuantityText, QuantityText], AS_TUPLE]
 _Coordinate = Annotated[float, QuantityOf("length", -LONGEST_TRAVEL, LONGEST_TRAVEL)]
 
 
@@ -165,7 +163,7 @@ class AxisTable(Table):
         0.0, examples=['"2 m/s^2"']
     )
     origin: Annotated[
-        Three, ReadAs(Annotated[tuple[_Coordinate, _Coordinate, _Coordinate], _AS_TUPLE], _origin, by=True)
+        Three, ReadAs(Annotated[tuple[_Coordinate, _Coordinate, _Coordinate], AS_TUPLE], _origin, by=True)
     ] = Field((0.0, 0.0, 0.0), examples=['["0 mm", "0 mm", "-150 mm"]'])
     overrun: Annotated[float, ReadAs(QuantityText, _overrun, by=True)] | None = Field(None, examples=['"2 mm"'])
     limits: Annotated[tuple[int, int] | None, ReadAs(_Ends, _limits, by=True)] = Field(

@@ -154,11 +154,8 @@ def check_screen(judged: Judgement) -> list[str]:
 
 def check_sentences(judged: Judgement) -> list[str]:
     """Return what was judged, the verdict first: promise, tables, a stated tolerance; and what was not checked."""
-    checked, tables, verdict = (
-        tables_checked(judged),
-        listed(", ", [share.name for share in judged.faulty]),
-        said(VERDICTS[judged.verdict]),
-    )
+    checked, verdict = tables_checked(judged), said(VERDICTS[judged.verdict])
+    tables = listed(", ", [share.name for share in judged.faulty])
     lines = [
         said("{verdict}: {why}.", verdict=verdict, why=said(_WHY[judged.verdict], tables=tables, p=judged.agrees)),
         put("{sizes}. {farthest}", sizes=sizes_words(checked), farthest=farthest_words(checked)),

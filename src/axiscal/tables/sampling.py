@@ -161,11 +161,8 @@ def curves_at(estimate: Estimate, axis: int, over: int, at: Array) -> Array:
     There is one for each side from which a position is reached, one where they make no difference. Of a rotary axis it
     is the rotation.
     """
-    model, sides, at = (
-        estimate.model,
-        (1, -1) if over in estimate.model.reversing else (1,),
-        _read_at(estimate, over, at),
-    )
+    model, at = estimate.model, _read_at(estimate, over, at)
+    sides = (1, -1) if over in model.reversing else (1,)
     if model.axes[axis].rotary:
         return np.stack([turned(model, estimate.box, axis, at, sign) for sign in sides])
     return np.stack([mean_along(model, estimate.box, axis, over, at, sign) for sign in sides])

@@ -155,7 +155,7 @@ class Api:
         """Return what work returns that is done after all that was asked for before."""
 
         def done() -> _Result:
-            with self._busy, one_thread(), listening(Listener(self._stages, lambda: None)):
+            with self._busy, one_thread(), listening(Listener(self._stages)):
                 return work()
 
         return await to_thread.run_sync(done, abandon_on_cancel=True, limiter=self._row)

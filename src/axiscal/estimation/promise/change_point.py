@@ -7,7 +7,7 @@ stands on the table may have stood elsewhere since its first reading, too.
 Readings out and back along one axis cannot tell a jump where it turns from backlash: both add the same to them. Such a
 step is weighed likewise, and named unless backlash is 20 times as likely; over a plane unless a detail is likelier.
 
-Stretches reach to the last reading, or from one turn to another. For a sign that turned, each value y is −y; on an axis
+Stretches reach to the last reading, or from one turn to another. For a sign that turned, each value y is −y. On an axis
 that is counted from its other end the values of a pass come in opposite order. Sides that are swapped change K: twice
 each column of backlash comes on top.
 """

@@ -4,8 +4,8 @@ A mistake turns y into y' = T y, adds columns B, takes numbers away, or makes an
 
     log PRIOR − log places + log |det T| + log p(y') − log p(y),    p with the sizes integrated out
 
-Sizes that are learnt swallow what is wrong, and each p costs an estimate. So sizes as stated, a tenth, a third and
-three times these first tell the likeliest place of each mistake, and whether it is worth weighing at all:
+Sizes that are learnt swallow what is wrong, and each p costs an estimate. So a few sizes come first: those stated, a
+tenth, a third, three times these. They tell the likeliest place of each mistake, and whether it is worth weighing:
 
     y' for y           ½ (yᵀK⁻¹y − y'ᵀK⁻¹y')
     columns B          ½ gᵀ(F + s⁻²)⁻¹g − ½ log |1 + s² F|,    g = BᵀK⁻¹y, F = BᵀK⁻¹B, s their standard deviation

@@ -7,10 +7,10 @@
   among the others. A reading that seems bad may be one of these, so it counts.
 - still: a set-up shows one digit, anywhere within w, or d neighbouring ones, each as likely. So its n readings have,
   over the step q of the display, p = d^−n q^(1−n)/w. Zeros alone are such readings.
-- stuck: it shows again what it showed before. If the machine made these s of n values, each is one of all within a step
-  q of the display; if it is stuck they are certain. One run of equal values has n²/2 places, equal values anywhere
-  (n + 1) binomial(n, s). Values that are no multiples of their smallest difference show the step by their last digits;
-  so does the one of a display that never showed two, at most √(2π) σ of its noise.
+- stuck: it shows again what it showed before. Of these s of n values the machine makes each one of all within a step q
+  of the display; where it is stuck they are certain. One run of equal values has n²/2 places, equal values anywhere
+  (n + 1) binomial(n, s). Values that are no multiples of their smallest difference show the step by their last digits.
+  So does a display that showed one value alone: a step of √(2π) σ of its noise at most.
 - noise: P(θ < log 0.1 | y), θ its logarithm over what is stated, against as much before any reading.
 """
 

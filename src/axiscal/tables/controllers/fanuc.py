@@ -164,10 +164,8 @@ def _plans(punched: Punched, machine: Machine, numbers: Mapping[str, int]) -> di
 
 def _plan(punched: Punched, axis: Axis, number: int) -> PitchParameters | None:
     """Return the points of an axis, None without an interval; raises TableError."""
-    values, told = (
-        {key: punched.value(key, number) for key in _NEEDED},
-        dict[str, Any](name=axis.name, number=number),
-    )
+    values = {key: punched.value(key, number) for key in _NEEDED}
+    told: dict[str, Any] = {"name": axis.name, "number": number}
     if missing := ", ".join(str(key) for key, value in values.items() if value is None):
         what = "there are no parameters {shown} for {name} (axis {number})"
         raise TableError(what, _EXPECTED, punched.file, shown=missing, **told)

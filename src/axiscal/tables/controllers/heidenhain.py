@@ -51,10 +51,9 @@ class Layout:
         lines = [line.rstrip() for line in text.splitlines() if line.strip()]
         first, header, *body, last = lines if len(lines) > 3 else [*lines, *[""] * 4][:4]
         heads, rows = tuple(header.split()), tuple(line.split() for line in body)
-        fits = [bool(re.match(r"BEGIN \S+?\s*\.COM\b", first)), {"AXISPOS", "BACKLASH"} <= {*heads}]
-        fits[1] &= len({*heads}) == len(heads)
-        fits += [len(row) == len(heads) and all(map(_NUMBER.fullmatch, row)) for row in rows]
-        fits.append(last.startswith("[END]"))
+        named = {"AXISPOS", "BACKLASH"} <= {*heads} and len({*heads}) == len(heads)
+        whole = [len(row) == len(heads) and all(map(_NUMBER.fullmatch, row)) for row in rows]
+        fits = [bool(re.match(r"BEGIN \S+?\s*\.COM\b", first)), named, *whole, last.startswith("[END]")]
         if not all(fits):
             shown = [first, header, *body, last][fits.index(False)].strip()[:60]
             raise TableError("{text!r} is no line of a .COM table", _EXPECTED, file, fits.index(False) + 1, text=shown)
