@@ -39,6 +39,6 @@ def test_a_command_is_watched_and_its_line_goes_when_it_ends(monkeypatch: pytest
     err = Terminal()
     monkeypatch.setattr("sys.stderr", err)
     monkeypatch.delenv("AXISCAL_PROGRESS")
-    with stages.shown_stages(), stage("long work"), stage("a part"):
+    with stages.shown_stages(), stage("long"), stage("a part"):
         pass
-    assert [line.strip() for line in err.getvalue().split("\r") if line] == ["long work …", "a part …", "long work …", ""]
+    assert [line.strip() for line in err.getvalue().split("\r") if line] == ["long …", "a part …", "long …", ""]
